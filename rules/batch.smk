@@ -17,6 +17,7 @@ rule batch:
         "results/store/batches/{batch}.nc",
     # before measures, so that these fill the processors that the last batches leave idle
     priority: 2
+    threads: SWEEP.sweep.threads
     log:
         f"{RESULTS}/logs/batches/{{batch}}.log",
     shell:

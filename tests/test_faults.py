@@ -47,11 +47,11 @@ def two_fail(monkeypatch):
     """The bed of seed 2, and the run of seed 3 at the higher density, fail; how often they are tried."""
     tried, make_bed, run = [], making.make_bed, drag.run
 
-    def bed(replicate):
+    def bed(replicate, checkpoint):
         if replicate.seed == 2:
             tried.append((replicate.seed, replicate.density))
             raise PackingError("seed 2 cannot be made.")
-        return make_bed(replicate)
+        return make_bed(replicate, checkpoint)
 
     def running(replicate, *rest, **more):
         if (replicate.seed, replicate.density) == (3, 3.9e4):

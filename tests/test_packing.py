@@ -1,6 +1,7 @@
 """Beds: what was asked for, at rest, nothing outside, nothing interlocked."""
 
 import math
+import platform
 from dataclasses import replace
 from functools import cache
 
@@ -14,6 +15,7 @@ import dem
 from conftest import CONFIG, STIFF, make_small_bed
 from dem.contacts.force_law import effective_modulus
 from dem.experiment.bed import make_bed
+from dem.io.dataset import read
 from dem.packing.compaction import Press, compact
 from dem.packing.random import Room, dilute_start
 from dem.packing.swelling import DAMPED, _moved
@@ -194,6 +196,7 @@ def test_pressed_bed_jams(friction):
     assert press.net_force <= 1e-4
 
 
+RELEASED = "packing_net_force", "packing_max_overlap", "packing_coordination_number"
 BELOW, ABOVE = 0.76, 0.86  # packing fractions below and above jamming of discs
 
 
@@ -270,7 +273,7 @@ def test_angles_go_from_stage_to_stage_of_growth_and_into_the_bed(monkeypatch):
     """Each stage turns ellipses that are far apart by 0.1 rad; the bed has the sum."""
     stages = []
 
-    def turned(_, state):
+    def turned(_, state, threads):
         stages.append(replace(state, angle=state.angle + 0.1))
         return stages[-1], 0.0  # net force
 
@@ -284,6 +287,17 @@ def test_angles_go_from_stage_to_stage_of_growth_and_into_the_bed(monkeypatch):
     assert len(stages) > 10 and bed.coordination_number == 0.0
     assert_allclose(stages[-1].angle - stages[0].angle, 0.1 * (len(stages) - 1), rtol=1e-9)
     assert_allclose(bed.angle, stages[-1].angle % (2.0 * np.pi), rtol=1e-12)
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="bits of another processor")
+@pytest.mark.parametrize("case", ["c1", "d1", "e3"])
+def test_a_bed_of_one_patch_keeps_the_bits_of_the_released_ones(case):
+    """Net force, overlap and contacts of the first bed of the paper, to the last bit."""
+    values, _ = read(CONFIG.parent / "docs/data/drag.nc", ("case", *RELEASED))
+    row = [b"".join(letters).decode().strip("\0 ") for letters in values["case"]].index(case)
+    bed = make_bed(load(CONFIG / "paper.yaml").replicate(case, 3900.0, 1))
+    for name in RELEASED:
+        assert getattr(bed, name.removeprefix("packing_")) == values[name][row, 0], name
 
 
 def test_preparation_is_part_of_what_a_bed_is():

@@ -171,8 +171,11 @@ def simulate(
     ) = None,
     config: ConfigOption = PAPER,
     threads: option(
-        int, "Threads; they pay from some thousand granules on, same result.", min=1
-    ) = 1,
+        int | None,
+        "Threads; they pay from some thousand granules on, same result. [default: threads of the "
+        "configuration]",
+        min=1,
+    ) = None,
     checkpoint: option(
         Path | None,
         "File that saves the run every minute; a stopped run resumes from it.",
@@ -187,28 +190,45 @@ def simulate(
     from dem.base.errors import InputError
     from dem.experiment import resume
     from dem.experiment.bed import make_bed
+    from dem.packing.cost import progress
     from dem.sweep.axis import changes_of_words
     from dem.sweep.batch import write_one
     from dem.sweep.config import load
+    from dem.sweep.state import slow_beds
 
     file = load(config)
     file.replicate(shape, density, seed)  # refuses what the file lacks by the words of the file
-    changed = file.changed(changes_of_words(file, values or []), shape)
+    own = changes_of_words(file, values or []) | ({"threads": threads} if threads else {})
+    changed = file.changed(own, shape)
     run = changed.replicate(shape, density, seed)
     if (experiment := run.configuration.experiment) != "drag":
         raise InputError(
             f"{config}: experiment is {experiment}; dem simulate makes only runs of drag, dem "
             "sweep all others."
         )
+    half_packed = None
     if checkpoint:
         resume.clear_way(checkpoint, run)
-    with bar(f"packing {shape}, seed {seed}"):
-        bed = make_bed(run)
+        half_packed = checkpoint.with_name(f"{checkpoint.name}.bed.npz")
+    for sentence in slow_beds([run]):
+        say(sentence)
+    words, fraction = (
+        f"packing {shape}, seed {seed}",
+        run.configuration.packing.fraction,
+    )
+    with bar(words, 1.0) as update:
+
+        def report(iterations, net_force):
+            share, so_far = progress(run.shape.granules, fraction, iterations, net_force)
+            update(share, f"{words}: {so_far}")
+
+        bed = make_bed(run, half_packed, report)
     with bar(f"{shape}, {density:g} kg/m3, seed {seed}", 1.0) as update:
-        result = run.configuration.module.run(run, bed, update, threads, checkpoint)
+        result = run.configuration.module.run(run, bed, update, checkpoint)
     write_one(output, run, result)
     if checkpoint:
         resume.forget(checkpoint)
+        half_packed.unlink(missing_ok=True)
 
 
 VERBS = (sweep, status, combine, store, simulate)

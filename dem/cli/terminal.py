@@ -14,7 +14,7 @@ from dem.base.errors import InputError, RunError
 from dem.base.files import check_output, reason
 from dem.base.messages import printable, say
 from dem.cli.options import Writes
-from dem.io.progress import EVERY
+from dem.io.progress import EVERY, span
 
 RECEIVED = []  # signals; callbacks of the compiler lose what a handler raises, and it fails later
 
@@ -108,13 +108,14 @@ def bar(label: str, total: float | None = None):
             task = progress.add_task(printable(label), total=total)
             yield lambda done, label=None: progress.update(task, completed=done, description=label)
         return
-    last = time.monotonic()
+    begun = last = time.monotonic()
 
     def update(done: float, label: str = label) -> None:
         nonlocal last
         if time.monotonic() - last >= EVERY:
             last = time.monotonic()
-            say(f"{label}: {done / total:.0%} done")
+            left = f", about {span((last - begun) * (total / done - 1.0))} left" if done else ""
+            say(f"{label}: {done / total:.0%} done{left}")
 
     yield update
 

@@ -1,5 +1,7 @@
 """The bed of a run: sizes, cylinder, packing."""
 
+from pathlib import Path
+
 import numpy as np
 
 from dem.base.errors import InputError, PackingError
@@ -8,13 +10,14 @@ from dem.experiment.box import NOMINAL, height_of_box, sample_diameters
 from dem.experiment.config import Replicate
 from dem.packing.compaction import START, compact
 from dem.packing.constant_pressure import pack_under
-from dem.packing.random import Bed, Room, pack
-from dem.packing.swelling import grow
+from dem.packing.job import Job, ignored
+from dem.packing.random import Bed, Room, relaxed
+from dem.packing.swelling import grown
 from dem.periodic import Periods, periods_of
 from dem.scene import Cylinder
 from dem.shapes import of_size
 
-PREPARATIONS = {"relaxed": pack, "grown": grow}  # by packing.preparation
+PREPARATIONS = {"relaxed": relaxed, "grown": grown}  # by packing.preparation
 
 
 def shaped(replicate: Replicate, diameters: np.ndarray, *options):
@@ -67,27 +70,31 @@ def room_of(replicate: Replicate) -> tuple:
     return shaped(replicate, sizes), room
 
 
-def packed(configuration, shape, room: Room) -> Bed:
+def packed(configuration, shape, room: Room, job: Job | None = None) -> Bed:
     """The bed in a room, at the packing fraction of the room."""
     friction, prepare = (
         configuration.packing.friction,
         PREPARATIONS[configuration.packing.preparation],
     )
-    return compact(shape, room, friction, prepare) if friction > 0.0 else prepare(shape, *room)
+    job = job or Job()
+    return compact(shape, room, friction, prepare, job) if friction else prepare(shape, room, job)
 
 
-def make_bed(replicate: Replicate) -> Bed:
+def make_bed(replicate: Replicate, checkpoint: Path | None = None, report=ignored) -> Bed:
     """Pack the bed; ellipses always by common normal, which alone has an energy to minimise.
 
-    Under a pressure the top wall comes down on a loose bed. Raises PackingError where no bed is found,
-    or where it leaves no room for the stroke.
+    Under a pressure the top wall comes down on a loose bed. checkpoint, report: as of
+    dem.packing.job.Job. Raises PackingError where no bed is found, or where it leaves no room for
+    the stroke.
     """
     own, (shape, room) = replicate.configuration, room_of(replicate)
+    job = Job(own.threads, checkpoint, report)
+    job.begin(replicate.bed_id)
     if own.packing.pressure is None:
-        return packed(own, shape, room)
+        return packed(own, shape, room, job)
     loose = room._replace(height=room.height * NOMINAL / START)
     load = own.packing.pressure * thickness(replicate) / effective_modulus(*2 * [own.material])
-    bed = pack_under(shape, loose, load)
+    bed = pack_under(shape, loose, load, job)
     top = room.cylinder.position[1] + own.cylinder.stroke + 0.5 * room.cylinder.diameter
     if top > bed.height:
         raise PackingError(

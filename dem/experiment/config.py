@@ -19,6 +19,7 @@ from dem.base.messages import did_you_mean
 from dem.base.provenance import compilers
 from dem.base.sources import digest, run_hash
 from dem.base.types import (
+    Count,
     Density,
     Label,
     Length,
@@ -55,7 +56,7 @@ SECTIONS = {
     name: tuple(kind for kind, own in EXPERIMENTS.items() if name in own["SECTIONS"])
     for name in ("cylinder", "record", "shear")
 }
-UNHASHED_KEYS = "beside", "record.window"  # that runs do not read
+UNHASHED_KEYS = "beside", "record.window", "threads"  # that no number depends on
 FIXED_KEYS = *UNHASHED_KEYS, "record.observables"  # that cannot vary in a sweep
 # what a bed depends on, beside its shape and how densely it is packed
 BED_KEYS = (
@@ -94,6 +95,8 @@ class Configuration(Section):
     """gravity, downwards"""
     ellipse: EllipseSection = EllipseSection()
     shapes: dict[Label, ShapeSection] = Field(min_length=1)
+    threads: Annotated[Count, Field(ge=1, le=64)] = 1
+    """threads of a run, for beds of thousands of granules"""
     beside: str | None = None
     """folder of files of your own; that of this file"""
     record: RecordSection | None = None

@@ -14,13 +14,13 @@ import numpy as np
 from dem.base.errors import PackingError
 from dem.dynamics.contact_list import ContactList, list_contacts
 from dem.dynamics.simulation import Simulation
-from dem.dynamics.world import World
-from dem.packing.minimise import Rest, minimise, state_of
-from dem.packing.random import Bed, Room, finished, pack, pressure_of, unit_of
+from dem.packing.job import Job
+from dem.packing.minimise import Minimum, minimise
+from dem.packing.random import Bed, Room, finished, pressure_of, relaxed, unit_of
 from dem.packing.swelling import COARSE_STEP, DAMPED, greatest_force
 from dem.scene import Friction, State
 
-Preparation = Callable[..., Bed]  # called as dem.pack is
+Preparation = Callable[[Any, Room, Job], Bed]  # relaxed or grown
 START = 0.74  # packing fraction of the bed before it is pressed: no shape jams there
 STEP = 0.005  # of the packing fraction, at most, between two rests
 RESTING = 1e-5  # E* R^2: a bed is at rest when no granule feels a greater net force
@@ -30,48 +30,60 @@ PIECE = 10.0  # sqrt(m / (E* R)): one piece of damped motion
 PIECES = 80  # of damped motion, at most, after a step
 
 
-def compact(shape: Any, room: Room, friction: float, prepare: Preparation = pack) -> Bed:
+def compact(
+    shape: Any,
+    room: Room,
+    friction: float,
+    prepare: Preparation = relaxed,
+    job: Job | None = None,
+) -> Bed:
     """A bed packed with friction, otherwise as dem.pack makes it. Raises PackingError.
 
     The packing fraction at which it jams depends on how it is pressed.
     """
-    press = Press(shape, room, friction, prepare)
+    press = Press(shape, room, friction, prepare, job)
     press.press(press.full)
     if not press.net_force <= MOVING:
         raise PackingError(
             f"{room.name(press.granules())} is not at rest after it was pressed with friction "
             f"{friction:g}: net force {press.net_force:.2g} E* R^2."
         )
-    return finished(press.granules(), room, *press.minimised(0, RESTING), press.net_force)
+    return finished(press.granules(), room, press.minimised(0, RESTING), press.net_force)
 
 
 class Press:
     """A bed in a room whose granules grow up to those of `shape`.
 
     full: packing fraction when they have grown; fraction: as they are; friction: Coulomb's
-    coefficient of all contacts while they grow; prepare: dem.pack or dem.grow, which makes the bed
-    that is pressed. Raises PackingError as these do.
+    coefficient of all contacts while they grow; prepare: makes the bed that is pressed, and job is
+    its. Raises PackingError as that does.
     """
 
     def __init__(
-        self, shape: Any, room: Room, friction: float = 0.0, prepare: Preparation = pack
+        self,
+        shape: Any,
+        room: Room,
+        friction: float = 0.0,
+        prepare: Preparation = relaxed,
+        job: Job | None = None,
     ) -> None:
+        job = job or Job()
+        self.threads = job.threads
         self.shape, self.room, self.friction = shape, room, friction
         self.full = float(shape.area.sum() / room.area)
         self.fraction = min(START, self.full)
         self.unit = unit_of(shape)  # N
-        bed = prepare(self.granules(), *room)
+        bed = prepare(self.granules(), room, job)
         self.state, self.pressure, self.net_force = bed.state, bed.pressure, bed.net_force
 
     def granules(self) -> Any:
         """The granules as they are."""
         return self.shape.scaled(math.sqrt(self.fraction / self.full))
 
-    def minimised(self, iterations: int, resting: float) -> tuple[World, Rest]:
+    def minimised(self, iterations: int, resting: float) -> Minimum:
         """The bed as it is without friction, minimised to a net force of `resting` (E* R^2)."""
-        return minimise(
-            self.room.scene(self.granules()), self.state, iterations, resting * self.unit
-        )
+        scene, job = self.room.scene(self.granules()), Job(self.threads)
+        return minimise(scene, self.state, iterations, resting * self.unit, job)
 
     def press(self, fraction: float, resting: float = RESTING, patience: int = PATIENCE) -> float:
         """Grow the granules to a packing fraction; returns `pressure`, the mean normal stress on
@@ -86,20 +98,20 @@ class Press:
             if self.friction:
                 self._damp(resting)
             else:
-                world, rest = self.minimised(patience, resting)
-                self.state, self.net_force = state_of(world), rest.net_force / self.unit
-                self.pressure = pressure_of(world, self.room)
+                bed = self.minimised(patience, resting)
+                self.state, self.net_force = bed.state, bed.net_force / self.unit
+                self.pressure = pressure_of(bed.world, self.room)
         return self.pressure
 
     def contacts(self) -> ContactList:
         """Contacts of the bed as it is, without friction."""
-        world, _ = self.minimised(0, RESTING)
-        return list_contacts(world, np.arange(len(self.state.position)))
+        bed = self.minimised(0, RESTING)
+        return list_contacts(bed.world, bed.order)
 
     def _damp(self, resting: float) -> None:
         friction = Friction(self.friction, self.friction, self.friction)
         scene = self.room.scene(self.granules(), DAMPED, friction)
-        run = Simulation(scene, self.state, step_fraction=COARSE_STEP)
+        run = Simulation(scene, self.state, step_fraction=COARSE_STEP, threads=self.threads)
         radius = self.shape.constituent_radius.mean()
         piece = PIECE * math.sqrt(scene.mass.mean() * radius / self.unit)
         for _ in range(PIECES):

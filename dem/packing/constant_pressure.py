@@ -12,44 +12,57 @@ import numpy as np
 
 from dem.base.errors import PackingError
 from dem.contacts.force_law import effective_modulus
-from dem.packing.minimise import minimise, state_of
-from dem.packing.random import LONGEST, REST, SOFT, Bed, Room, finished, pack, unit_of
+from dem.dynamics.world import PATCH
+from dem.packing.cost import LONGEST
+from dem.packing.job import Job
+from dem.packing.minimise import minimise
+from dem.packing.random import SOFT, Bed, Room, finished, relaxed
+from dem.scene import State
 
 STEP = 0.01  # of the height, at most, between two rests
 STEPS = 100  # at most
 FAR = 1e-3  # of the height: less tells no slope
 NEAR = 1e-3  # of the pressure: how near it is met
 PATIENCE = 20_000  # iterations between two steps
-RESTING = 1e-4  # of the force of the pressure on a granule: enough between two steps
+# of the force of the pressure on a granule: enough between two steps, and in beds of several patches
+RESTING, RESTING_OF_LARGE = 1e-4, 3e-3
 
 
-def pack_under(shape: Any, room: Room, pressure: float) -> Bed:
+def pack_under(shape: Any, room: Room, pressure: float, job: Job | None = None) -> Bed:
     """A bed at rest whose top wall bears a pressure, to one part in a thousand.
 
     The height of the room is that of the box in which the bed is loose, before its top wall comes
     down; pressure (m): normal force on the top wall over width and E*. The cylinder stays where it
     is; otherwise as dem.pack. Raises PackingError as dem.pack does, and where no height is found.
     """
-    state = pack(shape, *room).state
-    modulus, unit = effective_modulus(SOFT, SOFT), unit_of(shape)
-    near = RESTING * pressure * modulus * 2.0 * shape.constituent_radius.mean()
+    job = job or Job()
+    modulus = effective_modulus(SOFT, SOFT)
+    resting = RESTING if len(shape.area) <= PATCH else RESTING_OF_LARGE
+    near = resting * pressure * modulus * 2.0 * shape.constituent_radius.mean()
     seen: list[tuple[float, float]] = []  # heights (m), pressure^(2/3) over what is asked
     met = False
+    if "height" in job.stage:  # of a bed that was stopped; the job has the places of its granules
+        seen, met = [(h, p) for h, p in job.stage["seen"]], bool(job.stage["met"])
+        room = room._replace(height=float(job.stage["height"]))
+        state = State(np.zeros((len(shape.area), 2)))
+    else:
+        state = relaxed(shape, room, job).state
     while len(seen) < STEPS:
-        iterations, enough = (LONGEST, REST * unit) if met else (PATIENCE, near)
-        world, rest = minimise(room.scene(shape), state, iterations, enough)
-        borne = float(world.boundaries.contact_forces[world.walls.end - 1, 0]) / (
+        job.stage |= {"height": room.height, "met": met, "seen": np.array(seen).reshape(-1, 2)}
+        iterations, enough = (LONGEST, None) if met else (PATIENCE, near)
+        bed = minimise(room.scene(shape), state, iterations, enough, job)
+        borne = float(bed.world.boundaries.contact_forces[bed.world.walls.end - 1, 0]) / (
             modulus * room.width * pressure
         )
         polished, met = met, abs(borne - 1.0) < NEAR
         if polished and met:
-            if not rest.net_force <= enough:
+            if not bed.net_force <= bed.enough:
                 break
-            return finished(shape, room, world, rest, rest.net_force / unit)
+            return finished(shape, room, bed)
         seen.append((room.height, borne ** (2.0 / 3.0)))
         # once more, until it is at rest as any other bed
         lower = room.height if met else _next(seen)
-        state = state_of(world)
+        state = bed.state
         state.position[:, 1] *= lower / room.height
         room = room._replace(height=lower)
     raise PackingError(

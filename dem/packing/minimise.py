@@ -4,9 +4,15 @@ FIRE (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201, with the corrections of G
 Comput. Mater. Sci. 175, 109584) is mechanics with a bias: velocities turn towards the forces, and
 the bed stops whenever it moves uphill. The forces are those of a run without friction and damping.
 The radius of gyration puts torques and spins on the scale of forces and speeds.
+
+An iteration goes over the bed twice, patch by patch as a run does (dem.dynamics.integration): forces
+and kicks, then moves. A kick does not wait for the sum that tells whether the bed moves uphill. If it
+does, which is rare, the kick is taken back.
 """
 
 import math
+from contextlib import nullcontext
+from itertools import repeat
 from typing import NamedTuple
 
 import numpy as np
@@ -14,22 +20,44 @@ import numpy as np
 from dem.base.errors import PackingError
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.assembly import assemble, granule_table
-from dem.dynamics.contact_list import contact_summary
+from dem.dynamics.contact_list import contact_summary, list_contacts
 from dem.dynamics.diagnostics import critical_step
-from dem.dynamics.forces import forces, greater
+from dem.dynamics.forces import (
+    add_forces_across_patches,
+    boundary_forces,
+    farthest_of,
+    forces,
+    greater,
+    knows_forces,
+    pair_forces,
+)
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
+from dem.dynamics.ordering import order_of, ordered
 from dem.dynamics.skin import SKIN_OF_PACKING
-from dem.dynamics.world import World
+from dem.dynamics.threads import Threads, barrier, leads, share_of
+from dem.dynamics.world import PATCH, World, granules_of, number_of_patches
 from dem.jit.address import as_before, by_address, changeable
-from dem.jit.columns import FX, FY, TAU, VX, VY, W, X, Y
+from dem.jit.block_memory import make_lanes
+from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y, rows
 from dem.jit.compilation import compiled, inlined
 from dem.jit.interrupts import signals_deferred
+from dem.packing.job import Job
 from dem.scene import Scene, State
+from dem.shapes.protocol import collect, place
 from dem.shapes.rotation import rotate
 
 ALPHA_START = 0.25  # share of the turn towards the forces, at first
 N_MIN = 20.0  # steps downhill before the time step grows
 PIECE = 1000  # iterations in one call, between which Python answers Ctrl-C
+STEP, LONGER_STEP = 0.5, 0.75  # of the bound on the critical step; in beds of several patches
+REST = 1e-9  # E* R^2: a bed is at rest when no granule feels a greater net force
+# of the mean contact force: at rest too, in beds of several patches, up to MOST_REST (E* R^2)
+SHARE_OF_CONTACT, MOST_REST = 5e-3, 1e-6
+
+# Sums over a patch, a cache line for each: F.v, F.F, greatest F.F of a granule, v.v after the kick,
+# v.v where the kick began at rest, greatest squared displacement. Rotation counts by the radius of
+# gyration.
+POWER, PUSH, LARGEST, SPEED, SPEED_FROM_REST, MOVED, SUMS = 0, 1, 2, 3, 4, 5, 8
 
 
 @inlined
@@ -43,104 +71,189 @@ def gyration(world, i):
 
 
 @compiled
-def powers(world):
-    """Sums of F.v, v.v and F.F (rotation scaled by the radius of gyration), largest |F|."""
+def kick(world, dt, patch, sums):
+    """Change the velocities of a patch by the forces over dt (s), and sum up.
+
+    The velocities before are kept in the columns of which only dashpots take notice.
+    """
     force, bodies = world.force, world.bodies
-    power, speed, push, largest = 0.0, 0.0, 0.0, 0.0
-    for i in range(bodies.shape[0]):
+    inverse_mass, inverse_inertia = world.inverse_mass, world.inverse_inertia
+    low, high = granules_of(bodies.shape[0], patch)
+    power, push, largest, speed = 0.0, 0.0, 0.0, 0.0
+    for i in range(low, high):
         g2 = gyration(world, i)
         fx, fy, torque = force[i, FX], force[i, FY], force[i, TAU]
         vx, vy, w = bodies[i, VX], bodies[i, VY], bodies[i, W]
         power += fx * vx + fy * vy + torque * w
-        speed += vx * vx + vy * vy + g2 * w * w
         f2 = fx * fx + fy * fy
         push += f2
         if g2 > 0.0:
             push += torque * torque / g2
             f2 = max(f2, torque * torque / g2)
         largest = greater(largest, f2)  # NaN is not at rest
-    return power, speed, push, math.sqrt(largest)
+        bodies[i, DVX], bodies[i, DVY], bodies[i, DW] = vx, vy, w
+        vx += dt * fx * inverse_mass[i]
+        vy += dt * fy * inverse_mass[i]
+        if inverse_inertia is not None:
+            w += dt * torque * inverse_inertia[i]
+        bodies[i, VX], bodies[i, VY], bodies[i, W] = vx, vy, w
+        speed += vx * vx + vy * vy + g2 * w * w
+    sums[patch, POWER], sums[patch, PUSH], sums[patch, LARGEST] = power, push, largest
+    sums[patch, SPEED] = speed
 
 
 @compiled
-def mix(world, alpha, speed, push):
-    """Turn all velocities towards the forces: v = (1 - alpha) v + alpha |v| F / |F|."""
-    factor = alpha * math.sqrt(speed / push) if push > 0.0 else 0.0
-    force, bodies = world.force, world.bodies
-    for i in range(bodies.shape[0]):
+def turn_back(world, back, dt, patch, sums):
+    """Move a patch over `back` (s) with its velocities before the kick, halt it, and kick it over dt
+    (s)."""
+    force, bodies, angle = world.force, world.bodies, world.angle
+    inverse_mass, inverse_inertia = world.inverse_mass, world.inverse_inertia
+    orientation = world.orientation
+    low, high = granules_of(bodies.shape[0], patch)
+    speed = 0.0
+    for i in range(low, high):
         g2 = gyration(world, i)
-        bodies[i, VX] = (1.0 - alpha) * bodies[i, VX] + factor * force[i, FX]
-        bodies[i, VY] = (1.0 - alpha) * bodies[i, VY] + factor * force[i, FY]
+        bodies[i, X] += back * bodies[i, DVX]
+        bodies[i, Y] += back * bodies[i, DVY]
+        vx = dt * force[i, FX] * inverse_mass[i]
+        vy = dt * force[i, FY] * inverse_mass[i]
+        w = 0.0
+        if inverse_inertia is not None:
+            angle[i] += back * bodies[i, DW]
+            rotate(orientation, i, angle[i], back * bodies[i, DW])
+            w = dt * force[i, TAU] * inverse_inertia[i]
+        bodies[i, VX], bodies[i, VY], bodies[i, W] = vx, vy, w
+        speed += vx * vx + vy * vy + g2 * w * w
+    sums[patch, SPEED_FROM_REST] = speed
+
+
+@compiled
+def move(world, alpha, factor, dt, patch):
+    """Turn the velocities of a patch towards the forces, v = (1 - alpha) v + factor F, and move it
+    over dt (s)."""
+    force, bodies, angle = world.force, world.bodies, world.angle
+    inverse_inertia, orientation = world.inverse_inertia, world.orientation
+    low, high = granules_of(bodies.shape[0], patch)
+    for i in range(low, high):
+        g2 = gyration(world, i)
+        vx = (1.0 - alpha) * bodies[i, VX] + factor * force[i, FX]
+        vy = (1.0 - alpha) * bodies[i, VY] + factor * force[i, FY]
+        bodies[i, VX], bodies[i, VY] = vx, vy
+        bodies[i, X] += dt * vx
+        bodies[i, Y] += dt * vy
         if g2 > 0.0:
             bodies[i, W] = (1.0 - alpha) * bodies[i, W] + factor * force[i, TAU] / g2
-
-
-@compiled
-def move(world, dt):
-    """Move all granules over dt (s)."""
-    bodies, angle, inverse_inertia = world.bodies, world.angle, world.inverse_inertia
-    for i in range(bodies.shape[0]):
-        bodies[i, X] += dt * bodies[i, VX]
-        bodies[i, Y] += dt * bodies[i, VY]
         if inverse_inertia is not None:
             angle[i] += dt * bodies[i, W]
-            rotate(world.orientation, i, angle[i], dt * bodies[i, W])
-
-
-@compiled
-def kick(world, dt):
-    """Change all velocities by the forces over dt (s)."""
-    bodies, force = world.bodies, world.force
-    inverse_mass, inverse_inertia = world.inverse_mass, world.inverse_inertia
-    for i in range(bodies.shape[0]):
-        bodies[i, VX] += dt * force[i, FX] * inverse_mass[i]
-        bodies[i, VY] += dt * force[i, FY] * inverse_mass[i]
-        if inverse_inertia is not None:
-            bodies[i, W] += dt * force[i, TAU] * inverse_inertia[i]
+            rotate(orientation, i, angle[i], dt * bodies[i, W])
+    place(world.shape, bodies, orientation, world.constituents, low, high)
 
 
 @inlined
-def halt(bodies):
-    for i in range(bodies.shape[0]):
-        bodies[i, VX] = 0.0
-        bodies[i, VY] = 0.0
-        bodies[i, W] = 0.0
+def total(sums, column):
+    """The sum over all patches, in one order for any number of threads."""
+    found = 0.0
+    for patch in range(sums.shape[0]):
+        found += sums[patch, column]
+    return found
+
+
+@inlined
+def greatest_of(sums, column):
+    """The greatest of all patches, NaN if one is."""
+    largest = 0.0
+    for patch in range(sums.shape[0]):
+        largest = greater(largest, sums[patch, column])
+    return largest
+
+
+@inlined
+def collect_patch(world, patch):
+    """Forces on the granules of a patch from those on their constituents."""
+    low, high = granules_of(world.bodies.shape[0], patch)
+    collect(world.shape, world.constituent_force, world.orientation, world.force, low, high)
 
 
 @compiled
-def fire(world, memory, steps, goal):
+def fire(world, memory, steps, goal, sums, thread):
     """Minimise the elastic energy until no net force exceeds goal.enough (N).
 
     memory: time step (s), alpha, number of steps downhill, all carried between calls, and
-    the largest time step (s). Returns iterations done, the largest displacement (m; 0 up to
-    goal.list_range, beyond it the lists are too old) and the largest net force (N).
+    the largest time step (s); sums: of each patch (patches, SUMS); thread: a
+    dem.dynamics.threads.Place, or None. Returns iterations done, the largest displacement (m; 0 up
+    to goal.list_range, beyond it the lists are too old) and the largest net force (N).
     """
     world = by_address(world)
+    patches, count = world.patches, number_of_patches(world.bodies.shape[0])
+    begin, end = share_of(thread, count)
     dt, alpha, downhill, longest = memory[0], memory[1], memory[2], memory[3]
     done, moved, largest = 0, 0.0, math.inf
     limit = goal.list_range * goal.list_range
-    while done < steps and moved <= limit:
-        power, _, _, largest = powers(world)
+    while True:
+        # Kick the patches that waited for forces of others, all of them at first
+        ahead = min(1.1 * dt, longest) if downhill + 1.0 > N_MIN else dt
+        for patch in range(begin, end):
+            if done == 0 or not knows_forces(patches, patch, begin):
+                kick(world, ahead, patch, sums)
+        barrier(thread)
+        # Sums that all threads have; none is written before the next barrier
+        power, push, speed = total(sums, POWER), total(sums, PUSH), total(sums, SPEED)
+        largest = math.sqrt(greatest_of(sums, LARGEST))
         if largest <= goal.enough:
             break
         if power > 0.0:
             downhill += 1.0
             if downhill > N_MIN:
-                dt = min(1.1 * dt, longest)
+                dt = ahead
                 alpha *= 0.99
         else:
-            move(world, -0.5 * dt)
-            halt(world.bodies)
+            back = -0.5 * dt
             downhill, alpha = 0.0, ALPHA_START
             dt = max(0.5 * dt, 0.02 * longest)
-        kick(world, dt)
-        _, speed, push, _ = powers(world)
-        mix(world, alpha, speed, push)
-        move(world, dt)
-        moved = forces(world, 0.0, limit)
+            for patch in range(begin, end):
+                turn_back(world, back, dt, patch, sums)
+            barrier(thread)
+            speed = total(sums, SPEED_FROM_REST)
+        factor = alpha * math.sqrt(speed / push) if push > 0.0 else 0.0
+        for patch in range(begin, end):
+            move(world, alpha, factor, dt, patch)
+            sums[patch, MOVED] = farthest_of(world, patch, limit)
+        barrier(thread)
+        moved = greatest_of(sums, MOVED)
         done += 1
-    memory[0], memory[1], memory[2] = dt, alpha, downhill
+        last = done == steps or not moved <= limit
+        # Forces, and the next kick of patches that know all of theirs
+        ahead = min(1.1 * dt, longest) if downhill + 1.0 > N_MIN else dt
+        for patch in range(begin, end):
+            pair_forces(world, 0.0, patch)
+            if knows_forces(patches, patch, begin):
+                add_forces_across_patches(world, patch)
+                collect_patch(world, patch)
+                if not last:
+                    kick(world, ahead, patch, sums)
+        barrier(thread)
+        for patch in range(begin, end):
+            if not knows_forces(patches, patch, begin):
+                add_forces_across_patches(world, patch)
+        barrier(thread)
+        if leads(thread):
+            boundary_forces(world, 0.0)
+        barrier(thread)
+        for patch in range(begin, end):
+            if not knows_forces(patches, patch, begin):
+                collect_patch(world, patch)
+        if last:
+            break
+    if leads(thread):
+        memory[0], memory[1], memory[2] = dt, alpha, downhill
     return done, math.sqrt(moved), largest
+
+
+def fire_together(threads, world, memory, steps, goal, sums):
+    """`fire`, with the same result for any number of threads."""
+    worlds = [world._replace(lanes=make_lanes()) for _ in threads.places]
+    same = map(repeat, (memory, steps, goal, sums))
+    return threads.each(fire, worlds, *same, threads.places)[0]
 
 
 class Goal(NamedTuple):
@@ -154,6 +267,8 @@ class Goal(NamedTuple):
         Displacement (m) after which lists are made again.
     least : float
         Smallest overlap (m) that the stiffness of a contact is computed for.
+    fraction : float
+        Largest time step over the bound on the critical one, without unit.
     alone : float
         Largest time step (s) of a granule that has one contact of that overlap.
     """
@@ -161,49 +276,37 @@ class Goal(NamedTuple):
     enough: float
     list_range: float
     least: float
+    fraction: float
     alone: float
 
 
-class Rest(NamedTuple):
-    """A bed after its minimisation.
-
-    Attributes
-    ----------
-    net_force : float
-        Greatest net force on a granule (N).
-    touching : int
-        Number of pairs of constituents that touch.
-    max_overlap : float
-        Greatest overlap over the smaller radius, without unit.
-    deepest : int
-        A granule that has it (a constituent, as `settle` returns it).
-    """
-
-    net_force: float
-    touching: int
-    max_overlap: float
-    deepest: int
-
-
 @compiled(allocates=True)
-def settle(world, table, goal, memory, left):
+def settle(world, table, goal, memory, left, sums, threads):
     """Minimise, with lists kept up to date; at most PIECE of the iterations that are `left`.
 
-    memory: that of `fire`, zeros at first. Returns the world, the iterations still left, and a
-    Rest. Once the bed is at rest or no iteration is left, the forces on walls and cylinder are
-    those of now, and the Rest counts contacts.
+    memory: that of `fire`, zeros at first. threads: None, or dem.dynamics.threads.Threads; this
+    function then runs as it is written, uncompiled. Returns the world, the iterations still left,
+    the greatest net force (N), the number of pairs of constituents that touch, the greatest overlap
+    over the smaller radius and a constituent that has it. Once the bed is at rest or no iteration
+    is left, the forces on walls and cylinder are those of now, and contacts are counted.
     """
     view, table = changeable(world), by_address(table)
-    if memory[0] == 0.0:
+    begins = memory[0] == 0.0
+    if begins:
         view = rebuild_neighbor_list(view, table)
         if left > 0:
             forces(view, 0.0, math.inf)
-            longest = min(0.5 * critical_step(view, table, goal.least), goal.alone)
-            memory[0], memory[1], memory[3] = 0.1 * longest, ALPHA_START, longest
+            memory[0], memory[1] = math.inf, ALPHA_START
+    if left > 0 and (begins or goal.fraction > STEP):  # a longer step is guarded in every call
+        memory[3] = min(goal.fraction * critical_step(view, table, goal.least), goal.alone)
+        memory[0] = min(memory[0], 0.1 * memory[3] if begins else memory[3])
     pause = max(left - PIECE, 0)
     largest = math.inf
     while left > pause and not largest <= goal.enough:
-        done, moved, largest = fire(view, memory, left - pause, goal)
+        if threads is None:
+            done, moved, largest = fire(view, memory, left - pause, goal, sums, None)
+        else:
+            done, moved, largest = fire_together(threads, view, memory, left - pause, goal, sums)
         left -= max(done, 1)
         if not moved <= goal.list_range:
             if not math.isfinite(moved):
@@ -214,33 +317,96 @@ def settle(world, table, goal, memory, left):
     if left == 0 or largest <= goal.enough:
         touching, overlap, deepest = contact_summary(view, table)
         forces(view, 0.0, math.inf)
-    return as_before(view, world), left, Rest(largest, touching, overlap, deepest)
+    return as_before(view, world), left, largest, touching, overlap, deepest
 
 
-def minimise(scene: Scene, state: State, iterations: int, enough: float) -> tuple[World, Rest]:
-    """Minimise until no net force exceeds `enough` (N).
+class Minimum(NamedTuple):
+    """A bed after its minimisation.
 
-    Returns the world, with the forces on its walls, and a Rest. Its net force is greater than
-    `enough` if the iterations did not suffice, and infinite if none was allowed. The time step is
-    stable at overlaps of 2 % of the radius. Raises PackingError if a position becomes infinite.
+    Attributes
+    ----------
+    world : World
+        Its arrays, with the forces on walls and cylinder; granules in the order of memory.
+    order : ndarray of shape (n,)
+        Number of each granule of the world.
+    net_force : float
+        Greatest net force on a granule (N); infinite if no iteration was allowed.
+    enough : float
+        That of a bed at rest (N).
+    touching : int
+        Number of pairs of constituents that touch.
+    max_overlap : float
+        Greatest overlap over the smaller radius, without unit.
+    deepest : int
+        A granule that has it.
     """
+
+    world: World
+    order: np.ndarray
+    net_force: float
+    enough: float
+    touching: int
+    max_overlap: float
+    deepest: int
+
+    @property
+    def state(self) -> State:
+        """Places and angles of granules, at rest."""
+        back = np.argsort(self.order)
+        return State(self.world.bodies[back, :2], angle=self.world.angle[back])
+
+
+def minimise(
+    scene: Scene, state: State, iterations: int, enough: float | None = None, job: Job | None = None
+) -> Minimum:
+    """Minimise until no net force exceeds `enough` (N), or in so many iterations.
+
+    Without `enough`, until the bed is at rest: REST, in a bed of several patches SHARE_OF_CONTACT
+    of the mean contact force if that is more. The time step is stable at overlaps of 2 % of the
+    radius; in a bed of several patches it is longer, and bounded by the overlaps of every PIECE of
+    iterations. Raises PackingError if a position becomes infinite.
+    """
+    job = job or Job()
+    order = job.order(lambda: order_of(scene, state))
+    scene, state = ordered(scene, state.checked(scene.granules), order)
     table = granule_table(scene, SKIN_OF_PACKING)
-    world = assemble(scene, state.checked(scene.granules), table)
+    world, memory, left = job.take_up(assemble(scene, state, table), np.zeros(4), iterations)
     radius, modulus = table.radius.mean(), effective_modulus(scene.material, scene.material)
+    unit, large = modulus * radius**2, scene.granules > PATCH
     least = 0.02 * radius
     light = np.max(1.0 / scene.mass + scene.shape.normal_lever**2 / scene.inertia)
     squared_rate = 8.0 * modulus * math.sqrt(radius * least) * light
-    goal = Goal(enough, 0.45 * table.skin, least, 1.0 / math.sqrt(squared_rate))
-    memory = np.zeros(4)
-    while True:
-        with signals_deferred():
-            world, iterations, rest = settle(world, table, goal, memory, iterations)
-        if not np.isfinite(world.bodies).all():
-            raise PackingError("a position became infinite while the bed was relaxed.")
-        if iterations == 0 or rest.net_force <= enough:
-            return world, rest._replace(deepest=rest.deepest // table.per)
-
-
-def state_of(world: World) -> State:
-    """Places and angles of granules, at rest."""
-    return State(world.bodies[:, :2].copy(), angle=world.angle.copy())
+    fraction = LONGER_STEP if large else STEP
+    goal = Goal(
+        enough=REST * unit if enough is None else enough,
+        list_range=0.45 * table.skin,
+        least=least,
+        fraction=fraction,
+        alone=fraction / STEP / math.sqrt(squared_rate),
+    )
+    patches = number_of_patches(scene.granules)
+    sums, size = rows(patches, SUMS), min(job.threads, patches)
+    run = settle if size == 1 else settle.py_func
+    try:
+        with nullcontext() if size == 1 else Threads(size) as threads:
+            while True:
+                if large and enough is None and memory[0] > 0.0:
+                    force = list_contacts(world, order).force
+                    share = SHARE_OF_CONTACT * force.mean() if len(force) else 0.0
+                    bound = np.clip(share, REST * unit, MOST_REST * unit)
+                    goal = goal._replace(enough=float(bound))
+                before = left
+                with signals_deferred():
+                    world, left, *rest = run(world, table, goal, memory, left, sums, threads)
+                if not np.isfinite(world.bodies).all():
+                    raise PackingError("a position became infinite while the bed was relaxed.")
+                kept = {"world": world, "order": order, "memory": memory, "left": left}
+                job.reached(before - left, rest[0] / unit, **kept)
+                if left == 0 or rest[0] <= goal.enough:
+                    break
+    except KeyboardInterrupt:
+        job.save()
+        raise
+    net_force, touching, overlap, deepest = rest
+    deepest = int(order[deepest // table.per])
+    return Minimum(world, order, net_force, goal.enough, touching, overlap, deepest)

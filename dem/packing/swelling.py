@@ -8,6 +8,7 @@ them just touching.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from pydantic import InstanceOf
@@ -15,8 +16,10 @@ from pydantic import InstanceOf
 from dem.base.errors import OverlapError, PackingError, StateError
 from dem.base.types import Length, checked
 from dem.contacts.force_law import effective_modulus
+from dem.dynamics.numerics import ThreadCount
 from dem.dynamics.simulation import Simulation
 from dem.dynamics.world import World
+from dem.packing.job import Job
 from dem.packing.random import GROWTH, SETTLED, Bed, BedSeed, Room, at_rest, dilute_start, unit_of
 from dem.periodic import Sides
 from dem.scene import Cylinder, Granules, Material, Scene, State
@@ -36,6 +39,8 @@ def grow(
     cylinder: InstanceOf[Cylinder] | None,
     seed: BedSeed,
     periodic: Sides = "none",
+    threads: ThreadCount = 1,
+    checkpoint: Any = None,
 ) -> Bed:
     """Pack granules at random into a box by growth in motion.
 
@@ -58,6 +63,10 @@ def grow(
     periodic : str
         Along which sides the box repeats itself: "none", "x", "y" or "xy". There are no walls
         across these.
+    threads : int
+        Number of threads, as of `pack` (without unit).
+    checkpoint : path, optional
+        File that keeps the last minimisation, as of `pack`.
 
     Returns
     -------
@@ -93,20 +102,28 @@ def grow(
     >>> bool(bed.coordination_number < dem.pack(shape, **room).coordination_number)
     True
     """
-    room = Room(width, height, cylinder, seed, periodic)
+    room, job = Room(width, height, cylinder, seed, periodic), Job(threads, checkpoint)
+    job.begin("grow", shape, room)
+    return grown(shape, room, job)
+
+
+def grown(shape: Any, room: Room, job: Job) -> Bed:
+    """`grow` in a room."""
     factor, state = dilute_start(shape, room)
+    if "factor" in job.stage:
+        return at_rest(shape, room, state, job)
     unit = unit_of(shape)
     try:
         while factor < 1.0:
-            state, _ = _moved(room.scene(shape.scaled(factor), DAMPED), state)
+            state, _ = _moved(room.scene(shape.scaled(factor), DAMPED), state, job.threads)
             factor = min(factor * GROWTH, 1.0)
         for _ in range(STAGES):
-            state, net_force = _moved(room.scene(shape, DAMPED), state)
+            state, net_force = _moved(room.scene(shape, DAMPED), state, job.threads)
             if net_force <= SETTLED * unit:
                 break
     except (OverlapError, StateError) as error:
         raise PackingError(f"{room.name(shape)} cannot be made: while it grew, {error}") from None
-    return at_rest(shape, room, State(state.position, angle=state.angle))
+    return at_rest(shape, room, State(state.position, angle=state.angle), job)
 
 
 def greatest_force(world: World) -> float:
@@ -114,9 +131,9 @@ def greatest_force(world: World) -> float:
     return float(np.linalg.norm(world.force[:, :2], axis=1).max())
 
 
-def _moved(scene: Scene, state: State) -> tuple[State, float]:
+def _moved(scene: Scene, state: State, threads: int = 1) -> tuple[State, float]:
     """The State after one stage, with velocities reduced, and the largest net force (N)."""
-    run = Simulation(scene, state, step_fraction=COARSE_STEP)
+    run = Simulation(scene, state, step_fraction=COARSE_STEP, threads=threads)
     radius = scene.shape.constituent_radius.mean()
     modulus = effective_modulus(DAMPED, DAMPED)
     run.advance(STAGE * math.sqrt(scene.mass.mean() / (modulus * radius)))

@@ -2,6 +2,7 @@
 
 import json
 import shlex
+from collections.abc import Iterator
 from itertools import islice
 from math import pi
 
@@ -11,6 +12,7 @@ from dem.base.errors import InputError
 from dem.experiment.config import Replicate, of_values
 from dem.io.dataset import read
 from dem.io.progress import span
+from dem.packing.cost import packing_time
 from dem.sweep.explain import reasons
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store
@@ -49,10 +51,11 @@ def summary(state: SweepState, jobs: int, retry: bool = False) -> str:
         lines += [f"  {count} because {reason}." for reason, count in why]
         coming += new
     if coming:
-        seconds, how = time_of(state.store, coming, jobs)
+        processes = min(jobs, len(coming))
+        seconds, how = time_of(state.store, coming, processes)
         lines.append(
-            f"About {span(seconds)} with {jobs} processes ({how}), and some minutes where kernels "
-            "are not compiled yet."
+            f"About {span(seconds)} with {processes} process{'es' if processes > 1 else ''} ({how}), "
+            "and some minutes where kernels are not compiled yet."
         )
     return "\n".join(lines)
 
@@ -73,17 +76,30 @@ def existing(state: SweepState, name: str) -> tuple[set[str], set[str]]:
 
 
 def time_of(store: Store, runs: list[Replicate], processes: int) -> tuple[float, str]:
-    """Time (s) in which some processes make some runs, and how that is known."""
+    """Time (s) in which some processes make some runs and their beds, and how that is known."""
     speeds = speeds_of(store)
     new = sorted({kind for run in runs if (kind := _kind(run)) not in speeds})
     how = f"a guess: no {' and '.join(new)} was made here yet" if new else "as such runs took"
-    guesses = (GUESS.get(run.shape.kind, ITERATED) for run in runs)
-    each = (speeds.get(_kind(run), guess) for run, guess in zip(runs, guesses, strict=True))
-    return sum(effort(run) * speed for run, speed in zip(runs, each, strict=True)) / processes, how
+    packed = {run.bed_id for run in runs if store.file_of_bed(run).is_file()}
+    times = zip(guessed(runs, packed), runs, strict=True)
+    return sum(time * speeds.get(_kind(run), 1.0) for time, run in times) / processes, how
+
+
+def guessed(runs: list[Replicate], packed: set[str]) -> Iterator[float]:
+    """Processor time (s) of some runs, each bed with the first that needs it; packed: identities of
+    beds that exist."""
+    for run in runs:
+        speed = GUESS.get(run.shape.kind, ITERATED)
+        seconds = speed * effort(run)
+        if run.configuration.module.observed and run.bed_id not in packed:
+            time = packing_time(run.shape.granules, run.configuration.packing.fraction)
+            seconds += time * speed / GUESS["disc"]  # as if its granules were discs
+            packed.add(run.bed_id)
+        yield seconds
 
 
 def speeds_of(store: Store) -> dict[str, float]:
-    """Processor time (s) over effort, by kind of run, in the newest batches of the store."""
+    """Processor time over that guessed, by kind of run, in the newest batches of the store."""
     paths = (store.folder / "batches").glob("*.nc")
     times = {}
     for path in islice(sorted(paths, key=lambda path: -path.stat().st_mtime), NEWEST):
@@ -92,9 +108,10 @@ def speeds_of(store: Store) -> dict[str, float]:
             runs = [of_values(run) for run in json.loads(attrs["values"])]
         except (InputError, KeyError, ValueError):  # of another version
             continue
-        for run, spent, failure in zip(runs, values["spent"], values["failure"], strict=True):
+        of_runs = zip(runs, values["spent"], values["failure"], guessed(runs, set()), strict=True)
+        for run, spent, failure, guess in of_runs:
             if not failure:
-                times.setdefault(_kind(run), []).append(spent / effort(run))
+                times.setdefault(_kind(run), []).append(spent / guess)
     return {kind: float(np.median(some)) for kind, some in times.items()}
 
 

@@ -3,7 +3,7 @@
 import json
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from functools import cached_property
 from itertools import takewhile
@@ -15,6 +15,7 @@ from dem.base.errors import InputError
 from dem.base.files import check_output
 from dem.base.yaml_file import read
 from dem.experiment.config import Replicate
+from dem.packing.cost import near_jamming
 from dem.sweep.combined import combine_block, lost_runs, read_combined, refuse_foreign
 from dem.sweep.config import CONFIG, Sweep, file_of, load, parse, save
 from dem.sweep.expand import Block
@@ -24,7 +25,24 @@ from dem.sweep.store import FOLDER, Batch, Store
 from dem.sweep.workers import Workers, make_batches
 
 FASTEST = 0.1  # of the velocity of sound, beyond which a bed is shocked rather than sheared
-UNREAD = "batch", "figures", "results", "studies", "beside"  # nothing that is computed reads them
+UNREAD = (
+    "batch",
+    "figures",
+    "results",
+    "studies",
+    "beside",
+    "threads",
+)  # nothing that is computed reads them
+
+
+def slow_beds(runs: Iterable[Replicate]) -> list[str]:
+    """What to ask for instead of large beds of discs near random close packing."""
+    cases = {
+        (run.shape.granules, run.configuration.packing.fraction)
+        for run in runs
+        if run.shape.kind == "disc" and run.configuration.packing.fraction
+    }
+    return [f"Warning: {words}." for case in sorted(cases) if (words := near_jamming(*case))]
 
 
 class SweepState:
@@ -234,7 +252,8 @@ class SweepState:
         holds another sweep. Returns warnings: of a new store, of a cylinder that is too fast, and
         of runs that will be gone."""
         check_output("the file to write", self.results / CONFIG)
-        warnings = [*self._new_store(), *self._fast_cylinder()]
+        runs = (run for name in self.sweep.blocks for run in self.block(name).unique())
+        warnings = [*self._new_store(), *self._fast_cylinder(), *slow_beds(runs)]
         for name in self.sweep.blocks:
             for number, path in enumerate(self.combined(name)):
                 check_output("the file to write", path)

@@ -3,7 +3,7 @@
 batches/{batch}.nc      finished runs with all that they gave
 batches/{batch}.json    what a batch is to make: its runs, and in the second line their values
 runs/{xx}/{run}.npz     finished runs of batches that have not ended, and checkpoints
-beds/{xx}/{bed}.npz     beds, for all runs that share them
+beds/{xx}/{bed}.npz     beds, for all runs that share them, and checkpoints of those that are packed
 """
 
 import hashlib
@@ -30,7 +30,7 @@ FOLDER = Path("results/store")
 NAMES = {  # of the files in each folder; others are not the store's
     "batches": r"[0-9a-f]{16}\.(nc|json)",
     "runs": r"[0-9a-f]{32}(\.checkpoint)?\.npz",
-    "beds": r"[0-9a-f]{32}\.npz",
+    "beds": r"[0-9a-f]{32}(\.checkpoint)?\.npz",
 }
 
 
@@ -159,14 +159,16 @@ class Store:
 
     def bed(self, replicate: Replicate, make) -> dict:
         """The bed of a run by the names of Bed, but for its periods: the stored one, or as
-        `make(replicate)` packs it, once for all processes."""
+        `make(replicate, checkpoint)` packs it, once for all processes. One that was stopped goes on."""
         path = self.file_of_bed(replicate)
         if (found := _load(path)) is None:
             with self.locked(path.with_name(".lock")):
                 if (found := _load(path)) is None:
-                    found = make(replicate)._asdict()
+                    checkpoint = path.with_suffix(".checkpoint.npz")
+                    found = make(replicate, checkpoint)._asdict()
                     del found["periodic"]  # the configuration says it
                     _save(path, found)
+                    checkpoint.unlink(missing_ok=True)
         return found
 
     def locked(self, path: Path) -> FileLock:

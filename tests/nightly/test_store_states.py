@@ -40,7 +40,7 @@ def value_of(run):
     return float(int(run[:6], 16))
 
 
-def empty_bed(replicate):
+def empty_bed(replicate, checkpoint):
     return Bed(np.zeros((2, 2)), np.zeros(2), *np.ones(len(Bed._fields) - 3), (None, None))
 
 

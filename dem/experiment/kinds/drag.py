@@ -79,7 +79,6 @@ def run(
     replicate: Replicate,
     bed: Bed | None = None,
     progress=lambda done: None,
-    threads: int = 1,
     checkpoint: Path | None = None,
 ) -> dict:
     """Draw the cylinder over its stroke; returns the variables of a run by name.
@@ -92,7 +91,7 @@ def run(
     record = own.record
     observables = [module_of(name, own.beside) for name in record.observables]
     ledger = any(getattr(module, "LEDGER", False) for module in observables)
-    simulation = start(replicate, bed, threads=threads, ledger=ledger)
+    simulation = start(replicate, bed, ledger=ledger, threads=1 if ledger else own.threads)
     interval = own.cylinder.stroke / own.cylinder.velocity / record.bins
     every = record.bins // (record.snapshots - 1)
     simulation.check_duration(interval * record.bins)

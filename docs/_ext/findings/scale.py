@@ -2,14 +2,16 @@
 
 from pathlib import Path
 
+import pandas as pd
 import yaml
 from rich.table import Table
 
 from dem.analysis.tables import numbers
 from dem.contacts.force_law import damping_from_restitution, restitution_from_damping
+from dem.packing.cost import packing_time
 from studies.common.findings import Findings
 
-__all__ = ["ensembles", "off_centre", "overhead", "steps", "timings", "worst"]
+__all__ = ["ensembles", "large_beds", "off_centre", "overhead", "steps", "timings", "worst"]
 
 DATA = Path(__file__).parents[2] / "data"
 # m* over the mass at the contact of two dumbbells that are hit at right angles to their axes
@@ -117,6 +119,30 @@ class Overhead(Measured):
         return found
 
 
+class LargeBeds:
+    """Beds of discs that docs/data/large_beds.py has timed."""
+
+    def beds(self) -> Table:
+        """A row for each number of granules and packing fraction: how many come to rest, iterations,
+        processor time, and that expected over it."""
+        table = pd.read_csv(DATA / "large_beds.csv")
+        discs = table[(table.kind == "disc") & (table.threads == 1)]
+        found = numbers(
+            "granules", "packing fraction", "at rest", "iterations", "time", "expected", words=0
+        )
+        for (granules, fraction), beds in discs.groupby(["granules", "fraction"]):
+            time, at_rest = beds.seconds.median(), beds.net_force.notna()
+            found.add_row(
+                f"{granules:,}",
+                f"{fraction:.2f}" if fraction else "under pressure",
+                f"{at_rest.sum()} of {len(beds)}",
+                f"{beds.iterations.median():,.0f}",
+                said(time, SECONDS),
+                f"{packing_time(granules, fraction or None) / time:.1f}",
+            )
+        return found
+
+
 def worst(name: str, least: float = 0.0) -> float:
     """Greatest excess of the restitution of any phase, either way, in %; of restitutions from
     `least` on.
@@ -138,4 +164,4 @@ def off_centre(restitution: float) -> str:
 timings, steps = (
     yaml.safe_load((DATA / f"{name}.yaml").read_text("utf-8")) for name in ("timings", "steps")
 )
-ensembles, overhead = Ensembles(), Overhead()
+ensembles, overhead, large_beds = Ensembles(), Overhead(), LargeBeds()
