@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from numba.core.registry import cpu_target
 from numba.core.runtime import rtsys
+from numba.core.runtime._nrt_python import memsys_enable_stats
 
 from conftest import posix
 from dem.base.sources import ROOT
@@ -128,6 +129,7 @@ def grown_twice(outer):
 def test_what_replaces_a_member_lives_on_and_what_it_replaces_does_not():
     """The tuple that is given stays as it is, and all memory is given back."""
     outer = Outer(Inner(NUMBERS, np.array([0.5])), 2.0, NUMBERS)
+    memsys_enable_stats()
     before = rtsys.get_allocation_stats()
     for found in grown_twice(outer):
         assert found.inner.added.tolist() == [0.5, *9 * [2.0]]

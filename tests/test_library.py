@@ -96,22 +96,6 @@ def test_words_choose_how_ellipses_meet(make):
     assert dem.Scene(usual._replace(contact="geometric_potential")).shape.contact == other.contact
 
 
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
-        (
-            {"contact": "chord"},
-            "contact is 'chord'; it must be 'common_normal' or 'geometric_potential'",
-        ),
-        ({"hertz_radius": "global"}, "hertz_radius is 'global'; it must be 'volume' or 'local'."),
-    ],
-)
-def test_other_words_are_refused_with_those_that_there_are(words, sentence):
-    with pytest.raises(dem.InputError) as error:
-        dem.Ellipse(SIZES, SIZES, **words)
-    assert str(error.value).startswith(sentence)
-
-
 def test_simulate_lists_the_options_of_a_simulation():
     """In its signature, with the same defaults; an energy ledger has no place in a Result."""
     options = inspect.signature(dem.Simulation).parameters
