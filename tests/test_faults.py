@@ -299,7 +299,7 @@ def test_a_damaged_chunk_leaves_the_good_result(one_sweep, monkeypatch):
     assert (one_sweep / "drag.nc").read_bytes() == good
 
 
-def failing(replicate):
+def failing(replicate, *options):
     raise PackingError("it cannot be made.")
 
 
@@ -345,7 +345,7 @@ SAYS_WHEN_IT_PACKS = """
 from dem.cli.app import app
 from dem.experiment import bed
 make_bed = bed.make_bed
-bed.make_bed = lambda run: print("packing", flush=True) or make_bed(run)
+bed.make_bed = lambda *of: print("packing", flush=True) or make_bed(*of)
 app()
 """
 

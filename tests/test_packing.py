@@ -294,7 +294,7 @@ def test_angles_go_from_stage_to_stage_of_growth_and_into_the_bed(monkeypatch):
 def test_a_bed_of_one_patch_keeps_the_bits_of_the_released_ones(case):
     """Net force, overlap and contacts of the first bed of the paper, to the last bit."""
     values, _ = read(CONFIG.parent / "docs/data/drag.nc", ("case", *RELEASED))
-    row = [b"".join(letters).decode().strip("\0 ") for letters in values["case"]].index(case)
+    row = [str(name) for name in values["case"]].index(case)
     bed = make_bed(load(CONFIG / "paper.yaml").replicate(case, 3900.0, 1))
     for name in RELEASED:
         assert getattr(bed, name.removeprefix("packing_")) == values[name][row, 0], name

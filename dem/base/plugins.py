@@ -20,6 +20,7 @@ from dem.base.errors import InputError
 
 KEYS = "kind", "observables", "experiment"  # of configurations, that may name a file
 
+_added: list[str] = []  # the folder of such files that is on Python's path for the last of them
 _imported: dict[Path, tuple] = {}  # `_read` of the files of users that this process runs
 
 
@@ -133,8 +134,10 @@ def load(file: Path) -> ModuleType:
     kept = {name for name, each in files.items() if _has({name: each}) and each in chain(*current)}
     stale = (files.keys() & sys.modules) - kept
     before = {name: sys.modules.pop(name) for name in stale}
-    folders = {str(other.parent) for other in (*_imported, file)}
-    sys.path[:] = [each for each in sys.path if each not in folders] + [str(file.parent)]
+    for folder in set(_added) & set(sys.path):
+        sys.path.remove(folder)
+    _added[:] = [] if str(file.parent) in sys.path else [str(file.parent)]
+    sys.path += _added
     importlib.invalidate_caches()
     writes, sys.dont_write_bytecode = sys.dont_write_bytecode, True  # nothing beside a sweep file
     prefix, sys.pycache_prefix = sys.pycache_prefix, os.devnull  # whose times are of seconds
