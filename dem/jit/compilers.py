@@ -1,8 +1,8 @@
 """Compile kernels with the widest vectors, and their parts in less time than Numba takes.
 
 Numba makes a library of every function: it optimises it, assembles it, and does both again in every
-library that calls it. A part is only lowered. The kernels that contain it, which Python calls, are
-optimised and assembled once.
+library that calls it. A part is only lowered and simplified. The kernels that contain it, which
+Python calls, are optimised and assembled once.
 """
 
 import operator
@@ -37,10 +37,6 @@ class KernelLibrary(JITCodeLibrary):
             # llvmlite's own `add` knows attributes of one word only
             set.add(function.attributes, WIDE_VECTORS)
         super().add_ir_module(module)
-
-    def add_llvm_module(self, module):
-        """Without Numba's passes over each function: those over the library begin with the same."""
-        self._final_module.link_in(module)
 
 
 class PartLibrary(KernelLibrary):
