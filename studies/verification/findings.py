@@ -11,7 +11,7 @@ from dem.analysis.tables import numbers
 from studies import HERE
 from studies.common.findings import Findings
 
-__all__ = ["broken_laws", "laws", "verification"]
+__all__ = ["broken_laws", "unnoticed", "verification"]
 
 LAWS = HERE / "verification/laws.json"  # written by tests/laws.py
 
@@ -75,6 +75,12 @@ def laws() -> pd.DataFrame:
     """How many numbers fail, or the error that ends the case: a row a broken law, a column a
     case."""
     return pd.DataFrame(json.loads(LAWS.read_text(encoding="utf-8"))["laws"]).T
+
+
+def unnoticed() -> list[str]:
+    """The broken laws that no case notices."""
+    counts = laws()
+    return counts.index[~counts.astype(bool).any(axis=1)].tolist()
 
 
 def broken_laws() -> Table:
