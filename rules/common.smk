@@ -161,21 +161,21 @@ def batches_of(name, derived=False):
 code_of = SWEEP.sweep.code_of
 
 
-def pictures(names, folder=RESULTS):
-    """Both files of each of some figures."""
+def pictures(task):
+    """Both files of each figure that one job draws; none of a study without figures."""
+    folder, names = DRAWN.get(task, (RESULTS, []))
     return expand("{folder}/figures/{figure}.{kind}", folder=folder, figure=names, kind=["svg", "png"])
 
 
-def pictures_of(study):
-    """Both files of each figure of a study."""
-    return pictures([name for name, figure in KNOWN_FIGURES.items() if figure.file == study])
-
-
-# The results of each block of the sweep: its combined files, and the figures that these suffice for.
-COMBINED, PICTURES = [], []
+# Combined files, and the folder and figures of each job that draws: by the folder of a block, or by study.
+COMBINED, DRAWN = [], {}
 for folder, block in SWEEP.folders.items():
     COMBINED += combined(SWEEP, block)
-    PICTURES += pictures(wanted(SWEEP.block(block), SWEEP.sweep.figures, KNOWN_FIGURES), folder)
+    DRAWN[folder] = folder, wanted(SWEEP.block(block), SWEEP.sweep.figures, KNOWN_FIGURES)
+PICTURES = [picture for task in DRAWN for picture in pictures(task)]
+for name in REPORTED:
+    DRAWN[name] = RESULTS, [figure for figure, of in KNOWN_FIGURES.items() if of.file == name]
+DRAWN = {task: drawn for task, drawn in DRAWN.items() if drawn[1]}
 
 
 def begin():

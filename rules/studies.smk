@@ -63,5 +63,5 @@ for name in REPORTED:
             name
         input:
             f"{RESULTS}/{name}.txt",
-            pictures_of(name),
+            pictures(name),
         localrule: True

@@ -2,14 +2,21 @@
 
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 import studies
-from dem.cli.options import FolderOption, OutputOption, TextOption, argument, option
+from dem.cli.options import (
+    ChangedOption,
+    FiguresArgument,
+    FiguresDataArgument,
+    FolderOption,
+    OutputOption,
+    TextOption,
+    argument,
+    option,
+)
 from dem.cli.show import draw_figure, print_or_write
-from dem.cli.terminal import Verbs, bar, start_lean
+from dem.cli.terminal import Verbs, start_lean
+from dem.io.progress import bar
 from studies.catalogue import figures, reported
 
 app = Verbs(
@@ -74,12 +81,13 @@ for name, folder in studies.FOLDERS.items():
 
 @app.command()
 def figure(
-    name: Annotated[str, typer.Argument(help="Name of a figure; a wrong name lists them.")],
-    data: Annotated[Path, typer.Argument(help="File of results that it is drawn from.")],
+    names: FiguresArgument,
+    data: FiguresDataArgument,
     output: FolderOption = None,
+    changed: ChangedOption = False,
 ):
-    """Draw a figure of a study, or of the library, as SVG and PNG."""
-    draw_figure(name, data, output, figures())
+    """Draw figures of studies and of the library, as SVG and PNG."""
+    draw_figure(names, data, output, figures(), changed=changed)
 
 
 if __name__ == "__main__":

@@ -22,8 +22,9 @@ from typer.testing import CliRunner
 from dem.base.errors import InputError, RunError
 from dem.base.schema import is_written
 from dem.cli.app import app
-from dem.cli.terminal import bar, reported
+from dem.cli.terminal import reported
 from dem.figures import film
+from dem.io.progress import bar
 
 ROOT = Path(__file__).parent.parent
 RUN = [
@@ -331,7 +332,7 @@ def test_a_failure_is_a_sentence_without_the_name_of_its_class(capsys, error, se
 BESIDE_A_BAR = """
 import time
 from dem.base.messages import say
-from dem.cli.terminal import bar
+from dem.io.progress import bar
 with bar("packing c1"):
     time.sleep(0.5)
     say("compiling")
@@ -384,3 +385,23 @@ def test_letters_that_a_terminal_lacks_are_replaced():
         capture_output=True,
     )
     assert run.returncode == 0 and b"c1" in run.stdout and run.stdout.isascii(), run.stderr
+
+
+@posix
+def test_a_reader_that_has_seen_enough_is_no_failure():
+    """dem info drag.nc | head -1"""
+    dem = [sys.executable, "-m", "dem"]
+    for verb in (["info", "docs/data/drag.nc"], ["status", "config/smoke.yaml", "--watch"]):
+        read, write = os.pipe()
+        os.close(read)
+        ran = subprocess.run([*dem, *verb], cwd=ROOT, stdout=write, stderr=subprocess.PIPE)
+        os.close(write)
+        assert (ran.returncode, ran.stderr) == (0, b"")
+
+
+def test_a_dry_run_only_reads(tmp_path, monkeypatch):
+    """Also in a folder that cannot be written."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("dem.base.files.os.access", lambda *_: False)
+    result = CliRunner().invoke(app, ["sweep", str(ROOT / "config/smoke.yaml"), "--dry-run"])
+    assert result.exit_code == 0 and not list(tmp_path.iterdir())

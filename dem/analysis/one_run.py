@@ -17,7 +17,6 @@ from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
 from dem.base.schema import as_number, is_written
 from dem.experiment.config import Replicate, of_values
-from dem.experiment.motion import Motion
 from dem.io.dataset import LABELS, content_of
 from dem.io.lazily import open_lazily
 from dem.sweep.store import Store
@@ -26,6 +25,8 @@ from dem.sweep.why import flat
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+    from dem.experiment.motion import Motion
 
 SHOWN = 8  # values of an axis that a sentence lists
 SNAPSHOTS = (
@@ -176,6 +177,8 @@ def names_of(replicate: Replicate) -> tuple[str, ...]:
 
 def motion_of(path: Path, replicate: Replicate, values: dict) -> Motion:
     """The snapshots of a run from its variables."""
+    from dem.experiment.motion import Motion  # with the kernels
+
     if "granule_x" not in values:
         raise InputError(
             f"{path}: no snapshots of {replicate.words()} are kept; "

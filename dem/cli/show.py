@@ -12,7 +12,7 @@ from rich.segment import Segment
 from dem.analysis.tables import WIDE
 from dem.base.files import atomic, check_output
 from dem.base.messages import printable
-from dem.cli.terminal import bar
+from dem.io.progress import bar
 
 
 class PlainConsole(Console):
@@ -24,6 +24,10 @@ class PlainConsole(Console):
     def __init__(self, **options):
         super().__init__(markup=False, emoji=False, **options)
 
+    def on_broken_pipe(self):
+        """Whoever reads the pipe has seen enough: no failure, of which rich makes one."""
+        raise BrokenPipeError
+
     def render(self, renderable, options=None):
         """Segments of what is shown, their text printable."""
         for text, style, control in super().render(renderable, options):
@@ -31,15 +35,20 @@ class PlainConsole(Console):
 
 
 def draw_figure(
-    name: str, data: Path, output: Path | None, figures: dict, of: str | None = None
+    names: str,
+    data: Path,
+    output: Path | None,
+    figures: dict,
+    of: str | None = None,
+    changed: bool = False,
 ) -> None:
-    """Draw one of some figures into a folder, figures/ beside the data if none is given."""
+    """Draw some figures into a folder, figures/ beside the data if none is given."""
     from dem.figures.catalogue import draw
 
-    folder = output or data.parent / "figures"
-    check_output("output", folder / f"{name}.svg")
-    with bar(f"drawing {name}"):
-        draw(name, data, folder, figures, of)
+    folder = output or (data if data.is_dir() else data.parent) / "figures"
+    check_output("output", folder / "figure.svg")
+    with bar(f"drawing {names}"):
+        draw(names, data, folder, figures, of, changed)
 
 
 def watched(look) -> None:

@@ -15,8 +15,7 @@ from dem.analysis.values import value_of
 from dem.base.errors import InputError
 from dem.base.schema import seed_words
 from dem.io.dataset import LABELS
-from dem.io.lazily import open_lazily, require
-from dem.sweep.combine import open_combined
+from dem.io.lazily import open_combined, open_lazily, require
 
 LEGEND = """\
 mean: of the drag within the window; ±: half its 95 % interval by Student's t over the runs;

@@ -232,11 +232,13 @@ class SweepState:
         """Raise InputError where a file that the sweep writes cannot be one, or where the folder
         holds another sweep. Returns warnings: of a new store, of a cylinder that is too fast, and
         of runs that will be gone."""
-        check_output("the file to write", self.results / CONFIG)
+        with suppress(OSError):  # a dry run writes nothing; what does, says that it cannot
+            check_output("the file to write", self.results / CONFIG)
         warnings = [*self._new_store(), *self._fast_cylinder()]
         for name in self.sweep.blocks:
             for number, path in enumerate(self.combined(name)):
-                check_output("the file to write", path)
+                with suppress(OSError):
+                    check_output("the file to write", path)
                 earlier = read_earlier(path)
                 refuse_other(path, earlier, self.sweep, self.file)
                 if number == 0 and not self.sweep.needed(name):
