@@ -38,7 +38,7 @@ WARNINGS = SWEEP.check()
 # Jobs run the Python that runs Snakemake, for any PATH, and this package, for any working folder.
 shell.prefix(
     "set -euo pipefail; export PATH={}:$PATH PYTHONPATH={}:${{{{PYTHONPATH:-}}}}; ".format(
-        *(shlex.quote(str(path)).replace("{", "{{").replace("}", "}}") for path in (Path(sys.executable).parent, HERE))
+        *(shlex.quote(str(path)) for path in (Path(sys.executable).parent, HERE))
     )
 )
 
@@ -138,7 +138,7 @@ def read_by(name):
         own = study(name)
         needed = [each for block in own.sweep.blocks for each in own.sweep.needed(block)]
         for block in dict.fromkeys(needed):
-            found += [f"{own.folder_of(block)}/{each}.nc" for each in own.observables(block)]
+            found += combined(own, block)
     return found
 
 

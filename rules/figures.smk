@@ -28,7 +28,7 @@ for task, (folder, names) in DRAWN.items():
             [shown(name, folder) for name in names],
             update([f"{folder}/figures/{name}.png" for name in names]),
         params:
-            code=[code_of(KNOWN_FIGURES[name].module) for name in names],
+            code=lambda w, names=names: [code_of(KNOWN_FIGURES[name].module) for name in names],
             names=",".join(names),
             folder=lambda w, input: os.path.dirname(input[0]),
             by="python -P -m studies" if REPORTED else "dem",

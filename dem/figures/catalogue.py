@@ -145,10 +145,8 @@ def draw(
         try:
             drawn += _draw(figures[name], files[name], folder, {"of": of} if of else {}, changed)
         except InputError as error:
-            if not everything:
-                raise
             faults.append(str(error))
-    if not drawn:
+    if faults and not (everything and drawn):
         raise InputError("\n".join(dict.fromkeys(faults)))
     return drawn
 
