@@ -19,6 +19,7 @@ import typer
 from typer.main import get_command
 from typer.testing import CliRunner
 
+from conftest import posix
 from dem.base.errors import InputError, RunError
 from dem.base.schema import is_written
 from dem.cli.app import app
@@ -177,7 +178,7 @@ COMBINE = ("combine", "--config", "config/smoke.yaml", "-o", "OUT")
         ),
         (
             ("figure", "all", "docs/data/flow.nc", "-o", "OUT"),
-            "it holds no drag that a figure shows; name drag.nc.",
+            "it holds nothing that a figure shows; name drag.nc.",
         ),
         (
             ("report", "studies/shear/shear.nc", "-o", "OUT.html"),

@@ -165,9 +165,10 @@ def _sufficed_for(files: dict[str, Path], figures: dict[str, FigureSpec]) -> lis
     return [
         name
         for name, figure in figures.items()
-        if set(figure.variables) <= variables.get(files[name], set())
-        and not (figure.file == "drag" and figure.cases is None and is_by_case[files[name]])
-        and (figure.variables or Path(files[name]).stem == figure.file)
+        if (path := files[name]) in variables
+        and variables[path].issuperset(figure.variables)
+        and (figure.variables or path.stem == figure.file)
+        and not (figure.file == "drag" and figure.cases is None and is_by_case[path])
     ]
 
 

@@ -239,7 +239,7 @@ def percent(share: float, half: float) -> str:
     return value(100.0 * share, 100.0 * half, "%", "+z.1f")
 
 
-def save(figure: Figure, stem: Path, caption: str, source: str = "") -> list[Path]:
+def save(figure: Figure, stem: Path, caption: str = "", source: str = "") -> list[Path]:
     """Write stem.svg and stem.png atomically, with a caption and a hash of what they are drawn
     from; the same figure gives the same bytes."""
     more = {"Date": None}, {"Software": None, "Source": source}

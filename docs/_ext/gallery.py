@@ -70,7 +70,7 @@ def _figures(folder: Path) -> dict[str, tuple[str, str]]:
         own = {name: each for name, each in figures.items() if each.file == of}
         if of == "drag" != file.name:
             own = {name: each for name, each in own.items() if name == file.name}
-        drawn = draw("all", file.path, folder, own, changed=True)
+        drawn = draw("all", file.path, folder, own, changed=True) if own else []
         for name in dict.fromkeys(path.stem for path in drawn):
             program = "dem" if figures[name].package == "dem" else "python -m studies"
             command = f"{program} figure {name} results/{file.source}"
