@@ -29,15 +29,6 @@ if TYPE_CHECKING:
     from dem.experiment.motion import Motion
 
 SHOWN = 8  # values of an axis that a sentence lists
-SNAPSHOTS = (
-    "snapshot_displacement",
-    "cylinder_y",
-    "granule_x",
-    "granule_y",
-    "granule_angle",
-    "granule_diameter",
-    "box_height",
-)
 
 
 def open_run(path: Path, select: list[str]) -> tuple[Replicate, dict]:
@@ -51,11 +42,7 @@ def open_run(path: Path, select: list[str]) -> tuple[Replicate, dict]:
         run = selected(values_of_runs(dataset), select)
         if dataset["run_id"].dims == ("run",):
             return _row(path, dataset, run)
-    return read_run(batch_of(path, run), run)
-
-
-def read_run(path: Path, run: str) -> tuple[Replicate, dict]:
-    """A run of a batch by its identity, and its variables by name."""
+    path = batch_of(path, run)
     with open_lazily(path) as dataset:
         return _row(path, dataset, run)
 
@@ -167,12 +154,6 @@ def read_motion(path: Path, select: list[str] = (), shapes: Path | str | None = 
     """
     replicate, values = open_run(path, list(select))
     return motion_of(path, replicate.with_shapes(shapes), values)
-
-
-def names_of(replicate: Replicate) -> tuple[str, ...]:
-    """Names of the variables that hold the snapshots of a run."""
-    pressed = replicate.configuration.packing.pressure is not None
-    return (*SNAPSHOTS, "top_y") if pressed else SNAPSHOTS
 
 
 def motion_of(path: Path, replicate: Replicate, values: dict) -> Motion:

@@ -162,11 +162,6 @@ def numbered(number: int) -> dict[str, str]:
     return {"color": CASES[number % len(CASES)], "marker": MARKERS[number % len(MARKERS)]}
 
 
-def displacement(dataset: xr.Dataset) -> np.ndarray:
-    """Displacements of the cylinder in mm."""
-    return millimetres(dataset["displacement"])
-
-
 def smoothed(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
     """Running mean (..., displacement) in N of the drag over the runs, and half its interval."""
     runs = running_mean(dataset, SMOOTHING)
