@@ -259,7 +259,7 @@ def test_a_picture_is_of_the_stroke(tmp_path, displacement):
 
 
 def test_a_log_has_a_line_of_progress_now_and_then(capsys, monkeypatch):
-    monkeypatch.setattr("dem.cli.terminal.EVERY", 0.0)
+    monkeypatch.setattr("dem.io.progress.EVERY", 0.0)
     with bar("runs", 4.0) as update:
         update(1)
         update(2, "runs, 1 failed")
