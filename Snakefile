@@ -2,6 +2,7 @@
 
     snakemake -j2                                         config/paper.yaml into results/
     snakemake -j2 --configfile config/smoke.yaml          another sweep into its own folder
+    snakemake -j2 --profile profiles/figures figures      draw what the results give, simulate nothing
     snakemake -j1 benchmark                               time the kernels, beside other codes
     snakemake -j2 accuracy                                error against run time, of the step and of few beds
     snakemake -j2 stability                               stiff and extreme cases
@@ -40,7 +41,7 @@ rule all:
 rule figures:
     input:
         PICTURES,
-        [pictures(name) for name in REPORTED if os.path.exists(f"{RESULTS}/{name}.nc")],
+        [pictures_of(name) for name in REPORTED if os.path.exists(f"{RESULTS}/{name}.nc")],
 
 
 include: "rules/batch.smk"

@@ -24,6 +24,8 @@ from dem.experiment.box import height_of_box, sample_diameters
 from dem.experiment.sections import ShapeSection
 from dem.sweep.config import load
 
+pytest_plugins = ["kinds"]
+
 # Compiling takes seconds, so no deadlines; the same examples each time, so no surprises.
 hypothesis.settings.register_profile("suite", deadline=None, derandomize=True, max_examples=100)
 hypothesis.settings.register_profile("night", deadline=None, max_examples=2000)
@@ -49,8 +51,23 @@ KINDS = sorted(shapes.KINDS, key=len, reverse=True)  # "superellipse" before "el
 
 
 # Groups of tests that take longest, in the order in which they begin; one that begins last would
-# leave a processor idle. Superellipses share no kernels with the workflow, which runs beside them.
-LONGEST = ["claims", "superellipse", "test_workflow", "disc", "ellipse", "dumbbell", "test_report"]
+# leave a processor idle. What two groups side by side both need is compiled twice, so the first on one
+# worker are those of discs, and on the other those of other shapes.
+LONGEST = [
+    "disc",
+    "superellipse",
+    "ellipse",
+    "dumbbell",
+    "test_motion",
+    "test_large",
+    "claims",
+    "test_workflow",
+    "test_studies",
+    "test_promises",
+    "test_pages",
+    "test_stopping",
+    "test_shapes",
+]
 
 
 # What `pytest -m quick` runs, in this order: of these files, tests whose names hold one of these parts

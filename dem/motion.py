@@ -9,24 +9,12 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
+from pydantic import AfterValidator, InstanceOf, PlainValidator
 
 from dem.base.errors import InputError
-from dem.base.validate import (
-    MOST,
-    Kind,
-    array,
-    checked,
-    not_negative,
-    number,
-    or_none,
-    positive,
-    refuse,
-    vector,
-)
+from dem.base.types import MOST, Mass, NotNegative, Number, Unit, Velocity, array, checked, must
 
-FINITE = f"be finite, up to {MOST:g} in size"
-FORCES = "be two forces (x, y) in N, None for an axis whose velocity is kept"
-GRANULES = "be numbers of granules, each once, or one truth value per granule"
+GRANULES = "it must be numbers of granules, each once, or one truth value per granule"
 
 
 def fixed(array: np.ndarray) -> np.ndarray:
@@ -36,10 +24,13 @@ def fixed(array: np.ndarray) -> np.ndarray:
     return array
 
 
-def rows(*shape: int | None) -> Any:
-    """Kind: rows of finite numbers; returned as a copy that cannot be written."""
-    take = array(FINITE, *shape, each="row")
-    return lambda name, value: fixed(take(name, value))
+def finite(*shape: int | None) -> PlainValidator:
+    """Finite numbers in a list or an array of a shape, None for any length but zero."""
+    return array(*shape, low=-MOST, high=MOST)
+
+
+Series = Annotated[np.ndarray, finite(None), AfterValidator(fixed)]
+Velocities = Annotated[np.ndarray, finite(None, 2), AfterValidator(fixed)]
 
 
 class Kept:
@@ -53,7 +44,7 @@ class Kept:
         vars(self).update(state)
 
 
-@checked("path ")
+@checked
 @dataclass(frozen=True, eq=False)
 class PrescribedMotion(Kept):
     """Velocity of a boundary that is given over time, whatever it meets.
@@ -92,42 +83,34 @@ class PrescribedMotion(Kept):
     (33, 2)
     """
 
-    time: Annotated[np.ndarray, rows(None)]
-    velocity: Annotated[np.ndarray, rows(None, 2)]
-    spin: Annotated[np.ndarray | None, or_none(rows(None))] = None
+    time: Series
+    velocity: Velocities
+    spin: Series | None = None
 
     def __post_init__(self) -> None:
         for name in ("velocity", "spin"):
             value = getattr(self, name)
             if value is not None and len(value) != len(self.time):
                 raise InputError(
-                    f"path {name} has {len(value)} rows; it must have one for each of the "
+                    f"PrescribedMotion.{name} has {len(value)} rows; it must have one for each of the "
                     f"{len(self.time)} times."
                 )
         late = np.flatnonzero(np.diff(self.time) <= 0.0)
         if len(late):
             raise InputError(
-                f"path time of row {late[0] + 1} is {self.time[late[0] + 1]:g}; it must be later than "
-                f"the {self.time[late[0]]:g} s of the row before."
+                f"PrescribedMotion.time of row {late[0] + 1} is {self.time[late[0] + 1]:g} s; it must be "
+                f"later than the {self.time[late[0]]:g} s of the row before."
             )
 
 
-def sides(kind: Kind, words: str) -> Kind:
-    """Kind: two values (x, y) of a kind, either of which may be None."""
-    take = or_none(kind)
-
-    def pair(name: str, value: Any) -> tuple[float | None, float | None]:
-        if type(value) is np.ndarray and value.dtype.kind in "iuf":
-            value = value.tolist()
-        if not isinstance(value, list | tuple) or len(value) != 2:
-            refuse(name, value, words)
-        x, y = (take(f"{name} along {axis}", each) for axis, each in zip("xy", value, strict=True))
-        return x, y
-
-    return pair
+Force = Annotated[
+    tuple[Number | None, Number | None],
+    must("be two forces (x, y), None for an axis whose velocity is kept"),
+    Unit("N"),
+]
 
 
-@checked("drive ")
+@checked
 @dataclass(frozen=True)
 class Drive:
     """A boundary that moves as the forces on it say.
@@ -167,51 +150,45 @@ class Drive:
     (0.0, 0.0)
     """
 
-    force: Annotated[tuple[float | None, float | None], sides(number(FINITE), FORCES)]
-    mass: Annotated[float, positive("kg")]
-    damping: Annotated[float, not_negative("N s/m")] = 0.0
-    velocity: Annotated[tuple[float, float], vector("m/s")] = (0.0, 0.0)
+    force: Force
+    mass: Mass
+    damping: Annotated[NotNegative, Unit("N s m-1")] = 0.0
+    velocity: Velocity = (0.0, 0.0)
 
 
-Motion = tuple[float, float] | PrescribedMotion | Drive
+Motion = Annotated[
+    Velocity | InstanceOf[PrescribedMotion] | InstanceOf[Drive],
+    must("be a velocity (x, y), a dem.PrescribedMotion or a dem.Drive"),
+]
 
 
-def motion(name: str, value: Any) -> Motion:
-    """Kind: a velocity, a PrescribedMotion or a Drive."""
-    if isinstance(value, PrescribedMotion | Drive):
-        return value
-    try:
-        velocity: tuple[float, float] = vector("m/s")(name, value)
-    except InputError:
-        refuse(name, value, "be a velocity (x, y) in m/s, a dem.PrescribedMotion or a dem.Drive")
-    return velocity
+def without_spin(motion: Any) -> Any:
+    """A motion of what does not turn; raises ValueError for another one."""
+    if isinstance(motion, PrescribedMotion) and motion.spin is not None:
+        raise ValueError("it must have no spin; only the cylinder can turn on a path")
+    return motion
 
 
-def sliding(name: str, value: Any) -> Motion:
-    """Kind: a motion of what does not turn."""
-    value = motion(name, value)
-    if isinstance(value, PrescribedMotion) and value.spin is not None:
-        raise InputError(f"{name} has a spin; only the cylinder can turn on a path.")
-    return value
+Sliding = Annotated[Motion, AfterValidator(without_spin)]
 
 
-def chosen(name: str, value: Any) -> np.ndarray:
-    """Kind: numbers of granules, or a mask; returned as a copy that cannot be written."""
+def chosen(value: Any) -> np.ndarray:
+    """Numbers of granules, or a mask, as a copy that cannot be written; raises ValueError."""
     try:
         found = np.asarray(value)
     except Exception:  # any object in a list, or one with its own conversion to an array
         found = np.empty(0)
     if isinstance(value, np.ma.MaskedArray) or found.ndim != 1 or found.dtype.kind not in "biu":
-        refuse(name, value, GRANULES)
+        raise ValueError(GRANULES)
     if found.dtype == bool and found.any():
         return fixed(found)
     numbers = np.unique(found.astype(np.int64))  # beyond 2^63 they are negative
     if found.dtype == bool or not 0 < len(numbers) == len(found) or numbers[0] < 0:
-        refuse(name, value, GRANULES)
+        raise ValueError(GRANULES)
     return fixed(numbers)
 
 
-@checked("held ")
+@checked
 @dataclass(frozen=True, eq=False)
 class Held(Kept):
     """Granules that move together as a boundary: a rough wall, or a body of any form.
@@ -247,25 +224,8 @@ class Held(Kept):
     array([0, 1])
     """
 
-    granules: Annotated[np.ndarray, chosen]
-    motion: Annotated[Motion, sliding] = (0.0, 0.0)
-
-
-def wall_motions(name: str, value: Any) -> tuple[Motion | None, ...]:
-    """Kind: for each wall a motion, or None."""
-    if not isinstance(value, list | tuple):
-        refuse(name, value, "be a list with a motion per wall, None for one at rest")
-    return tuple(
-        None if each is None else sliding(f"{name} of wall {k}", each)
-        for k, each in enumerate(value)
-    )
-
-
-def groups(name: str, value: Any) -> tuple[Held, ...]:
-    """Kind: groups of held granules."""
-    if not isinstance(value, list | tuple) or not all(isinstance(each, Held) for each in value):
-        refuse(name, value, "be a list of dem.Held")
-    return tuple(value)
+    granules: Annotated[np.ndarray, PlainValidator(chosen)]
+    motion: Sliding = (0.0, 0.0)
 
 
 def numbered(held: Sequence[Held], granules: int) -> tuple[Held, ...]:

@@ -1,10 +1,22 @@
 """Boxes that repeat themselves: their periods, and places in them. SI units; x to the right, y upwards."""
 
 from collections.abc import Callable
+from typing import Annotated, Literal
 
 import numpy as np
+from pydantic import AfterValidator
 
-Periods = tuple[float | None, float | None] | None  # (m) along x and y
+from dem.base.types import Length, must
+
+Sides = Literal["none", "x", "y", "xy"]  # along which a box repeats itself
+Periods = (
+    Annotated[
+        tuple[Length | None, Length | None],
+        must("be two periods (x, y), None for a side that does not repeat itself"),
+        AfterValidator(lambda periods: None if periods == (None, None) else periods),
+    ]
+    | None
+)
 ROOM = 2.5  # least period over the reach of a scene; two would leave no skin to neighbour lists
 SIDES = {"none": (False, False), "x": (True, False), "y": (False, True), "xy": (True, True)}
 

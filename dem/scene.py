@@ -3,48 +3,49 @@
 SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import AfterValidator, InstanceOf, PlainValidator, WrapValidator
 
 from dem.base.errors import InputError
-from dem.base.validate import (
+from dem.base.types import (
+    Acceleration,
+    Coefficient,
+    Density,
+    Length,
+    Number,
+    PoissonRatio,
+    Position,
+    Pressure,
+    Ratio,
+    Restitution,
+    Unit,
     array,
     checked,
-    not_negative,
-    number,
-    one_of,
-    or_none,
-    positive,
-    reals,
-    refuse,
-    vector,
+    must,
+    parsed,
 )
 from dem.motion import (
-    FINITE,
     Held,
     Kept,
     Motion,
     PrescribedMotion,
+    Sliding,
+    finite,
     fixed,
-    groups,
-    motion,
     numbered,
-    sides,
-    wall_motions,
 )
 from dem.periodic import ROOM, Periods, walled
 
 ROUNDED, EXACT = 1e-3, 1e-8  # off 1: the length of a normal that is rounded, and of a unit vector
 DIGITS = 12  # in which two walls are one
-POISSON = number("lie above -1 and up to 0.5", math.nextafter(-1.0, 0.0), 0.5)
 
 
-@checked()
+@checked
 @dataclass(frozen=True)
 class Material:
     """Elastic material with a coefficient of restitution.
@@ -84,13 +85,13 @@ class Material:
     0.5
     """
 
-    density: Annotated[float, positive("kg/m3")] = 3.9e3
-    young_modulus: Annotated[float, positive("Pa")] = 70e9
-    poisson_ratio: Annotated[float, POISSON] = 0.22
-    restitution: Annotated[float, number("lie in 0.001 to 1", 1e-3, 1.0)] = 0.5
+    density: Density = 3.9e3
+    young_modulus: Pressure = 70e9
+    poisson_ratio: PoissonRatio = 0.22
+    restitution: Restitution = 0.5
 
 
-@checked("friction ")
+@checked
 @dataclass(frozen=True)
 class Friction:
     """Coulomb friction of granules with each other, with walls and with the cylinder.
@@ -126,13 +127,13 @@ class Friction:
     Friction(granule=0.5, wall=0.3, cylinder=0.0, stiffness=1.0)
     """
 
-    granule: Annotated[float, not_negative()] = 0.3
-    wall: Annotated[float, not_negative()] = 0.3
-    cylinder: Annotated[float, not_negative()] = 0.3
-    stiffness: Annotated[float, positive("over Mindlin's")] = 1.0
+    granule: Coefficient = 0.3
+    wall: Coefficient = 0.3
+    cylinder: Coefficient = 0.3
+    stiffness: Ratio = 1.0
 
 
-@checked("cylinder ")
+@checked
 @dataclass(frozen=True)
 class Cylinder:
     """Cylinder that moves as it is told, or as the forces on it say.
@@ -168,10 +169,10 @@ class Cylinder:
     (0.0, 2.0)
     """
 
-    diameter: Annotated[float, positive("m")]
-    position: Annotated[tuple[float, float], vector("m")]
-    velocity: Annotated[Motion, motion] = (0.0, 0.0)
-    spin: Annotated[float, number(FINITE)] = 0.0
+    diameter: Length
+    position: Position
+    velocity: Motion = (0.0, 0.0)
+    spin: Annotated[Number, Unit("rad s-1")] = 0.0
 
     def __post_init__(self) -> None:
         if (
@@ -180,14 +181,12 @@ class Cylinder:
             and self.velocity.spin is not None
         ):
             raise InputError(
-                f"cylinder spin is {self.spin:g} rad/s; it must be left out, because its path has one."
+                f"Cylinder.spin is {self.spin:g} rad/s; it must be left out, because its path has one."
             )
 
 
-@checked("box ")
-def box(
-    width: Annotated[float, positive("m")], height: Annotated[float, positive("m")]
-) -> np.ndarray:
+@checked
+def box(width: Length, height: Length) -> np.ndarray:
     """Four walls of a box with its lower left corner at the origin.
 
     Parameters
@@ -225,50 +224,53 @@ def walls_of(width: float, height: float, periodic: Periods) -> np.ndarray | Non
     return box(width, height)[stay] if stay.any() else None
 
 
-def granules(name: str, value: Any) -> Any:
-    """Kind: granules of one shape; returned with sizes of their own that cannot be written."""
+def granules(value: Any) -> Any:
+    """Granules of one shape, with sizes of their own that cannot be written; raises ValueError."""
     from dem.shapes.protocol import is_shape, resized, sizes_of
 
     if not is_shape(type(value)):
-        refuse(name, value, "be granules of a shape, such as dem.Disc")
+        raise ValueError("it must be granules of a shape, such as dem.Disc")
     value = resized(type(value)(*value), fixed)  # its own checks, also after _replace
     counts = {k: len(size) for k, size in sizes_of(value).items()}
     if len(set(counts.values())) > 1:
         words = " and ".join(f"{count} of {k}" for k, count in counts.items())
-        raise InputError(f"{name} has {words}; it must have one of each a granule.")
+        raise ValueError(f"it has {words} and must have one of each a granule")
     if value.fault:
         raise InputError(value.fault)
     return value
 
 
-def planes(name: str, value: Any) -> np.ndarray:
-    """Kind: walls, as box returns them; returned as a copy that cannot be written."""
-    rows = array(FINITE, None, 3, each="row")(name, value)
+Granules = Annotated[Any, PlainValidator(granules)]
+
+
+def planes(rows: np.ndarray) -> np.ndarray:
+    """Walls, as box returns them, as a copy that cannot be written; raises ValueError."""
     length = np.hypot(rows[:, :1], rows[:, 1:2])
     off = np.abs(length - 1.0)
     if off.max() > ROUNDED:
         row = off.argmax()
-        raise InputError(
-            f"{name} of row {row} has a normal (nx, ny) of length {length[row, 0]:.6g}; it must be 1."
+        raise ValueError(
+            f"the normal (nx, ny) of row {row} must have length 1, not {length[row, 0]:.6g}"
         )
     rows = np.where(off > EXACT, rows / length, rows)
     if len(np.unique(rows.round(DIGITS) + 0.0, axis=0)) < len(rows):  # without negative zeros
-        raise InputError(f"{name} has a wall twice; give it once, because both would push.")
+        raise ValueError("it must have each wall once, because both would push")
     return fixed(rows)
 
 
-PERIODS = sides(
-    positive("m"), "be two periods (x, y) in m, None for a side that does not repeat itself"
-)
+Walls = Annotated[np.ndarray, finite(None, 3), AfterValidator(planes)]
+OR_NONE = WrapValidator(lambda value, take: None if value is None else take(value))
+WallMotion = Annotated[
+    Sequence[Sliding | None],
+    AfterValidator(tuple),
+    must(
+        "hold for each wall a velocity (x, y), a dem.PrescribedMotion without spin, a dem.Drive, "
+        "or None for one at rest"
+    ),
+]
 
 
-def periods(name: str, value: Any) -> Periods:
-    """Kind: periods (m) along x and y, None for a side without; None if neither has one."""
-    found = PERIODS(name, value)
-    return None if found == (None, None) else found
-
-
-@checked()
+@checked
 @dataclass(frozen=True)
 class Scene(Kept):
     """Everything about a system that does not change during a run.
@@ -349,18 +351,20 @@ class Scene(Kept):
     array([1])
     """
 
-    shape: Annotated[Any, granules]
-    material: Annotated[Material, one_of(Material)] = field(default_factory=Material)
-    friction: Annotated[Friction | None, or_none(one_of(Friction))] = None
-    walls: Annotated[np.ndarray | None, or_none(planes)] = None
-    cylinder: Annotated[Cylinder | None, or_none(one_of(Cylinder))] = None
-    gravity: Annotated[tuple[float, float] | None, or_none(vector("m/s2"))] = None
+    shape: Granules
+    material: InstanceOf[Material] = field(default_factory=Material)
+    friction: InstanceOf[Friction] | None = None
+    walls: Walls | None = None
+    cylinder: InstanceOf[Cylinder] | None = None
+    gravity: Acceleration | None = None
     # a number once the scene is made
-    thickness: Annotated[float, or_none(positive("m"))] = None  # type: ignore[assignment]
-    boundary: Annotated[Material | None, or_none(one_of(Material))] = None
-    periodic: Annotated[Periods, or_none(periods)] = None
-    wall_motion: Annotated[Sequence[Motion | None] | None, or_none(wall_motions)] = None
-    held: Annotated[Sequence[Held], groups] = ()
+    thickness: Annotated[Length, OR_NONE] = None  # type: ignore[assignment]
+    boundary: InstanceOf[Material] | None = None
+    periodic: Periods = None
+    wall_motion: WallMotion | None = None
+    held: Annotated[
+        Sequence[InstanceOf[Held]], AfterValidator(tuple), must("be a list of dem.Held")
+    ] = ()
 
     def __post_init__(self) -> None:
         for axis, period in enumerate(self.periodic or ()):
@@ -467,20 +471,22 @@ class State:
     angular_velocity: np.ndarray
     boundaries: np.ndarray | None
 
+    @checked
     def __init__(
         self,
-        position: ArrayLike,
-        velocity: ArrayLike | None = None,
-        angle: ArrayLike | None = None,
-        angular_velocity: ArrayLike | None = None,
-        boundaries: ArrayLike | None = None,
+        position: Annotated[ArrayLike, array(None, 2)],
+        velocity: Annotated[ArrayLike, array(None, 2)] | None = None,
+        angle: Annotated[ArrayLike, array(None)] | None = None,
+        angular_velocity: Annotated[ArrayLike, array(None)] | None = None,
+        boundaries: Annotated[ArrayLike, array(None)] | None = None,
     ):
-        position = reals(None, 2)("position", position)
-        given = position, velocity, angle, angular_velocity
-        for (name, each), value in zip(ARRAYS.items(), given, strict=True):
-            shape = np.shape(position)[0], *each
-            setattr(self, name, np.zeros(shape) if value is None else reals(*shape)(name, value))
-        self.boundaries = or_none(reals(None))("boundaries", boundaries)
+        given, count = (position, velocity, angle, angular_velocity), np.shape(position)[0]
+        for (name, axes), value in zip(ARRAYS.items(), given, strict=True):
+            value = np.zeros((count, *axes)) if value is None else value
+            if (rows := np.shape(value)[0]) != count:
+                raise InputError(f"{name} has {rows} rows; it must have {count}, as position.")
+            setattr(self, name, value)
+        self.boundaries = boundaries  # type: ignore[assignment]  # an array by now
 
     def checked(self, granules: int) -> "State":
         """A copy of the state, after a check that a simulation can start from it.
@@ -500,6 +506,6 @@ class State:
         InputError
             If an array is not for n granules, or a number is not finite.
         """
-        kinds = {name: array(FINITE, granules, *each) for name, each in ARRAYS.items()}
-        arrays = {name: kind(name, getattr(self, name)).copy() for name, kind in kinds.items()}
+        types = {name: Annotated[Any, finite(granules, *axes)] for name, axes in ARRAYS.items()}
+        arrays = {name: parsed(types[name], getattr(self, name), name).copy() for name in ARRAYS}
         return State(**arrays, boundaries=self.boundaries)

@@ -16,7 +16,7 @@ checkpoint combine:
     output:
         "{folder}/{observable}.nc",
     params:
-        code=code_of("dem.sweep.combine"),
+        code=code_of("dem/sweep/combine.py", "dem/io/dataset.py"),
         sweep=values_of,
         block=lambda w: block_of(w.folder)[1],
         config=lambda w: config_of(block_of(w.folder)[0]),

@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 
 from dem.base.messages import say
+from dem.base.sources import code_hash, codes, files_of, run_codes, with_imports
 from dem.experiment.config import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
 from dem.figures.catalogue import FIGURES, wanted
@@ -38,7 +39,7 @@ WARNINGS = SWEEP.check()
 # Jobs run the Python that runs Snakemake, for any PATH, and this package, for any working folder.
 shell.prefix(
     "set -euo pipefail; export PATH={}:$PATH PYTHONPATH={}:${{{{PYTHONPATH:-}}}}; ".format(
-        *(shlex.quote(str(path)) for path in (Path(sys.executable).parent, HERE))
+        *(shlex.quote(str(path)).replace("{", "{{").replace("}", "}}") for path in (Path(sys.executable).parent, HERE))
     )
 )
 
@@ -127,6 +128,21 @@ def keep_whole(files):
             workflow.persistence.cleanup_metadata(file)
 
 
+# Code is a parameter of a rule, and not an input, so that an edit of a comment or a docstring reruns no job. Batches
+# need none: the code is part of the identity of their runs.
+def code_of(*names, runs=False):
+    """Hash of the code of files and folders, and of what they import of studies; runs: also of what makes runs."""
+    files = [each for file in files_of(names, HERE) for each in with_imports(file)]
+    return code_hash(codes(files, HERE) | (run_codes() if runs else {}))
+
+
+def code_of_figure(figure):
+    """The same of a figure, and of what all figures share; no other figure but that whose headings some have."""
+    figures = {f"dem/figures/{name}.py" for name in FIGURES} - {"dem/figures/sweep.py"}
+    shared = {file.relative_to(HERE).as_posix() for file in files_of(["dem/figures"], HERE)} - figures
+    return code_of(f"{figure.module.replace('.', '/')}.py", *sorted(shared), "dem/analysis")
+
+
 NOT_READ = "record", "sweep", "title", "failures"  # by a study without runs
 
 
@@ -138,8 +154,13 @@ def read_by(name):
         own = study(name)
         needed = [each for block in own.sweep.blocks for each in own.sweep.needed(block)]
         for block in dict.fromkeys(needed):
-            found += combined(own, block)
+            found += [f"{own.folder_of(block)}/{each}.nc" for each in own.observables(block)]
     return found
+
+
+def folder_of(name):
+    """The folder of a study, below the checkout."""
+    return package_of(name).replace(".", "/")
 
 
 def measures(name):
@@ -155,27 +176,21 @@ def batches_of(name, derived=False):
     return list(dict.fromkeys(batch for folder in folders for batch in batches_in(folder)))
 
 
-# Code is a parameter of a rule, and not an input: the hash of what its module and the shapes depend on,
-# without comments, docstrings and sentences of errors. Other edits rerun no job. Batches need no such
-# parameter, because the code is part of the identity of their runs.
-code_of = SWEEP.sweep.code_of
-
-
-def pictures(task):
-    """Both files of each figure that one job draws; none of a study without figures."""
-    folder, names = DRAWN.get(task, (RESULTS, []))
+def pictures(names, folder=RESULTS):
+    """Both files of each of some figures."""
     return expand("{folder}/figures/{figure}.{kind}", folder=folder, figure=names, kind=["svg", "png"])
 
 
-# Combined files, and the folder and figures of each job that draws: by the folder of a block, or by study.
-COMBINED, DRAWN = [], {}
+def pictures_of(study):
+    """Both files of each figure of a study."""
+    return pictures([name for name, figure in KNOWN_FIGURES.items() if figure.file == study])
+
+
+# The results of each block of the sweep: its combined files, and the figures that these suffice for.
+COMBINED, PICTURES = [], []
 for folder, block in SWEEP.folders.items():
     COMBINED += combined(SWEEP, block)
-    DRAWN[folder] = folder, wanted(SWEEP.block(block), SWEEP.sweep.figures, KNOWN_FIGURES)
-PICTURES = [picture for task in DRAWN for picture in pictures(task)]
-for name in REPORTED:
-    DRAWN[name] = RESULTS, [figure for figure, of in KNOWN_FIGURES.items() if of.file == name]
-DRAWN = {task: drawn for task, drawn in DRAWN.items() if drawn[1]}
+    PICTURES += pictures(wanted(SWEEP.block(block), SWEEP.sweep.figures, KNOWN_FIGURES), folder)
 
 
 def begin():

@@ -32,7 +32,7 @@ rule report_page:
     output:
         f"{RESULTS}/report.html",
     params:
-        code=code_of("dem.report.build"),
+        code=code_of("dem/report", "dem/analysis"),
         studies=lambda w: {
             path.name: path.stat().st_mtime for name in ("*.txt", "provenance.html") for path in sorted(SWEEP.results.glob(name))
         },

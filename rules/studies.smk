@@ -22,11 +22,7 @@ rule results:
     output:
         f"{RESULTS}/{{study}}.nc",
     params:
-        # of runs the shapes are part of their identity
-        code=lambda w: code_of(
-            f"{package_of(w.study)}.results",
-            shapes=study(w.study).sweep.shapes if measures(w.study) else (),
-        ),
+        code=lambda w: code_of(f"{folder_of(w.study)}/results.py", "dem/analysis", runs=measures(w.study)),
         sweep=lambda w: study(w.study).text() if has_sweep(w.study) else SWEEP.text(None, *NOT_READ),
         config=lambda w: config_of(study(w.study)),
     threads: lambda w: workflow.cores if measures(w.study) else 1
@@ -47,7 +43,7 @@ rule table:
     output:
         report(f"{RESULTS}/{{study}}.txt", category="Tables", labels={"table": "{study}"}),
     params:
-        code=lambda w: code_of(f"{package_of(w.study)}.findings"),
+        code=lambda w: code_of(f"{folder_of(w.study)}/findings.py", "dem/analysis", "dem/report"),
     wildcard_constraints:
         study="|".join(REPORTED),
     log:
@@ -63,5 +59,5 @@ for name in REPORTED:
             name
         input:
             f"{RESULTS}/{name}.txt",
-            pictures(name),
+            pictures_of(name),
         localrule: True

@@ -16,8 +16,6 @@ no other study. Remove a folder, and it is gone.
 
 from pathlib import Path
 
-from dem.base import sources
-
 HERE = Path(__file__).parent
 FOLDERS = {
     path.parent.name: path.parent
@@ -25,7 +23,6 @@ FOLDERS = {
     if path.parent.name != "common"
 }
 NAMES = tuple(sorted(FOLDERS))
-sources.ROOTS["studies"] = HERE
 
 
 def package_of(name: str) -> str:

@@ -2,18 +2,12 @@
 
 from importlib import import_module
 from pathlib import Path
+from typing import Annotated
+
+import typer
 
 import studies
-from dem.cli.options import (
-    ChangedOption,
-    FiguresArgument,
-    FiguresDataArgument,
-    FolderOption,
-    OutputOption,
-    TextOption,
-    argument,
-    option,
-)
+from dem.cli.options import FolderOption, OutputOption, TextOption, argument, option
 from dem.cli.show import draw_figure, print_or_write
 from dem.cli.terminal import Verbs, start_lean
 from dem.io.progress import bar
@@ -81,13 +75,12 @@ for name, folder in studies.FOLDERS.items():
 
 @app.command()
 def figure(
-    names: FiguresArgument,
-    data: FiguresDataArgument,
+    name: Annotated[str, typer.Argument(help="Name of a figure; a wrong name lists them.")],
+    data: Annotated[Path, typer.Argument(help="File of results that it is drawn from.")],
     output: FolderOption = None,
-    changed: ChangedOption = False,
 ):
-    """Draw figures of studies and of the library, as SVG and PNG."""
-    draw_figure(names, data, output, figures(), changed=changed)
+    """Draw a figure of a study, or of the library, as SVG and PNG."""
+    draw_figure(name, data, output, figures())
 
 
 if __name__ == "__main__":

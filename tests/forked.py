@@ -28,26 +28,29 @@ def environment(folder) -> dict[str, str]:
     return os.environ | {"PYTHONPATH": str(folder), "PATH": f"{bin_folder}:{os.environ['PATH']}"}
 
 
-def snakemake(folder, *arguments, configfile=SMOKE) -> subprocess.CompletedProcess:
-    """Run snakemake on the sources of a folder, as `python -m snakemake` does."""
+def snakemake(folder, *arguments, configfile=SMOKE, sources=None) -> subprocess.CompletedProcess:
+    """Run snakemake in a folder, as `python -m snakemake` does; sources: their folder, if another."""
     words = [*arguments, *(["--configfile", configfile] if configfile else [])]
+    sources = sources or folder
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(LIBRARIES)
     with tempfile.TemporaryDirectory() as place:
         said = [Path(place) / name for name in ("stdout", "stderr")]
-        process = context.Process(target=_run, args=(words, folder, environment(folder), said))
+        process = context.Process(
+            target=_run, args=(words, folder, sources, environment(sources), said)
+        )
         process.start()
         process.join()
         return subprocess.CompletedProcess(words, process.exitcode, *(p.read_text() for p in said))
 
 
-def _run(words, folder, environment, said):
+def _run(words, folder, sources, environment, said):
     os.chdir(folder)
     os.environ.clear()
     os.environ.update(environment)
     for number, path in enumerate(said, start=1):
         os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND), number)
     assert "dem" not in sys.modules
-    sys.path.insert(0, str(folder))
+    sys.path.insert(0, str(sources))
     sys.argv = ["snakemake", *words]
     runpy.run_module("snakemake", run_name="__main__", alter_sys=True)

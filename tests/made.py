@@ -3,6 +3,8 @@
 from contextlib import chdir
 from pathlib import Path
 
+import netCDF4
+import numpy as np
 from typer.testing import CliRunner
 
 from conftest import assert_not_blank
@@ -14,6 +16,26 @@ from dem.sweep.state import SweepState
 from dem.sweep.workers import Workers
 
 SMOKE = Path(__file__).parent.parent / "config/smoke.yaml"
+
+
+CLOCKS = {"run_time", "spent"}
+
+
+def contents(path: Path, without=CLOCKS) -> dict:
+    """All values of a netCDF file but times of processors."""
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        return {n: np.array(v[...]) for n, v in file.variables.items() if n not in without}
+
+
+def differing(one: dict, other: dict) -> list[str]:
+    """Names of the values in which two files differ."""
+    same = {
+        name
+        for name in one.keys() & other.keys()
+        if np.array_equal(one[name], other[name], equal_nan=one[name].dtype.kind == "f")
+    }
+    return sorted((one.keys() | other.keys()) - same)
 
 
 def of_file(file: Path) -> SweepState:

@@ -1,7 +1,6 @@
 """What a script has measured: printed, and written to a netCDF file for the documentation."""
 
 import argparse
-import json
 import os
 import resource
 import sys
@@ -10,11 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from dem.base import provenance
-from dem.base.sources import ROOT
 from dem.io.dataset import global_attributes, write
 
 sys.path.append(str(Path(__file__).parent.parent))
-from docs.data.kernels import kernels
+from docs.data.kernels import digest
 
 LOAD = os.getloadavg()[0]  # before the script adds its own
 
@@ -57,7 +55,7 @@ def report(values: dict, layout: dict, title: str, output: Path | None) -> None:
         made_with=command,
         versions=provenance.versions(),
         git_revision=provenance.git_revision(),
-        kernels=json.dumps(kernels(ROOT / "dem")),
+        kernels=digest(),
         comment=f"The {os.cpu_count()} cores were shared; their load average was {LOAD:.1f} before.",
     )
     write(output, values, attrs, layout)

@@ -3,6 +3,7 @@
 import importlib.metadata
 import os
 import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -21,24 +22,14 @@ from typer.testing import CliRunner
 
 from conftest import posix
 from dem.base.errors import InputError, RunError
-from dem.base.schema import is_written
 from dem.cli.app import app
 from dem.cli.terminal import reported
 from dem.figures import film
 from dem.io.progress import bar
+from dem.sweep.listing import is_written
 
 ROOT = Path(__file__).parent.parent
-RUN = [
-    "simulate",
-    "--config",
-    "config/smoke.yaml",
-    "--shape",
-    "c1",
-    "--density",
-    "3900",
-    "--seed",
-    "1",
-]
+RUN = shlex.split("simulate --config config/smoke.yaml --shape c1 --density 3900 --seed 1")
 
 
 def dem(*arguments):
@@ -178,7 +169,7 @@ COMBINE = ("combine", "--config", "config/smoke.yaml", "-o", "OUT")
         ),
         (
             ("figure", "all", "docs/data/flow.nc", "-o", "OUT"),
-            "it holds nothing that a figure shows; name drag.nc.",
+            "it holds no drag that a figure shows; name drag.nc.",
         ),
         (
             ("report", "studies/shear/shear.nc", "-o", "OUT.html"),

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 from test_outputs import content
-from test_stopping import Killed, combined, discs, killed_at, planned, smoke
+from test_stopping import Killed, combined, discs, killed_at, planned, simulate, smoke
 from typer.testing import CliRunner
 
 from conftest import CONFIG, assert_not_blank, posix
@@ -353,24 +353,8 @@ app()
 @posix
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_stopped_command_says_one_sentence_and_leaves_no_file(tmp_path, number):
-    command = [
-        sys.executable,
-        "-c",
-        SAYS_WHEN_IT_PACKS,
-        "simulate",
-        "--config",
-        CONFIG / "smoke.yaml",
-        "--shape",
-        "c1",
-        "--density",
-        "3900",
-        "--seed",
-        "1",
-        "-o",
-        tmp_path / "out.nc",
-        "shapes.c1.granules=10000",
-        "box_width=0.1",  # so that it lasts
-    ]
+    words = simulate(tmp_path / "out.nc") + ["shapes.c1.granules=10000", "box_width=0.1"]
+    command = [sys.executable, "-c", SAYS_WHEN_IT_PACKS, *words]  # of a large bed, so that it lasts
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with subprocess.Popen(command, **streams) as process:
         assert process.stdout.readline() == "packing\n"

@@ -1,39 +1,123 @@
-"""A run is made again where an edit may change its bits, and nowhere else."""
+"""A run is made again where an edit may change its numbers, and nowhere else."""
 
+import ast
 import hashlib
 import json
+import os
+import shutil
+import subprocess
+import sys
 from importlib import import_module
+from pathlib import Path
 
 import pytest
-from edits import AGAIN, KEPT, asked, copied, edit
 
+from dem.base import sources
+from dem.base.sources import PACKAGE, ROOT, RUNS, code_hash, codes, files_of
+from dem.experiment import config
 from dem.experiment.config import EXPERIMENTS, LAYOUT
 from dem.experiment.observables import OBSERVABLES, module_of
 from dem.io import dataset
+from dem.sweep.config import load
 
-EDITS = {**AGAIN, **KEPT}
+LINE = "\nEDITED = True\n"
+USED = "experiment/kinds/drag.py", "experiment/observables/drag.py"  # by the run
+AGAIN = {  # file: what is added, or what is put in place of what
+    "contacts/loops.py": LINE,
+    "contacts/force_law.py": ("zeta = alpha / math.sqrt(5.0)", "zeta = alpha / math.sqrt(5.1)"),
+    "dynamics/skin.py": LINE,
+    "jit/compilation.py": ('{"contract", "arcp", "nsz"}', '{"arcp", "nsz"}'),
+    "packing/minimise.py": LINE,
+    "shapes/superellipse.py": LINE,
+    "scene.py": LINE,
+    "motion.py": LINE,
+    "periodic.py": LINE,
+    "base/types.py": LINE,
+    "experiment/box.py": ("default_rng([seed, 0])", "default_rng([seed, 1])"),
+    "experiment/scene.py": LINE,
+    "experiment/kinds/drag.py": ("BINS_A_CALL = 20", "BINS_A_CALL = 21"),
+    "experiment/observables/drag.py": LINE,
+}
+KEPT = {
+    "contacts/loops.py": "\n# a comment\n",
+    "experiment/scene.py": ('"""The scene of the run."""', '"""Another word."""'),
+    "experiment/kinds/drag.py": ("threads: int = 1,", "threads: float = 1,"),
+    "base/files.py": LINE,
+    "io/dataset.py": LINE,
+    "experiment/config.py": LINE,
+    "experiment/resume.py": LINE,
+    "experiment/kinds/heat.py": "SECTIONS = {}\n",
+    "experiment/observables/heat.py": "VARIABLES = {}\n",
+    "sweep/store.py": LINE,
+    "analysis/statistics.py": LINE,
+    "figures/style.py": LINE,
+    "report/build.py": LINE,
+    "cli/app.py": LINE,
+}
+
+
+def hash_of(package: Path) -> str:
+    return code_hash(codes(files_of((*RUNS, *USED), package), package))
 
 
 @pytest.fixture(scope="module")
-def before(tmp_path_factory):
-    """A copy of the package, and the names of its runs."""
-    folder = copied(tmp_path_factory.mktemp("edited") / "copy")
-    return folder, asked(folder)
+def package(tmp_path_factory):
+    """A copy of the package."""
+    folder = tmp_path_factory.mktemp("copy") / "dem"
+    return shutil.copytree(PACKAGE, folder, ignore=shutil.ignore_patterns("__pycache__"))
 
 
-@pytest.mark.parametrize("name", EDITS)
-def test_a_run_is_made_again_only_where_its_bits_may_change(before, name):
-    folder, names = before
-    path = folder / EDITS[name][0]
+@pytest.mark.parametrize(
+    ("name", "edit", "again"),
+    [(*each, True) for each in AGAIN.items()] + [(*each, False) for each in KEPT.items()],
+)
+def test_a_run_is_made_again_only_where_its_numbers_may_change(package, name, edit, again):
+    path, before = package / name, hash_of(package)
     text = path.read_text() if path.exists() else None
-    edit(folder, *EDITS[name])
+    path.write_text((text or "") + edit if isinstance(edit, str) else text.replace(*edit))
     try:
-        assert (asked(folder) != names) == (name in AGAIN)
+        assert text != path.read_text() and (hash_of(package) != before) == again
     finally:
-        if text is None:
-            path.unlink()
-        else:
-            path.write_text(text)
+        path.unlink() if text is None else path.write_text(text)
+
+
+# imported by what makes runs: read, check, write or say something, and set no number
+NO_NUMBERS = {
+    *(
+        f"base/{name}.py"
+        for name in (
+            "constants",
+            "errors",
+            "files",
+            "plugins",
+            "messages",
+            "sources",
+        )
+    ),
+    "experiment/config.py",  # values, which are part of the identity themselves
+    "experiment/kinds/__init__.py",
+    "experiment/observables/__init__.py",
+    "experiment/resume.py",
+    "io/dataset.py",  # names of variables, whose layout has a version
+}
+
+
+def test_all_that_sets_a_number_of_a_run_is_known():
+    """What makes runs imports nothing else of the package."""
+    files = set(files_of((*RUNS, "experiment/kinds", "experiment/observables")))
+    known = files | set(files_of(NO_NUMBERS))
+    for file in files - {PACKAGE / name for name in NO_NUMBERS}:
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.module.startswith("dem."):
+                for name in (node.module, *(f"{node.module}.{each.name}" for each in node.names)):
+                    path = ROOT.joinpath(*name.split(".")).with_suffix(".py")
+                    assert path in known or not path.is_file(), f"{file} imports {path}"
+
+
+def test_a_run_depends_on_versions(monkeypatch):
+    first = next(load("config/smoke.yaml").block("drag").unique()).id
+    monkeypatch.setattr(config, "compilers", lambda: "numba 0.1")
+    assert next(load("config/smoke.yaml").block("drag").unique()).id != first
 
 
 # what runs of each version of the layout hold: raise LAYOUT, and add a line, where this changes
@@ -41,12 +125,49 @@ LAYOUTS = {1: "e5191c8438788141"}
 
 
 def test_another_layout_of_the_files_of_runs_has_another_version():
-    """Because what only writes files is no part of what a run is known by."""
+    """Because what only writes files is no part of the identity of a run."""
     tables = [dataset.AXES, dataset.LABELS, dataset.OF_RUN, dataset.OF_STORE]
     tables += [module_of(name).VARIABLES for name in OBSERVABLES]
     for name in EXPERIMENTS:
         tables.append(getattr(import_module(f"dem.experiment.kinds.{name}"), "VARIABLES", {}))
     # names, dimensions and units; words may change
-    told = [{name: entry[:2] for name, entry in table.items()} for table in tables]
-    digest = hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:16]
+    layout = [{name: entry[:2] for name, entry in table.items()} for table in tables]
+    digest = hashlib.sha256(json.dumps(layout, sort_keys=True).encode()).hexdigest()[:16]
     assert LAYOUTS[LAYOUT] == digest
+
+
+# Without the two packages that it imports, which other installations may not have.
+HASH = """
+import sys, types
+sys.modules["platformdirs"] = types.SimpleNamespace(user_cache_path=None)
+sys.modules["lazy_loader"] = types.SimpleNamespace(attach_stub=lambda *_: (None, None, None))
+from dem.base.sources import PACKAGE, code_hash, codes
+print(sys.version_info[:2], code_hash(codes(sorted(PACKAGE.rglob("*.py")))))
+"""
+
+
+def test_hashes_are_those_of_every_python():
+    names = [shutil.which(f"python3.{minor}") for minor in range(11, 15)]
+    others = Path.home().glob(".pyenv/versions/3.1[1-9]*/bin/python")
+    hashes = {}
+    for python in {sys.executable, *filter(None, names), *map(str, others)}:
+        environment = os.environ | {"PYTHONPATH": str(ROOT)}
+        run = subprocess.run([python, "-c", HASH], env=environment, text=True, capture_output=True)
+        if run.returncode == 0:  # else a version that is named but cannot be started
+            version, _, code = run.stdout.rpartition(" ")
+            hashes[version] = code
+    if len(hashes) == 1:
+        pytest.skip("there is one version of Python only")
+    assert len(set(hashes.values())) == 1, hashes.keys()
+
+
+@pytest.mark.parametrize("damage", [None, "", "{"])
+def test_a_note_of_hashes_is_used_and_a_damaged_one_made_again(tmp_path, monkeypatch, damage):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    first = sources._codes_of_all_runs.__wrapped__()
+    (note,) = tmp_path.rglob("*.json")
+    if damage is None:
+        monkeypatch.setattr(sources, "_code", None)
+    else:
+        note.write_text(damage)
+    assert sources._codes_of_all_runs.__wrapped__() == first == json.loads(note.read_text())

@@ -162,7 +162,7 @@ def test_the_cylinder_takes_another_velocity(small_bed):
 def test_a_step_beyond_the_bound_must_be_asked_for(small_bed):
     """step_fraction above 1 is refused, but with allow_unstable the next quantised step below is taken."""
     small = small_bed("disc")
-    with pytest.raises(dem.InputError, match=r"step_fraction is 1\.5; it must lie above 0"):
+    with pytest.raises(dem.InputError, match=r"step_fraction is 1\.5; it must be at most 1"):
         dem.Simulation(small.scene(), small.state, step_fraction=1.5)
     run = dem.Simulation(small.scene(), small.state, step_fraction=1.5, allow_unstable=True)
     step = 1.5 * run.diagnose().critical_time_step

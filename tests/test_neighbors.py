@@ -57,9 +57,11 @@ def test_walls_and_cylinder_list_every_part_near_them(bed, angle, size):
     part, wall = near_planes(planes, rows, radius, skin)
     assert list(zip(part, wall, strict=True)) == [tuple(row) for row in np.argwhere(gaps < skin)]
     x, y = here[0] + 0.5
-    part, other = near_circle(size, (x, y), rows, radius, skin, (0.0, 0.0))
+    there, sides = np.array([[x, y]]), (0.0, 0.0)
+    part, other = near_circle(size, there, rows, radius, skin, sides)
     gaps = np.hypot(here[:, 0] - x, here[:, 1] - y) - radius - size
     assert list(part) == list(np.flatnonzero(gaps < skin)) and not other.any()
+    assert not near_circle(size, there[:0], rows, radius, skin, sides)[0].size  # no cylinder
 
 
 @pytest.mark.parametrize("per", [1, 2])

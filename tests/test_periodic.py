@@ -43,12 +43,11 @@ def packed(periodic="xy", cylinder=CYLINDER):
 
 
 def crowd(kind):
-    """Granules on a grid that press on each other across the sides, shaken, around a cylinder; discs
-    in a box that repeats itself along x and y, dumbbells in one that is open along x."""
+    """Granules on a grid that press on each other across the sides, shaken, around a cylinder, in a box
+    that repeats itself along x and y."""
     rng, side = np.random.default_rng(1), 7
     place = PITCH * np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2)
-    period = np.full(2, side * PITCH)
-    periodic = tuple(period) if kind == "disc" else (None, period[1])
+    periodic = 2 * (side * PITCH,)
     away = np.hypot(*least_image(place - CYLINDER.position, periodic).T)
     place = place[away > 0.5 * CYLINDER.diameter + 0.4 * PITCH]
     n = len(place)
@@ -157,11 +156,11 @@ def test_pairs_are_those_of_an_all_images_search(bed, per):
 @given(repeated(), st.floats(0.01, 3.0))
 def test_the_cylinder_lists_every_part_near_one_of_its_images(bed, size):
     rows, radius, skin, period = bed
-    x, y = rows[0, :2] + 0.5
+    there = rows[:1, :2] + 0.5
     part, other = near_circle(
-        size, (x, y), rows, radius, skin, tuple(each or 0.0 for each in period)
+        size, there, rows, radius, skin, tuple(each or 0.0 for each in period)
     )
-    gaps = np.hypot(*least_image(rows[:, :2] - [x, y], period).T) - radius - size
+    gaps = np.hypot(*least_image(rows[:, :2] - there, period).T) - radius - size
     assert list(part) == list(np.flatnonzero(gaps < skin)) and not other.any()
 
 
@@ -305,10 +304,10 @@ def test_a_large_bed_is_listed_by_where_granules_are_in_the_box():
 
 
 REFUSED = {
-    "periodic is 0.01; it must be two periods": 0.01,
-    "periodic is (0.01,); it must be two periods": (0.01,),
-    "periodic is 'x'; it must be two periods": "x",
-    "periodic along y is -1.0; it must be a positive number (m)": (0.01, -1.0),
+    "Scene.periodic is 0.01; it must be two periods": 0.01,
+    "Scene.periodic is (0.01,); it must be two periods": (0.01,),
+    "Scene.periodic is 'x'; it must be two periods": "x",
+    "Scene.periodic is (0.01, -1.0); it must be two periods (x, y), None for a side": (0.01, -1.0),
     "periodic along x is 0.002 m; it must be at least 0.0025 m": (2e-3, None),
     "walls of row 0 has nx = -1; it must be 0, because the scene repeats itself along x": (
         0.01,

@@ -162,22 +162,19 @@ def of_one_frame(result):
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
-        (lambda r, p: dem.plot.bed(r, frame=4), "frame is 4; it must be a whole number, -4 to 3."),
-        (
-            lambda r, p: dem.plot.bed(r, frame=1.5),
-            "frame is 1.5; it must be a whole number, -4 to 3.",
-        ),
-        (lambda r, p: r.contacts(-5), "frame is -5; it must be a whole number, -4 to 3."),
+        (lambda r, p: dem.plot.bed(r, frame=4), "frame is 4; it must be below 4."),
+        (lambda r, p: dem.plot.bed(r, frame=1.5), "frame is 1.5; it must be a whole number."),
+        (lambda r, p: r.contacts(-5), "frame is -5; it must be at least -4."),
         (
             lambda r, p: dem.plot.bed(r, color="mauve"),
             "color is 'mauve'; it must be one of speed, force, layer.",
         ),
         (
             lambda r, p: dem.plot.bed(r, color=["speed"]),
-            "color is ['speed']; it must be one of speed, force, layer.",
+            "color is ['speed']; it must be text.",
         ),
-        (lambda r, p: dem.plot.bed(3), "result is 3; it must be a dem.Result"),
-        (lambda r, p: dem.plot.forces(None), "result is None; it must be a dem.Result"),
+        (lambda r, p: dem.plot.bed(3), "result is 3; it must be an instance of Result."),
+        (lambda r, p: dem.plot.forces(None), "result is None; it must be an instance of Result."),
         (
             lambda r, p: dem.plot.forces(r),
             "result has no forces: its scene has neither cylinder nor walls.",
@@ -194,7 +191,7 @@ def of_one_frame(result):
             lambda r, p: dem.film(r, 3),
             "path is '3'; it must be the path of a file that ends in .mp4 or .gif.",
         ),
-        (lambda r, p: dem.film(STATE, p / "run.gif"), "it must be a dem.Result"),
+        (lambda r, p: dem.film(STATE, p / "run.gif"), "it must be a result of dem.simulate."),
         (
             lambda r, p: dem.film(of_one_frame(r), p / "run.gif"),
             "result has 1 frame; a film needs two: simulate with more frames.",

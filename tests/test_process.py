@@ -13,12 +13,12 @@ from pathlib import Path
 import pytest
 import xarray as xr
 from rich.console import Console
-from test_outside import SHAPE
+from test_plugins import SHAPE
 
 import dem
 from conftest import CONFIG, posix
-from dem.base import sources
-from dem.base.sources import ROOTS
+from dem.base import plugins, sources
+from dem.base.sources import PACKAGE
 from dem.experiment.config import Replicate
 from dem.report.info import summary
 from dem.report.status import status
@@ -53,8 +53,13 @@ sweep: {{shape: c1, density: 3900, seed: [1, 2, 3]}}
 
 @pytest.fixture
 def file(tmp_path, monkeypatch):
-    """A sweep of an experiment that takes no time, and imports a file beside it."""
+    """A sweep of an experiment that takes no time, and imports a file beside it, in a process that has not
+    imported them."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(plugins, "_imported", {})
+    monkeypatch.setattr(sys, "path", sys.path.copy())
+    for name in ("product", "factors", "less", "more"):
+        sys.modules.pop(name, None)
     folder = tmp_path / "mine"
     folder.mkdir()
     write(folder, "product.py", EXPERIMENT)
@@ -72,11 +77,11 @@ def products(file, executor=None) -> list[float]:
     return dem.run_sweep(file, executor)["product"].values.ravel().tolist()
 
 
-EDITS = {  # files that are written, and the factor then
+OLD = r"{}.* has changed since this process read it; start Python, or the workers, again\.$"
+EDITS = {  # files that are written, None: removed; and the factor then
     "the file": ({"product.py": EXPERIMENT.replace("FACTOR *", "3 *")}, 3),
     "a helper": ({"product.py": EXPERIMENT, "factors.py": "FACTOR = 5\n"}, 5),
     "a new helper": ({"factors.py": "from more import FACTOR\n", "more.py": "FACTOR = 7\n"}, 7),
-    "a helper's helper": ({"more.py": "FACTOR = 11\n"}, 11),
     "a folder in place of a helper": (
         {"more.py": "raise ValueError\n", "more/__init__.py": "FACTOR = 13\n"},
         13,
@@ -92,6 +97,7 @@ EDITS = {  # files that are written, and the factor then
 
 
 def check_edits(file, executor=None):
+    """A process that lives on runs files as they are now."""
     assert products(file, executor) == [2 * seed for seed in SEEDS]
     for edit, (texts, factor) in EDITS.items():
         for name, text in texts.items():
@@ -111,22 +117,33 @@ def test_workers_that_live_on_run_files_as_they_are_now(file):
         check_edits(file, pool)
 
 
-def test_workers_of_dask_that_live_on_run_files_as_they_are_now(file, monkeypatch):
-    """Also where they do not see the client's store and have copies of its files."""
+def test_an_edited_file_that_was_only_planned_is_run_as_it_is_now(file):
+    (values, *_) = dem.load_sweep(file)
+    write(file.parent, "factors.py", "FACTOR = 3\n")
+    assert float(dem.run_experiment(values)["product"]) == 3
+    write(file.parent, "sweep.yaml", SWEEP.replace("[1, 2, 3]", "[5]"))
+    assert products(file) == [15]
+
+
+def test_workers_of_dask_without_the_folder_get_its_files(file, monkeypatch):
+    """Also after an edit."""
     distributed = pytest.importorskip("distributed")
+    task_of = workers.task_of
+    monkeypatch.setattr(workers, "task_of", lambda *args: task_of(*args)._replace(marks=(0, 0)))
     with (
         distributed.LocalCluster(
             n_workers=1, threads_per_worker=1, dashboard_address=":0"
         ) as local,
         distributed.Client(local) as client,
     ):
-        first, *_ = products(file, client)
-        monkeypatch.setattr(workers, "_marks", lambda path: (0, 0))
+        assert products(file, client) == [2 * seed for seed in SEEDS]
         write(file.parent, "factors.py", "FACTOR = 3\n")
-        second, *_ = products(file, client)
-        write(file.parent, "factors.py", "FACTOR = 4\n")
-        third, *_ = products(file, client)
-    assert (first, second, third) == (2, 3, 4)
+        assert products(file, client) == [3 * seed for seed in SEEDS]
+        (file.parent / "more").mkdir()
+        write(file.parent, "factors.py", "from more.units import FACTOR\n")
+        write(file.parent / "more", "units.py", "FACTOR = 4\n")
+        with pytest.raises(dem.InputError, match=r"more/units\.py: only files of the folder"):
+            dem.run_sweep(file, client)
 
 
 def test_what_a_user_has_imported_is_imported_again(file, monkeypatch):
@@ -139,42 +156,39 @@ def test_what_a_user_has_imported_is_imported_again(file, monkeypatch):
     assert products(file) == [3 * seed for seed in SEEDS]
 
 
-def test_one_run_and_one_sweep_file_are_read_as_they_are_now(file):
-    (values, *_) = dem.load_sweep(file)
-    assert float(dem.run_experiment(values)["product"]) == 2
-    write(file.parent, "factors.py", "FACTOR = 3\n")
-    assert float(dem.run_experiment(values)["product"]) == 3
-    write(file.parent, "sweep.yaml", SWEEP.replace("[1, 2, 3]", "[5]"))
-    assert [each["seed"] for each in dem.load_sweep(file)] == [5] and products(file) == [15]
-
-
-def test_variables_are_those_of_now(file):
-    products(file)
-    write(file.parent, "product.py", EXPERIMENT.replace('"1", "seed', '"kg", "seed'))
-    assert dem.run_sweep(file)["product"].units == "kg"
-
-
 def test_files_of_one_name_in_two_folders_are_two(file, tmp_path):
-    other = tmp_path / "other"
-    other.mkdir()
-    write(other, "product.py", EXPERIMENT)
-    write(other, "factors.py", "FACTOR = 3\n")
-    write(other, "sweep.yaml", SWEEP.replace("results/product", "results/other"))
-    for folder, factor in ((file.parent, 2), (other, 3), (file.parent, 2), (other, 3)):
+    """Also where only a helper has the name of another."""
+    folders = [(file.parent, 2)]
+    for name, factor in (("product.py", 3), ("other.py", 4)):
+        folder = tmp_path / name.partition(".")[0]
+        folder.mkdir()
+        write(folder, name, EXPERIMENT)
+        write(folder, "factors.py", f"FACTOR = {factor}\n")
+        write(folder, "sweep.yaml", SWEEP.replace("product.py", name))
+        folders.append((folder, factor))
+    for folder, factor in folders * 2:
         (values, *_) = dem.load_sweep(folder / "sweep.yaml")
         assert float(dem.run_experiment(values)["product"]) == factor
+
+
+def test_a_file_with_the_name_of_an_installed_module_is_refused(file):
+    write(file.parent, "json.py", EXPERIMENT)
+    write(file.parent, "sweep.yaml", SWEEP.replace("product", "json"))
+    with pytest.raises(dem.InputError, match=r"json\.py: .* that is installed, or of Python"):
+        dem.run_sweep(file)
 
 
 def test_an_edited_shape_is_one_sentence_and_nothing_is_written(file):
     """Numba would not tell the old class from the new one; the old file is good again."""
     text = SHAPE.replace("Pebble", "EditedPebble")
     write(file.parent, "edited_pebbles.py", text)
-    words = (
-        "{p: {kind: edited_pebbles.EditedPebble, diameter: 1e-3, granules: 60, aspect_ratio: 1.0}}"
+    shape = "{kind: edited_pebbles.EditedPebble, diameter: 1e-3, granules: 60, aspect_ratio: 1.0}"
+    write(
+        file.parent,
+        "sweep.yaml",
+        SWEEP.replace("shape: c1", "shape: p") + f"shapes: {{p: {shape}}}\n",
     )
-    write(file.parent, "sweep.yaml", SWEEP.replace("shape: c1", "shape: p") + f"shapes: {words}\n")
-    run = of_first(file)
-    first = run.kind.shape
+    first = of_first(file).kind.shape
     write(file.parent, "edited_pebbles.py", text.replace("0.08", "0.07"))
     with pytest.raises(
         dem.InputError, match=r"edited_pebbles\.py: .*start Python, or the workers, again\.$"
@@ -191,10 +205,11 @@ def of_first(file) -> Replicate:
 
 def test_an_edited_package_is_one_sentence_and_nothing_is_written(file, monkeypatch):
     """Its old code goes on in this process."""
-    path = ROOTS["dem"] / "scene.py"
-    monkeypatch.setitem(sources._READ, path, ("", sources._read(path)._replace(code="")))
+    sources.run_hash()
+    path = PACKAGE / "scene.py"
+    monkeypatch.setitem(sources._first_read, path, b"EDITED = True")
     for call in (dem.run_sweep, dem.load_sweep):
-        with pytest.raises(dem.InputError, match=r"scene\.py has changed .* start Python"):
+        with pytest.raises(dem.InputError, match=OLD.format(r"scene\.py")):
             call(file)
     assert not Path("results").exists()
 
@@ -202,7 +217,7 @@ def test_an_edited_package_is_one_sentence_and_nothing_is_written(file, monkeypa
 WRONG = {  # what is put instead of the result: why the run failed
     "1 / 0": "product.py, line 9: ZeroDivisionError: division by zero",
     "replicate.grains": "product.py, line 9: AttributeError: 'Replicate' object has no attribute 'grains'",
-    "dem.Friction(-1.0).granule": "product.py, line 9: InputError: friction granule is -1.0; it must be",
+    "dem.Friction(-1.0).granule": "product.py, line 9: InputError: Friction.granule is -1.0; it must be",
     "exit(3)": "product.py, line 9: SystemExit: 3",
     "helped()": "factors.py, line 4: KeyError: 'a'",
     "'four'": "the variable product is 'four'; it must be numbers.",

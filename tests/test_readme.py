@@ -36,14 +36,6 @@ def tutorial(tmp_path_factory):
     return found
 
 
-def test_discs_of_the_readme_part_with_the_coefficient_of_restitution(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    names = {}
-    exec(compile(code("README.md")["A scene of your own"], "README.md", "exec"), names)
-    assert names["result"].velocity[-1, :, 0] == pytest.approx([-0.5, 0.5], rel=0.01)
-    assert (tmp_path / "collision.mp4").stat().st_size > 0
-
-
 def test_discs_part_with_the_coefficient_of_restitution(tutorial):
     velocity = tutorial["Two discs collide"]["result"].velocity[-1, :, 0]
     assert velocity == pytest.approx([-0.5, 0.5], rel=0.01)

@@ -160,39 +160,28 @@ def test_a_stopped_sweep_goes_on_to_the_same_runs(sweep, tmp_path):
 
 
 @posix
-def test_snakemake_makes_the_same_replicates(sweep):
-    of_file(sweep())
+def test_snakemake_makes_the_same_replicates_and_adds_those_of_a_finer_precision(sweep):
+    """Also to a file that is there, of which it does not ask what it was made of."""
+    coarse, fine = (f"{{until: {p} %, of: force, least: 4, most: 60}}" for p in (30, 15))
+    of_file(sweep(fine))
     whole = result().drop_attrs()
     for name in ("store", "drawn"):
         Path(f"results/{name}").rename(f"{name}-before")
-    words = "-s", ROOT / "Snakefile", "-j2", "results/drawn/drawn.nc"
-    ran = snakemake(Path.cwd(), *map(str, words), configfile="sweep.yaml")
-    assert ran.returncode == 0, ran.stderr
+    counts, target = [], "results/drawn/drawn.nc"
+    for seed, option in ((coarse, "-j2"), (fine, "-j2"), (fine, "-n")):
+        words = "-s", str(ROOT / "Snakefile"), option, target
+        ran = snakemake(Path.cwd(), *words, configfile=str(sweep(seed)))
+        assert ran.returncode == 0, ran.stderr
+        counts.append(int(result()["replicates"].sum()))
+    assert "Nothing to be done" in ran.stdout + ran.stderr
+    assert counts[1] > 1.5 * counts[0]
     xr.testing.assert_equal(result().drop_attrs(), whole)
-    assert (
-        "Nothing to be done"
-        in snakemake(Path.cwd(), *map(str, words), configfile="sweep.yaml").stderr
-    )
 
 
 def test_the_file_says_what_was_asked_for(sweep):
     of_file(sweep())
     attrs = result()["replicates"].attrs
     assert (attrs["until"], attrs["of"], attrs["confidence"]) == ("10 %", "force", "95 %")
-
-
-@posix
-def test_snakemake_adds_the_replicates_that_a_finer_precision_takes(sweep):
-    """Also to a file that is there, of which it does not ask what it was made of."""
-    of_file(sweep("{until: 30 %, of: force, least: 4, most: 60}"))
-    before = int(result()["replicates"].sum())
-    for words in (["-j2"], ["-n"]):
-        file = sweep("{until: 15 %, of: force, least: 4, most: 60}")
-        ran = snakemake(Path.cwd(), "-s", str(ROOT / "Snakefile"), *words, configfile=str(file))
-        assert ran.returncode == 0, ran.stderr
-    assert "Nothing to be done" in ran.stdout + ran.stderr
-    after = int(result()["replicates"].sum())
-    assert after > 1.5 * before and after == SweepState.of(file).counts()[1]
 
 
 def test_blocks_that_share_runs_are_made(sweep):

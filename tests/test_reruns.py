@@ -5,7 +5,6 @@ studies are empty files that Snakemake takes for its own.
 """
 
 import os
-import re
 import shutil
 from contextlib import ExitStack, contextmanager
 
@@ -40,7 +39,6 @@ def made(claimed, tmp_path_factory):
 def again(folder, configfile=SMOKE) -> dict[str, int]:
     """Number of jobs of each rule that would run, without those that only gather files."""
     jobs = planned(folder, *TARGETS, configfile=configfile)
-    jobs = {re.sub("^figures_.*", "figure", rule): count for rule, count in jobs.items()}
     return {rule: count for rule, count in jobs.items() if rule not in TARGETS}
 
 
@@ -52,8 +50,6 @@ HARMLESS = {
         "dem/experiment/config.py",
         ("has no such shape", "knows no such shape"),
     ),
-    "a shape that the sweep has not": ("dem/shapes/superellipse.py", LINE),
-    "one more shape": ("dem/shapes/triangle.py", 'SHAPE = "Triangle"\n'),
     "one more observable": ("dem/experiment/observables/heat.py", "VARIABLES = {}\n"),
     "the command line": ("dem/cli/app.py", LINE),
     "runs a batch": (SMOKE, ("title: Smoke", "batch: 3\ntitle: Smoke")),
@@ -63,7 +59,6 @@ HARMLESS = {
     ),
 }
 EDITS = {
-    "the style of figures": ("dem/figures/style.py", LINE, {"figure"}),
     "one figure": ("dem/figures/figure13.py", LINE, {"figure"}),
     "sentences of the claims": ("studies/claims/sentences.py", LINE, {"table", "figure"}),
     "a kernel": ("dem/contacts/loops.py", LINE, RUNS | RESULTS),
@@ -103,7 +98,8 @@ def test_nothing_is_made_again_for_what_changes_no_result(made):
 def test_an_edit_makes_again_what_depends_on_it(made, edit):
     name, change, rules = EDITS[edit]
     with edited(made, [(name, change)]):
-        assert set(again(made)) == rules
+        jobs = again(made)
+    assert set(jobs) == rules and (edit != "one figure" or jobs["figure"] == 1)
 
 
 # (file, what it says, what is put instead): rules whose jobs run, with the chunks of new runs

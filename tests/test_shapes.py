@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from test_collision import APART, gains, volley
+from egg import Egg, support
+from test_collision import APART, ELASTIC, LEAST, gains, volley
 
 import dem
 from conftest import section_of
@@ -16,30 +17,6 @@ from dem.jit.compilation import inlined
 from dem.shapes import KINDS, protocol, smooth, superellipse
 
 SIZES = 1e-3 * np.array([0.5, 0.7, 1.0])
-
-
-def egg_support(nx, ny, sizes):
-    """Three bulges: h = r (1 + e cos 3 phi + c cos phi), without a centre of symmetry."""
-    r, e, c = sizes
-    cosine, sine = nx * (4.0 * nx * nx - 3.0), ny * (3.0 - 4.0 * ny * ny)
-    return (
-        r * (1.0 + e * cosine + c * nx),
-        -r * (3.0 * e * sine + c * ny),
-        r * (1.0 - 8.0 * e * cosine),
-    )
-
-
-@smooth.smooth(egg_support)
-class Egg(NamedTuple):
-    """Granules that no half turn brings back; loaded: how far the outline is off the centre of mass, over r."""
-
-    radius: np.ndarray
-    bulge: float = 0.08
-    loaded: float = 0.0
-
-    @property
-    def gyration_squared(self):
-        return smooth.gyration_squared(self)
 
 
 def granules(kind, diameters=SIZES):
@@ -284,13 +261,13 @@ def test_a_name_is_given_once():
     """Two classes of one name would run each other's machine code: the second one is refused."""
     twin = NamedTuple("Egg", [("radius", np.ndarray)])  # noqa: UP014
     with pytest.raises(dem.InputError, match="Egg is the name of a class"):
-        smooth.smooth(egg_support)(twin)
+        smooth.smooth(support)(twin)
 
 
 def test_an_unknown_question_is_refused():
     """An answer to what no kernel asks is refused, with both names."""
     with pytest.raises(dem.InputError, match="Egg answers colour, which is no question"):
-        protocol.answer(Egg, colour=egg_support)
+        protocol.answer(Egg, colour=support)
 
 
 def test_the_shape_of_the_documentation_works():
@@ -311,7 +288,6 @@ def test_a_superellipse_of_exponent_two_without_rounding_is_an_ellipse():
     np.testing.assert_allclose(found, [h, -3.0 * nx * ny / h, 4.0 / h**3], rtol=1e-12, atol=1e-14)
 
 
-LEAST = dem.Friction(1e-15, 1e-15, 1e-15)
 BOUNCING = {
     "ellipse": lambda d: dem.Ellipse.of_size(d, 1.5),
     "superellipse": lambda d: dem.Superellipse.of_size(d, 1.5),
@@ -324,11 +300,7 @@ BOUNCING = {
 def test_elastic_bounces_keep_energy_alike(name):
     """The error of energy falls with the step at one order, and is as small for all smooth shapes."""
     sizes = 1e-3 * np.random.default_rng(0).uniform(1.0, 2.0, 200)
-    if name == "ellipse":
-        properties = {"material": dem.Material(restitution=1.0)}
-    else:  # the limit of no friction, no damping: with the machine code of beds
-        properties = {"material": dem.Material(restitution=1.0 - 1e-12), "friction": LEAST, **APART}
-    scene, state = volley(BOUNCING[name](sizes), 1, 500.0, **properties)
+    scene, state = volley(BOUNCING[name](sizes), 1, 500.0, material=ELASTIC, **LEAST)
     steps = np.array([0.04, 0.02, 0.01])
     error = [np.median(np.abs(gains(scene, state, step))) for step in steps]
     assert np.polyfit(np.log(steps), np.log(error), 1)[0] > 2.0
@@ -339,12 +311,7 @@ def test_a_granule_turns_about_its_centre_of_mass_wherever_its_outline_is():
     """An elastic hit on a floor gives a loaded disc the momentum and the spin of a rigid body whose lever is the
     distance of its centre of mass from the line of the force."""
     disc, speed, lever = Egg(np.array([1e-3]), 0.0, 0.3), 1.0, 0.3e-3
-    scene = dem.Scene(
-        disc,
-        dem.Material(restitution=1.0 - 1e-12),
-        friction=LEAST,
-        **APART | {"walls": [[0.0, -1.0, 0.0], *APART["walls"][:3]]},
-    )
+    scene = dem.Scene(disc, ELASTIC, **LEAST | {"walls": [[0.0, -1.0, 0.0], *APART["walls"][:3]]})
     start = dem.State([[0.0, 1.01e-3]], velocity=[[0.0, -speed]])
     after = dem.simulate(scene, start, 5e-5).state
     inertia = disc.gyration_squared[0] / lever**2  # over mass and lever squared
@@ -354,15 +321,6 @@ def test_a_granule_turns_about_its_centre_of_mass_wherever_its_outline_is():
     )
     assert after.angular_velocity[0] == pytest.approx(spin, rel=1e-3)
     assert abs(after.velocity[0, 0]) < 1e-9 * speed
-
-
-def test_granules_without_symmetry_pack():
-    """Eggs pack to rest, without large overlaps."""
-    radius = 1e-3 * np.random.default_rng(1).uniform(0.4, 0.6, 50)
-    cylinder = dem.Cylinder(1.5e-3, (4e-3, 2e-3))
-    area = Egg(radius).area.sum() / 0.84 + 0.25 * np.pi * cylinder.diameter**2
-    bed = dem.pack(Egg(radius), 8e-3, area / 8e-3, cylinder, 1)
-    assert bed.pressure > 0.0 and bed.max_overlap < 0.2 and bed.net_force < 1e-9
 
 
 def test_granules_without_symmetry_hand_their_momentum_to_walls_and_cylinder():

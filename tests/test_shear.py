@@ -187,12 +187,12 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     """About 95 % do, also where runs differ by more than their samples: in one run, samples share what
     the bed began with."""
     held, rng = [], np.random.default_rng(7)
-    for seed in range(200):
+    for seed in range(60):
         runs = swept([[0.3, 0.4]], seeds=4, seed=seed)
         of_a_bed = xr.DataArray(0.02 * rng.standard_normal((2, 4)), dims=(AXIS, "seed"))
         runs["shear_fraction"] = runs["shear_fraction"] + of_a_bed
         held += [low < 0.8 < high for _, low, high in rheology(runs)[()].fraction]
-    assert 0.92 <= np.mean(held) <= 0.98
+    assert 0.9 <= np.mean(held) <= 0.99
 
 
 def test_a_single_run_has_a_mean_and_no_interval():

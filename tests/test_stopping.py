@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from test_motion import ANCHOR
 from typer.testing import CliRunner
 
 import dem
@@ -63,23 +64,10 @@ def combined(work, folder):
     return path
 
 
-def simulate(output, checkpoint):
+def simulate(output, *options):
     """A command line that runs one replicate."""
-    return [
-        "simulate",
-        "--config",
-        str(CONFIG / "smoke.yaml"),
-        "--shape",
-        "c1",
-        "--density",
-        "3900",
-        "--seed",
-        "1",
-        "-o",
-        str(output),
-        "--checkpoint",
-        str(checkpoint),
-    ]
+    words = f"simulate --config {CONFIG}/smoke.yaml --shape c1 --density 3900 --seed 1"
+    return [*words.split(), "-o", str(output), *map(str, options)]
 
 
 class Killed(BaseException):
@@ -127,7 +115,7 @@ def test_a_checkpoint_is_there_until_the_result_is(tmp_path, monkeypatch, writes
     checkpoint, output = tmp_path / "run.npz", tmp_path / "run.nc"
     if not writes:
         monkeypatch.setattr(making, "write_one", write)
-    result = CliRunner().invoke(app, simulate(output, checkpoint))
+    result = CliRunner().invoke(app, simulate(output, "--checkpoint", checkpoint))
     assert result.exit_code == (0 if writes else 1)
     assert (output.exists(), checkpoint.exists()) == (writes, not writes)
 
@@ -204,7 +192,7 @@ def test_the_command_deletes_no_file_that_it_did_not_write(tmp_path, fault):
     checkpoint, output = tmp_path / "run.npz", tmp_path / "run.nc"
     FOREIGN[fault](checkpoint)
     before = checkpoint.read_bytes()
-    result = CliRunner().invoke(app, simulate(output, checkpoint))
+    result = CliRunner().invoke(app, simulate(output, "--checkpoint", checkpoint))
     assert result.exit_code == 2 and "it is no checkpoint" in result.stderr, result.output
     assert checkpoint.read_bytes() == before and not output.exists()
 
@@ -425,9 +413,9 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path):
 # A simulation that is interrupted between or inside its intervals
 
 
-def crowd(friction=True):
-    """2,304 discs in three chunks, in motion between walls that a path and a force move, with a held
-    group; and a cylinder on a path."""
+def crowd():
+    """2,304 discs in three chunks, in motion above a floor and below a wall that a force moves, with
+    held groups; and a cylinder on a path."""
     side, pitch = 48, 2.02e-3
     grid = np.stack(np.meshgrid(np.arange(side), np.arange(side)), -1).reshape(-1, 2)
     state = dem.State(pitch * (grid + 0.5), np.random.default_rng(1).normal(size=(side**2, 2)))
@@ -437,12 +425,13 @@ def crowd(friction=True):
     scene = dem.Scene(
         dem.Disc(np.full(side**2, 1e-3)),
         dem.Material(restitution=0.7),
-        friction=dem.Friction() if friction else None,
-        walls=dem.box(side * pitch, side * pitch),
-        cylinder=dem.Cylinder(1e-3, (-0.1, 0.0), path),
-        wall_motion=[None, None, None, wall],
-        held=[dem.Held(grid[:, 1] == 0, (0.1, 0.0))],
+        friction=dem.Friction(),
+        walls=dem.box(side * pitch, side * pitch)[2:],
+        cylinder=dem.Cylinder(1e-3, (0.0, -0.1), path),
+        wall_motion=[None, wall],
+        held=[dem.Held(grid[:, 1] == 0, (0.1, 0.0)), dem.Held([side**2 - 1], ANCHOR)],
         gravity=(0.0, -1.0),
+        periodic=(side * pitch, None),
     )
     return scene, state
 
@@ -452,18 +441,24 @@ def bits(run, record):
     return {**run.checkpoint(), **record._asdict()}
 
 
-@pytest.mark.parametrize("bed", [*KINDS, "a crowd", "a crowd of two threads", "smooth"])
+BEDS = [*KINDS, "a crowd", "a crowd of two threads", "smooth"]
+
+
+def moving(small_bed, bed):
+    """Scene, state, threads and a time (s) of a bed by its name."""
+    if "crowd" in bed:
+        return *crowd(), 1 + (bed != "a crowd"), 1e-5
+    small = small_bed("disc" if bed == "smooth" else bed)
+    smooth = {"friction": None} if bed == "smooth" else {}
+    return small.scene(**smooth), small.state, 1, 3e-5
+
+
+@pytest.mark.parametrize("bed", BEDS)
 def test_bits_do_not_depend_on_how_often_the_kernel_returns(small_bed, monkeypatch, bed):
     """After every step, after every seventh, or never: also with motions, threads and a ledger."""
     monkeypatch.setattr(simulation, "BRIEF", 0.0)
     monkeypatch.setattr(simulation, "LONG", math.inf)
-    if "crowd" in bed:
-        scene, state, threads, duration = *crowd(), 1 + (bed != "a crowd"), 1e-5
-    elif bed == "smooth":
-        scene, state, threads, duration = *crowd(friction=False), 1, 1e-5
-    else:
-        small = small_bed(bed)
-        scene, state, threads, duration = small.scene(), small.state, 1, 3e-5
+    scene, state, threads, duration = moving(small_bed, bed)
     found = []
     for budget in (2**60, 1, 7):
         run = dem.Simulation(scene, state, threads=threads)
@@ -472,6 +467,26 @@ def test_bits_do_not_depend_on_how_often_the_kernel_returns(small_bed, monkeypat
     for other in found[1:]:
         for name, values in found[0].items():
             assert_array_equal(other[name], values, name)
+
+
+@pytest.mark.parametrize("bed", BEDS)
+def test_a_simulation_goes_on_from_a_checkpoint_on_disk_with_the_same_bits(
+    small_bed, tmp_path, bed
+):
+    """Loaded into another one, which lists other pairs."""
+    scene, state, threads, duration = moving(small_bed, bed)
+    whole, second = (dem.Simulation(scene, state, threads=threads) for _ in range(2))
+    whole.advance(13 * duration)
+    if bed in KINDS:
+        partners = (run.world.pairs.partner for run in (whole, second))
+        assert not np.array_equal(*partners)
+    np.savez(tmp_path / "saved.npz", **whole.checkpoint())
+    with np.load(tmp_path / "saved.npz") as saved:
+        second.restore(saved)
+    one, other = (bits(run, run.record(duration / 6, 4)) for run in (whole, second))
+    for name, values in one.items():
+        assert_array_equal(other[name], values, name)
+    assert np.abs(whole.state.position - state.position).max() > 1e-6
 
 
 class Alarm:
@@ -509,8 +524,9 @@ def test_an_interrupt_is_answered_and_leaves_what_was_simulated(call, threads):
     scene = replace(
         scene,
         walls=scene.walls * [1.0, 1.0, 0.0] + [0.0, 0.0, 1e3],
-        held=[dem.Held([0], (1e-3, 0.0))],
+        held=[dem.Held([0], (1e-3, 0.0)), dem.Held([n - 1], ANCHOR)],
         cylinder=dem.Cylinder(1e-3, (0.0, 1.0), path),
+        periodic=(3e-3 * n, None),
     )
     run = dem.Simulation(scene, dem.State(place), threads=threads, time_step=1e-9)
     run.advance(1e-7)
@@ -524,8 +540,8 @@ def test_an_interrupt_is_answered_and_leaves_what_was_simulated(call, threads):
     assert at == pytest.approx(1e-9 * steps, rel=1e-12)
     for name, values in vars(state).items():
         assert_array_equal(getattr(run.state, name), values)
-    assert_allclose(state.velocity[1:, 1], -at, rtol=1e-9)  # at a full step
-    assert_allclose(state.position[1:, 1], -0.5 * at**2, rtol=1e-6)
+    assert_allclose(state.velocity[1:-1, 1], -at, rtol=1e-9)  # at a full step
+    assert_allclose(state.position[1:-1, 1], -0.5 * at**2, rtol=1e-6)
     assert_allclose(state.position[0, 0], 1e-3 * at, rtol=1e-9)
     assert run.world.boundaries.motion[run.world.cylinder.first, 1] == pytest.approx(
         1.0 + at, rel=1e-10

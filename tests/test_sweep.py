@@ -31,6 +31,7 @@ from dem.sweep.axis import changes_of_words
 from dem.sweep.combine import about, combine
 from dem.sweep.combined import combine_block
 from dem.sweep.config import load, merged, parse
+from dem.sweep.jobs import kernel_key, plan_batches
 from dem.sweep.prune import prune, sweeps
 from dem.sweep.state import SweepState
 
@@ -240,24 +241,6 @@ def test_a_value_of_the_command_line_is_the_number_that_a_file_would_give():
 @pytest.mark.parametrize(
     ("sweep", "words"),
     [
-        (
-            {"friction.granul": [0.1]},
-            "friction.granul is no value that can vary; the nearest is friction.granule",
-        ),
-        (
-            {"shape": ["c9"]},
-            "sweep.shape is 'c9', which is not one of shapes; there are c1, d1, e0, e3",
-        ),
-        ({"case": ["c11"]}, "sweep.case is 'c11', which is not one of cases; the nearest is c1"),
-        ({"shape": "c1", "friction.granule": []}, "must be a list of values"),
-        (
-            {"shape": "c1", "friction.granule": [-0.1]},
-            "friction.granule is -0.1; it must be at least 0",
-        ),
-        ({"shape": "c1", "friction.granule": [0.1, 0.1]}, "has 0.1 twice"),
-        ({"shape": "c1", "friction.granule": ["much"]}, "is 'much'; it must be a number"),
-        ({"shape": "c1", "seed": "5 to 1"}, "must run from less to more"),
-        ({"shape": "c1", "seed": [1.5]}, "sweep.seed is 1.5; it must be a whole number"),
         ({"shape": "c1", "case": "all"}, "varies shape in two ways"),
         (
             {"friction.granule": [0.1]},
@@ -268,7 +251,6 @@ def test_a_value_of_the_command_line_is_the_number_that_a_file_would_give():
             "sweep must give all runs a shape or a case; there are c1, d1",
         ),
         ({"shape": "c1", "cylinder.stroke": [1e-3]}, "runs of one block share"),
-        ({"shape": "c1", "ellipse.contact": {"times": [2]}}, "which has no multiples"),
         ({"shape": "c1", "cylinder.start": [0.25, 0.01]}, "asks for an impossible run"),
         (
             {"shape": "c1", "box": {"wide": {"box_with": 1}}},
@@ -296,15 +278,11 @@ def test_a_value_of_the_command_line_is_the_number_that_a_file_would_give():
             },
             "the nearest is gravity",
         ),
-        ({"blocks": {}}, "sweep.blocks is {}; it must not be empty"),
+        ({"blocks": {}}, "sweep.blocks is {}; it must have at least 1 item"),
         ({"box": {"a": {"shape": "zz"}}}, "sweep.box.a.shape is 'zz', which is not one of shapes"),
         (
             {"shape": "c1", "box": {"a": {"density": 0.0}}},
             "sweep.box.a.density is 0.0; it must be positive",
-        ),
-        (
-            {"shape": "c1", "box": {"a": {"seed": 1.7}}},
-            "sweep.box.a.seed is 1.7; it must be a whole number",
         ),
         ({"shape": "c1", "box": {1: {}, "1": {}}}, "has '1' twice"),
         ({"shape": "c1", "friction.granule": [0, -0.0]}, "twice; list each once"),
@@ -338,7 +316,6 @@ def test_a_value_of_the_command_line_is_the_number_that_a_file_would_give():
             {"blocks": {"a": {"shape": "c1", "s": {"x": {}}, "s_length": {"y": {}}}}},
             "sweep.blocks.a gives files of results two things named s_length",
         ),
-        ({"blocks": {"figures": {"shape": "c1"}}}, "it must be no folder of results"),
         (
             {
                 "blocks": {
@@ -450,7 +427,7 @@ def test_runs_that_compute_the_same_motion_share_machine_code():
     def kernels(path="seed", value=1, observables=("drag", "snapshots"), **values):
         record = SMALL["record"] | {"observables": list(observables)}
         sweep = small({"shape": "c1", path: [value]}, record=record, **values)
-        return stores.kernels_of(sweep.block("drag").first)
+        return kernel_key(sweep.block("drag").first)
 
     first = kernels()
     assert first == kernels("friction.wall", 0.0) == kernels(observables=["drag"])
@@ -510,16 +487,16 @@ def test_chunks_are_filled_and_runs_of_one_bed_stay_together(tmp_path):
     """Two beds of two runs are one chunk of four, and two chunks of at most three."""
     block = small({"shape": "c1", "seed": [1, 2], "friction.granule": [0.1, 0.2]}).block("drag")
     for size, runs in ((5, [4]), (4, [4]), (3, [2, 2]), (1, [1, 1, 1, 1])):
-        chunks, _ = stores.plan((), block.unique(), size, "results")
+        chunks, _ = plan_batches((), block.unique(), size, "results")
         assert [len(chunk.runs) for chunk in chunks] == runs
 
 
 def test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs():
     """All its jobs find the same ones, however many the other puts together."""
     runs = list(small({"shape": "c1", "seed": [1, 2, 3, 4]}).block("drag").unique())
-    mine, _ = stores.plan((), runs, 1, "results/mine")
-    others, _ = stores.plan((), runs, 4, "results/other")
-    found, new = stores.plan(others + mine, runs, 1, "results/mine")
+    mine, _ = plan_batches((), runs, 1, "results/mine")
+    others, _ = plan_batches((), runs, 4, "results/other")
+    found, new = plan_batches(others + mine, runs, 1, "results/mine")
     assert set(found) == set(mine) and not new
 
 
@@ -626,9 +603,9 @@ def test_a_file_that_was_damaged_on_its_way_is_not_put_into_the_store(tmp_path, 
     path.write_bytes(bytes(1000))
     seal(path)
     with pytest.raises(Changed):
-        store.put("ab", damage(path.read_bytes()))
+        store.add("ab", damage(path.read_bytes()))
     assert not list(store.folder.rglob("*.*"))
-    store.put("ab", path.read_bytes())
+    store.add("ab", path.read_bytes())
     assert store.file_of("ab").read_bytes() == path.read_bytes()
 
 

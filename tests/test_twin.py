@@ -49,7 +49,7 @@ def scene_of(name):
 
     if name == "box of discs":
         shape, state = granules(dem.Disc)
-        return dem.Scene(shape, damped, rough, WALLS), state
+        return dem.Scene(shape, damped, rough, WALLS, cylinder), state
     if name == "discs":
         shape, state = granules(dem.Disc)
         return dem.Scene(
@@ -63,20 +63,20 @@ def scene_of(name):
         shape, state = granules(dem.Disc)
         state.angular_velocity[:] = 0.0
         return dem.Scene(
-            shape, damped, walls=WALLS[2:], cylinder=dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), FREE),
-            periodic=(WIDTH, None), wall_motion=[path(*TO_AND_FRO), LID],
-            held=[dem.Held([3, 4], path(*TO_AND_FRO))],
+            shape, damped, None, WALLS, dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), FREE),
+            gravity=(3e3, -1e4), wall_motion=[None, None, path(*TO_AND_FRO), LID],
+            held=[dem.Held([3, 4], path(*TO_AND_FRO)), dem.Held([9, 13, 14], GUIDED)],
         ), state  # fmt: skip
     if name == "dumbbells":
         shape, state = granules(lambda r: dem.Dumbbell(0.55 * r))
         turning = path(*TO_AND_FRO, spin=[0.0, 900.0, -500.0, 0.0])
         return dem.Scene(
             shape, damped, rough, cylinder=dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), turning),
-            periodic=(WIDTH, HEIGHT), held=[dem.Held([3, 4], path(*TO_AND_FRO))],
+            periodic=(WIDTH, HEIGHT),
         ), state  # fmt: skip
     if name == "ellipses":
         shape, state = granules(ellipses())
-        return dem.Scene(shape, damped, rough, WALLS, cylinder, (0.0, -1e4)), state
+        return dem.Scene(shape, damped, rough, WALLS, cylinder), state
     if name == "ellipses of local radius":
         precise = dem.CommonNormal(1e-6)
         shape, state = granules(ellipses(contact=precise, hertz_radius="local"))

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from test_outside import FILES
+from test_plugins import FILES
 from typer.testing import CliRunner
 
 import dem
@@ -74,8 +74,12 @@ def test_a_cluster_of_dask_leaves_what_this_process_leaves(file, monkeypatch):
         ) as local,
         distributed.Client(local) as client,
     ):
-        for marks in (workers._marks, lambda path: (0, 0)):
-            monkeypatch.setattr(workers, "_marks", marks)
+        task_of = workers.task_of
+        for shared in (True, False):
+            if not shared:
+                monkeypatch.setattr(
+                    workers, "task_of", lambda *args: task_of(*args)._replace(marks=(0, 0))
+                )
             shutil.rmtree("results")
             np.testing.assert_array_equal(drag_of(file, client), alone)
         executed = client.run(lambda dask_worker: dask_worker.state.executed_count)
@@ -85,8 +89,10 @@ def test_a_cluster_of_dask_leaves_what_this_process_leaves(file, monkeypatch):
         assert any("c1 at 3900 kg/m3, seed 1" in name for name in names)
 
 
-def test_a_worker_without_the_store_has_the_files_of_a_user(tmp_path, monkeypatch):
-    """It makes the batch in a store of its machine, from what the task holds."""
+def test_a_worker_without_the_store_takes_files_of_a_user_from_its_own_folder(
+    tmp_path, monkeypatch
+):
+    """It makes the batch in a store of its machine."""
     mine = tmp_path / "mine"
     mine.mkdir()
     (mine / "rotation.py").write_text(FILES["rotation.py"])
@@ -97,11 +103,13 @@ def test_a_worker_without_the_store_has_the_files_of_a_user(tmp_path, monkeypatc
     state.begin("drag")
     task = task_of(state.store, batch)
     shutil.rmtree(mine / "results")
-    (mine / "rotation.py").unlink()
+    uploaded = tmp_path / "uploaded"
+    uploaded.mkdir()
+    (mine / "rotation.py").rename(uploaded / "rotation.py")
     monkeypatch.setattr(workers, "_folder", lambda name: tmp_path / "machine" / name)
-    content = make_task(task)
+    content = make_task(task, beside=str(uploaded))
     assert not (mine / "results").exists()
-    state.store.put(batch.id, content)
+    state.store.add(batch.id, content)
     values, _ = read(state.store.file_of(batch.id), ("run_id", "failure"))
     assert values["run_id"].tolist() == list(batch.runs) and not values["failure"].any()
 

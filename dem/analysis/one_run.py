@@ -15,12 +15,11 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
-from dem.base.schema import as_number, is_written
-from dem.experiment.config import Replicate, of_values
+from dem.experiment.config import Replicate, by_path, of_values
 from dem.io.dataset import LABELS, content_of
 from dem.io.lazily import open_lazily
+from dem.sweep.listing import as_number, is_written
 from dem.sweep.store import Store
-from dem.sweep.why import flat
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -52,7 +51,7 @@ def batch_of(path: Path, run: str) -> Path:
     none."""
     for folder in Path(path).resolve().parents:
         store = Store(folder / "store")
-        for batch in store.sealed().values():
+        for batch in store.complete().values():
             if run in batch.runs:
                 return store.file_of(batch.id)
     raise InputError(
@@ -87,12 +86,12 @@ def values_of_runs(dataset: xr.Dataset) -> pd.DataFrame:
 
     ids = dataset["run_id"]
     if ids.dims == ("run",):
-        rows = [dict(flat(each)) for each in json.loads(dataset.attrs.get("values", "[]"))]
+        rows = [by_path(each) for each in json.loads(dataset.attrs.get("values", "[]"))]
         found = {name: dataset[name].values for name in LABELS if name in dataset.variables}
         # a label is no other value of the configuration, and lists tell no runs of a file apart
         for path in dict.fromkeys(path for row in rows for path in row):
             values = [row.get(path) for row in rows]
-            if path not in found and not any(isinstance(each, tuple) for each in values):
+            if path not in found and not any(isinstance(each, list) for each in values):
                 found[path] = values
     else:
         labels = (str(name) for name in dataset.coords if set(dataset[name].dims) <= set(ids.dims))

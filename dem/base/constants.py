@@ -1,4 +1,4 @@
-"""What files say of themselves: the constants at their top, read without running them.
+"""The constants, classes and functions at the top of a file, read without running it.
 
 A folder is then the list of what is in it: figures, kinds of experiment, studies.
 """
@@ -8,8 +8,6 @@ import re
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
-
-NO_BITS = "reads what files say of themselves"
 
 
 @cache
@@ -32,6 +30,16 @@ class _Filled(ast.NodeTransformer):
     def visit_Name(self, node):
         known = node.id in self.known
         return ast.parse(repr(self.known[node.id]), mode="eval").body if known else node
+
+
+@cache
+def definitions(path: Path) -> dict[str, list[str]]:
+    """Classes and functions at the top of a file by name, each class with its functions."""
+    return {
+        node.name: [inner.name for inner in node.body if isinstance(inner, ast.FunctionDef)]
+        for node in ast.parse(Path(path).read_bytes(), str(path)).body
+        if isinstance(node, ast.ClassDef | ast.FunctionDef)
+    }
 
 
 @cache

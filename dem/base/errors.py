@@ -1,7 +1,5 @@
 """Errors with a name: what went wrong, where and when, in one sentence."""
 
-NO_BITS = "names errors"
-
 
 class InputError(ValueError):
     """A value that the user gave cannot be used; nothing was written.
@@ -14,7 +12,7 @@ class InputError(ValueError):
     >>> dem.Friction(-0.1)
     Traceback (most recent call last):
     ...
-    dem.base.errors.InputError: friction granule is -0.1; it must be zero or a positive number, up to 1e+20.
+    dem.base.errors.InputError: Friction.granule is -0.1; it must be at least 0.
     """
 
 
@@ -63,7 +61,8 @@ class StateError(RunError):
     Examples
     --------
     >>> import dem
-    >>> scene = dem.Scene(dem.Disc([1e-3]), walls=dem.box(width=1e-2, height=1e-2))
+    >>> box = dem.box(width=1e-2, height=1e-2)
+    >>> scene = dem.Scene(dem.Disc([1e-3]), friction=dem.Friction(), walls=box, gravity=(0, -9.81))
     >>> dem.simulate(scene, dem.State([[-2e-3, 5e-3]]), duration=1e-5)
     Traceback (most recent call last):
     ...

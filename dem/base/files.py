@@ -11,8 +11,6 @@ from typing import Any
 
 from dem.base.errors import InputError
 
-NO_BITS = "writes files"
-
 
 def check_output(
     name: str, path: Any, suffixes: tuple[str, ...] = (), inputs: Iterable[Path] = ()

@@ -5,8 +5,6 @@ import unicodedata
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-NO_BITS = "words sentences"
-
 LISTED = 20  # names that a hint lists
 # Controls (C0, C1, escape), formats (bidirectional overrides), halves of characters, line ends.
 CONTROLS = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})

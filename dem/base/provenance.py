@@ -6,8 +6,6 @@ import subprocess
 from functools import cache
 from pathlib import Path
 
-NO_BITS = "reports versions"
-
 PACKAGE = Path(__file__).parent.parent
 
 

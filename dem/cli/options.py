@@ -32,12 +32,4 @@ FolderOption = option(Path | None, "Folder; figures/ next to the data if absent.
 TextOption = option(
     Path | None, "Text file (.txt); the terminal if absent.", *OUTPUT, writes=".txt"
 )
-FiguresArgument = argument(
-    str,
-    "Figure name, e.g. figure13, several with commas between, or all; an unknown name lists them.",
-)
-FiguresDataArgument = argument(Path, "File of results, or a folder with the file of each figure.")
-ChangedOption = option(
-    bool, "Leave out what is drawn already, of the same data by the same code.", "--changed"
-)
 PAPER = Path("config/paper.yaml")

@@ -2,16 +2,7 @@
 
 from pathlib import Path
 
-from dem.cli.options import (
-    OUTPUT,
-    ChangedOption,
-    FiguresArgument,
-    FiguresDataArgument,
-    FolderOption,
-    TextOption,
-    argument,
-    option,
-)
+from dem.cli.options import OUTPUT, FolderOption, TextOption, argument, option
 from dem.cli.show import draw_figure, print_or_write
 from dem.cli.terminal import start_lean
 from dem.io.progress import bar
@@ -59,21 +50,20 @@ def means(
 
 
 def figure(
-    names: FiguresArgument,
-    data: FiguresDataArgument,
+    name: argument(str, "Figure name, e.g. figure13, or all; an unknown name prints the list."),
+    data: argument(Path, "drag.nc, snapshots.nc, shear.nc or onset.nc."),
     output: FolderOption = None,
     of: option(
         str | None, "Quantity of the figure sweep; drag, or the first of the file, if absent."
     ) = None,
-    changed: ChangedOption = False,
 ):
-    """Draw figures of results, as SVG and PNG.
+    """Draw a figure of results, as SVG and PNG.
 
     Example: dem figure figure13 results/drag.nc
     """
     from dem.figures.catalogue import FIGURES
 
-    draw_figure(names, data, output, FIGURES, of, changed)
+    draw_figure(name, data, output, FIGURES, of)
 
 
 def draw(

@@ -35,20 +35,15 @@ class PlainConsole(Console):
 
 
 def draw_figure(
-    names: str,
-    data: Path,
-    output: Path | None,
-    figures: dict,
-    of: str | None = None,
-    changed: bool = False,
+    name: str, data: Path, output: Path | None, figures: dict, of: str | None = None
 ) -> None:
-    """Draw some figures into a folder, figures/ beside the data if none is given."""
+    """Draw one of some figures into a folder, figures/ beside the data if none is given."""
     from dem.figures.catalogue import draw
 
-    folder = output or (data if data.is_dir() else data.parent) / "figures"
-    check_output("output", folder / "figure.svg")
-    with bar(f"drawing {names}"):
-        draw(names, data, folder, figures, of, changed)
+    folder = output or data.parent / "figures"
+    check_output("output", folder / f"{name}.svg")
+    with bar(f"drawing {name}"):
+        draw(name, data, folder, figures, of)
 
 
 def watched(look) -> None:

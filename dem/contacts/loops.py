@@ -47,13 +47,8 @@ def pair_contacts(world, dt, begin, end):
         accumulate(contacts, start, stop, lanes.values, turns, flat)
 
 
-@optional
-def boundary_contacts(surface, world, dt):
-    _boundary_contacts(surface, world, dt)
-
-
 @compiled
-def _boundary_contacts(surface, world, dt):
+def boundary_contacts(surface, world, dt):
     """Add the forces of the contacts with walls, or with the cylinder, and sum up those on them."""
     shape, frame, contacts, lanes = (
         world.shape,

@@ -215,28 +215,6 @@ def boundaries(scene: Scene) -> Boundaries:
     )
 
 
-def surfaces(
-    scene: Scene, table: GranuleTable, drive: np.ndarray
-) -> tuple[Surface | None, Surface | None]:
-    """Walls and cylinder; drive: of Boundaries."""
-    count, walls, cylinder = number_of_walls(scene), None, None
-    if scene.walls is not None:
-        listed = contacts(scene, table, "wall", drive)
-        walls = Surface(
-            first=0, end=count, planes=np.array(scene.walls), radius=None, contacts=listed
-        )
-    if scene.cylinder is not None:
-        listed = contacts(scene, table, "cylinder", drive)
-        cylinder = Surface(
-            first=count,
-            end=count + 1,
-            planes=None,
-            radius=0.5 * scene.cylinder.diameter,
-            contacts=listed,
-        )
-    return walls, cylinder
-
-
 def held_groups(scene: Scene, bodies: np.ndarray, motion: np.ndarray) -> HeldGroups | None:
     """The groups of a scene, whose granules take their velocities (of Boundaries.motion) at
     once."""
@@ -292,7 +270,7 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
     inverse_mass, inverse_inertia = mobilities(scene)
     turned = np.column_stack([np.cos(state.angle), np.sin(state.angle)])
     moving, none = boundaries(scene), np.zeros(0, np.int64)
-    walls, cylinder = surfaces(scene, table, moving.drive)
+    count, cylinder = number_of_walls(scene), scene.cylinder
     return World(
         shape=writable(scene.shape),
         bodies=bodies,
@@ -309,9 +287,21 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
             scene, table, "granule", moving.drive[len(moving.drive) - len(scene.held) :]
         ),
         boundaries=moving,
-        walls=walls,
-        cylinder=cylinder,
-        gravity=None if scene.gravity is None else np.array(scene.gravity, float),
+        walls=Surface(
+            first=0,
+            end=count,
+            planes=np.empty((0, 3)) if scene.walls is None else np.array(scene.walls),
+            radius=None,
+            contacts=contacts(scene, table, "wall", moving.drive),
+        ),
+        cylinder=Surface(
+            first=count,
+            end=count + bool(cylinder),
+            planes=None,
+            radius=0.5 * cylinder.diameter if cylinder else 0.0,
+            contacts=contacts(scene, table, "cylinder", moving.drive),
+        ),
+        gravity=scene.gravity or (0.0, 0.0),
         lanes=make_lanes(accounted),
         patches=Patches(index, index, none, none) if n > PATCH else None,
         held=held_groups(scene, bodies, moving.motion),

@@ -97,7 +97,7 @@ def move_boundaries(world, kick, dt):
     Velocities are those of half steps as in dem.dynamics.integration. `move_held` then moves held
     granules. Impulses take up what kicks: with the momentum of the granules, they are exact.
     """
-    boundaries, walls = world.boundaries, world.walls
+    boundaries, planes = world.boundaries, world.walls.planes
     motion, first = boundaries.motion, boundaries.first_waypoint
     contact_forces, impulses = boundaries.contact_forces, boundaries.impulses
     for b in range(motion.shape[0]):
@@ -112,25 +112,22 @@ def move_boundaries(world, kick, dt):
         motion[b, X] += dt * motion[b, VX]
         motion[b, Y] += dt * motion[b, VY]
     boundaries.time[0] += dt
-    if walls is not None:
-        planes = walls.planes
-        for k in range(planes.shape[0]):
-            planes[k, 2] += dt * (motion[k, VX] * planes[k, 0] + motion[k, VY] * planes[k, 1])
+    for k in range(planes.shape[0]):
+        planes[k, 2] += dt * (motion[k, VX] * planes[k, 0] + motion[k, VY] * planes[k, 1])
 
 
 @inlined
 def surface_moved(surface, boundaries):
     """Largest squared displacement (m2) of walls, or of the cylinder, since the lists were made."""
-    farthest = 0.0
-    if surface is not None:
-        motion, reference, planes = boundaries.motion, boundaries.reference, surface.planes
-        for b in range(surface.first, surface.end):
-            dx, dy = motion[b, X] - reference[b, 0], motion[b, Y] - reference[b, 1]
-            if planes is not None:  # only the motion along the normal counts
-                apart = dx * planes[b, 0] + dy * planes[b, 1]
-                farthest = greater(farthest, apart * apart)
-            else:
-                farthest = greater(farthest, dx * dx + dy * dy)
+    farthest, planes = 0.0, surface.planes
+    motion, reference = boundaries.motion, boundaries.reference
+    for b in range(surface.first, surface.end):
+        dx, dy = motion[b, X] - reference[b, 0], motion[b, Y] - reference[b, 1]
+        if planes is not None:  # only the motion along the normal counts
+            apart = dx * planes[b, 0] + dy * planes[b, 1]
+            farthest = greater(farthest, apart * apart)
+        else:
+            farthest = greater(farthest, dx * dx + dy * dy)
     return farthest
 
 

@@ -159,13 +159,13 @@ def near_planes(planes, constituents, radius, skin):
 
 
 @inlined
-def near_circle(size, place, constituents, radius, skin, period):
-    """The same for a circle of radius size (m) at a place (x, y)."""
-    constituent = np.empty(constituents.shape[0], np.uint32)
-    count = 0
-    for i in range(constituents.shape[0]):
-        dx = nearest(period[0], constituents[i, X] - place[0])
-        dy = nearest(period[1], constituents[i, Y] - place[1])
+def near_circle(size, there, constituents, radius, skin, period):
+    """The same for a circle of radius size (m); there: its row, or none."""
+    count, n = 0, constituents.shape[0] * there.shape[0]
+    constituent = np.empty(n, np.uint32)
+    for i in range(n):
+        dx = nearest(period[0], constituents[i, X] - there[0, X])
+        dy = nearest(period[1], constituents[i, Y] - there[0, Y])
         reach = radius[i] + size + skin
         if dx * dx + dy * dy < reach * reach:
             constituent[count] = i

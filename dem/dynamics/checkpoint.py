@@ -11,7 +11,7 @@ from dataclasses import is_dataclass
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.validate import refuse
+from dem.base.types import refuse
 
 # of a World: what the scene holds, and what part step writes before it reads
 LEFT_OUT = "world.shape.", "world.lanes.motion", "world.lanes.values"

@@ -77,9 +77,10 @@ def pairs_of(world):
 
 
 def measured(world, *surfaces):
-    """Contacts between granules, then those with each of some surfaces: the Surface, motion of the
-    partners, and the geometries."""
-    partners = [(surface, world.boundaries.motion) for surface in surfaces if surface is not None]
+    """Contacts between granules, then those with each of some surfaces that the scene has: the
+    Surface, motion of the partners, and the geometries."""
+    there = [surface for surface in surfaces if surface.first < surface.end]
+    partners = [(surface, world.boundaries.motion) for surface in there]
     for surface, motion in [(pairs_of(world), world.constituents), *partners]:
         rows = geometries(world.shape, world.constituents, world.orientation, motion, surface)
         yield surface, motion, rows
@@ -97,8 +98,6 @@ def deeper(worst, overlap, i, size):
 @inlined
 def deepest_with(surface, world, table, worst):
     """Greatest overlap over the smaller radius, and its constituent, with walls or cylinder too."""
-    if surface is None:
-        return worst
     motion, others = world.constituents, world.boundaries.motion
     rows = geometries(world.shape, motion, world.orientation, others, surface)
     for p in range(rows.shape[0]):

@@ -142,8 +142,6 @@ def scan_surface(surface, world, table, bounds, worst):
 
     Returns the greatest relative overlap with its constituent; worst: that so far.
     """
-    if surface is None:
-        return worst
     boundaries, rows = world.boundaries, bounds.rows
     granules, motion = world.bodies, world.constituents
     contact = geometries(world.shape, motion, world.orientation, boundaries.motion, surface)
@@ -190,8 +188,7 @@ def expected_speed(world, skin, speed_bound):
     driven, and a fall."""
     squared, gravity = greater(fastest(world.boundaries), speed_bound * speed_bound), world.gravity
     squared += 2.0 * skin * driven_acceleration(world.boundaries)
-    if gravity is not None:
-        squared += 2.0 * skin * math.sqrt(gravity[0] ** 2 + gravity[1] ** 2)
+    squared += 2.0 * skin * math.sqrt(gravity[0] ** 2 + gravity[1] ** 2)
     return math.sqrt(squared)
 
 

@@ -78,10 +78,7 @@ def velocity_later(world, i, c, later):
     """Component c of the velocity of granule i after kicks of a time `later` (s)."""
     kick = later * world.inverse_mass[i] * world.force[i, FX + c]
     velocity = minus(world.bodies[i, VX + c], given(at_full_steps(world), world.bodies[i, DVX + c]))
-    velocity += kick
-    if world.gravity is not None:
-        velocity += later * world.gravity[c]
-    return velocity
+    return velocity + kick + later * world.gravity[c]
 
 
 @compiled
@@ -133,8 +130,6 @@ def balance(world) -> tuple[float, float, float]:
 
 def fallen(world) -> float:
     """Minus the potential energy (J) of the granules in gravity."""
-    if world.gravity is None:
-        return 0.0
     depth, light = world.bodies[:, :2] @ world.gravity, world.inverse_mass
     return float(np.sum(np.divide(depth, light, out=np.zeros_like(depth), where=light > 0.0)))
 

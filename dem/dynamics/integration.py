@@ -56,14 +56,12 @@ def drift(world, kick, dt, low, high):
     """
     bodies, force, half = world.bodies, world.force, 0.5 * dt
     inverse_mass, inverse_inertia = world.inverse_mass, world.inverse_inertia
-    orientation, angle, gravity = world.orientation, world.angle, world.gravity
+    orientation, angle, (gx, gy) = world.orientation, world.angle, world.gravity
     previous, full = world.previous_acceleration, at_full_steps(world)
     collect(world.shape, world.constituent_force, orientation, force, low, high)
     for number in range(low, high):
         i = np.uint64(number)  # unsigned: no test for an index that counts from the end
-        ax, ay = force[i, FX] * inverse_mass[i], force[i, FY] * inverse_mass[i]
-        if gravity is not None:
-            ax, ay = ax + gravity[0], ay + gravity[1]
+        ax, ay = force[i, FX] * inverse_mass[i] + gx, force[i, FY] * inverse_mass[i] + gy
         vx = minus(bodies[i, VX], given(full, bodies[i, DVX])) + kick * ax
         vy = minus(bodies[i, VY], given(full, bodies[i, DVY])) + kick * ay
         dvx = half * extrapolated(previous, i, FX, ax)

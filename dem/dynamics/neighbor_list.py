@@ -11,11 +11,9 @@ from dem.dynamics.world import (
     PATCH,
     Contacts,
     Patches,
-    Surface,
-    World,
     number_of_patches,
 )
-from dem.jit.address import by_address
+from dem.jit.address import as_before, by_address, changeable
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.shapes.protocol import circle, outline, place
@@ -204,48 +202,40 @@ def reach_patches(patches, constituents, per):
 
 @compiled(allocates=True)
 def list_pairs(world, table):
-    """The pairs of the world for the present positions, with their constants and history; and
-    Patches."""
-    view = by_address(world)
-    old, rows, shape, orientation = view.pairs, view.constituents, view.shape, view.orientation
+    """Renew the pairs for the present positions, with their constants and history, and Patches."""
+    old, rows, shape, orientation = world.pairs, world.constituents, world.shape, world.orientation
     radius, period, per, held = table.radius, table.period, table.per, table.held
     near = near_pairs(rows, table.bounding, table.skin, per, period)
     first, constituent, partner = without_held(held, near[0], near[1], near[2])
-    granules = view.bodies.shape[0]
-    force_row, patches = share_out(view.patches, constituent, partner, granules, per)
+    granules = world.bodies.shape[0]
+    force_row, patches = share_out(world.patches, constituent, partner, granules, per)
     new = renewed(old, first, constituent, partner, force_row, shape)
     for p in range(constituent.shape[0]):
         i, j = constituent[p], partner[p]
         g, h = i // per, j // per
         inverse_masses = (
-            inverse_mass_along(view, g, 0) + inverse_mass_along(view, h, 0),
-            inverse_mass_along(view, g, 1) + inverse_mass_along(view, h, 1),
+            inverse_mass_along(world, g, 0) + inverse_mass_along(world, h, 0),
+            inverse_mass_along(world, g, 1) + inverse_mass_along(world, h, 1),
         )
         reduced_radius = radius[i] * radius[j] / (radius[i] + radius[j])
         mass = effective_mass(held, table.mass, i, j)
         set_constants(new, p, reduced_radius, mass, table.alpha, inverse_masses)
         set_image(new, p, rows[j, X] - rows[i, X], rows[j, Y] - rows[i, Y], period)
         put_sizes(new.sizes, p, shape, orientation, i, j)
-    return new, patches
+    world.pairs, world.patches = new, patches
 
 
 @inlined
-def near_surface(surface, motion, rows, table):
-    """Constituents near walls or cylinder, and the boundary that each is near."""
-    if surface.planes is not None:
-        return near_planes(surface.planes, rows, table.bounding, table.skin)
-    place = motion[surface.first]
-    return near_circle(surface.radius, place, rows, table.bounding, table.skin, table.period)
-
-
-@inlined
-def list_surface(surface, world, table, patches):
-    """Walls, or the cylinder, with a new list of contacts."""
-    if surface is None:
-        return None
+def list_surface(surface, world, table):
+    """Renew the list of contacts of walls, or of the cylinder."""
     motion, drive, rows = world.boundaries.motion, world.boundaries.drive, world.constituents
     radius, first, per = surface.radius, surface.first, table.per
-    constituent, partner = near_surface(surface, motion, rows, table)
+    bounding, skin, period = table.bounding, table.skin, table.period
+    if radius is None:
+        constituent, partner = near_planes(surface.planes, rows, bounding, skin)
+    else:
+        there = motion[first : surface.end]
+        constituent, partner = near_circle(radius, there, rows, bounding, skin, period)
     for p in range(partner.shape[0]):
         partner[p] += first
     new = renewed(surface.contacts, None, constituent, partner, partner, None)
@@ -259,9 +249,9 @@ def list_surface(surface, world, table, patches):
         if radius is not None:
             reduced = reduced * radius / (reduced + radius)
         set_constants(new, p, reduced, table.mass[i], table.alpha, inverse_masses)
-        set_image(new, p, motion[b, X] - rows[i, X], motion[b, Y] - rows[i, Y], table.period)
-    reach_patches(patches, constituent, per)
-    return Surface(first=first, end=surface.end, planes=surface.planes, radius=radius, contacts=new)
+        set_image(new, p, motion[b, X] - rows[i, X], motion[b, Y] - rows[i, Y], period)
+    reach_patches(world.patches, constituent, per)
+    surface.contacts = new
 
 
 @inlined
@@ -277,39 +267,18 @@ def rebuild_neighbor_list(world, table):
 
     table: dem.dynamics.assembly.GranuleTable.
     """
-    boundaries = world.boundaries  # by value, as the new world holds it
-    view, constants = by_address(world), by_address(table)
+    view, constants = changeable(world), by_address(table)
     rows, reference, held = view.constituents, view.reference, view.held
     set_orientation(view.orientation, view.angle)
     place(view.shape, view.bodies, view.orientation, rows, 0, view.bodies.shape[0])
     set_reference(rows, reference)
     set_reference(view.boundaries.motion, view.boundaries.reference)
-    pairs, patches = list_pairs(view, constants)
-    walls = list_surface(view.walls, view, constants, patches)
-    cylinder = list_surface(view.cylinder, view, constants, patches)
+    list_pairs(view, constants)
+    list_surface(view.walls, view, constants)
+    list_surface(view.cylinder, view, constants)
     if held is not None:
-        reach_patches(patches, held.member, 1)
-    constituent_force = room_for_forces(patches, view.constituent_force, rows.shape[0])
-    # one array where a granule is its own only constituent
-    force = constituent_force if constants.per == 1 else view.force
-    return World(
-        shape=view.shape,
-        bodies=view.bodies,
-        angle=view.angle,
-        orientation=view.orientation,
-        inverse_mass=view.inverse_mass,
-        inverse_inertia=view.inverse_inertia,
-        force=force,
-        constituents=rows,
-        constituent_force=constituent_force,
-        reference=reference,
-        previous_acceleration=view.previous_acceleration,
-        pairs=pairs,
-        boundaries=boundaries,
-        walls=walls,
-        cylinder=cylinder,
-        gravity=view.gravity,
-        lanes=view.lanes,
-        patches=patches,
-        held=held,
-    )
+        reach_patches(view.patches, held.member, 1)
+    view.constituent_force = room_for_forces(view.patches, view.constituent_force, rows.shape[0])
+    if constants.per == 1:  # one array where a granule is its own only constituent
+        view.force = view.constituent_force
+    return as_before(view, world)

@@ -3,12 +3,13 @@
 import os
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
+from pydantic import Field
 
 from dem.base.files import atomic, check_output
-from dem.base.validate import whole
+from dem.base.types import Count, parsed
 from dem.dynamics.contact_list import ContactList
 from dem.dynamics.world import World
 from dem.jit.columns import VX, VY, W, X, Y
@@ -77,7 +78,7 @@ def bearings(scene: Scene, world: World) -> np.ndarray:
     """Offsets (m) of walls, place (x, y) in m of the cylinder, and velocities (m/s, rad/s) of all
     boundaries."""
     motion = world.boundaries.motion
-    offsets = np.empty(0) if world.walls is None else world.walls.planes[:, 2]
+    offsets = world.walls.planes[:, 2]
     place = shares(scene, motion)[1][[X, Y]]
     return np.concatenate([offsets, place, motion[:, [VX, VY, W]].ravel()])
 
@@ -227,7 +228,7 @@ class Result(NamedTuple):
         [0, 1, 0]
         """
         frames = len(self.time)
-        frame = whole(-frames, frames - 1)("frame", frame)
+        frame = parsed(Annotated[Count, Field(ge=-frames, lt=frames)], frame, "frame")
         scene, place = self.scene, self.cylinder_position
         if scene.cylinder is not None and place is not None:
             scene = replace(scene, cylinder=replace(scene.cylinder, position=place[frame]))

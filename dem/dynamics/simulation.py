@@ -1,7 +1,6 @@
 """A scene in motion, which you advance and look at between calls."""
 
 import math
-import os
 import threading
 import time
 import warnings
@@ -10,23 +9,10 @@ from contextlib import nullcontext
 from typing import Annotated, Any, NoReturn
 
 import numpy as np
-from numpy.typing import ArrayLike
+from pydantic import InstanceOf
 
 from dem.base.errors import InputError, OverlapError, StateError
-from dem.base.validate import (
-    LEAST,
-    checked,
-    flag,
-    not_negative,
-    number,
-    one_of,
-    or_none,
-    positive,
-    refuse,
-    up_to,
-    vector,
-    whole,
-)
+from dem.base.types import NotNegative, Time, Unit, Velocity, checked
 from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.checkpoint import (
     fingerprint,
@@ -41,6 +27,16 @@ from dem.dynamics.checkpoint import (
 from dem.dynamics.contact_list import ContactList, list_contacts
 from dem.dynamics.diagnostics import Diagnostics
 from dem.dynamics.energy import Ledger, balance, energies, fallen
+from dem.dynamics.numerics import (
+    MAX_OVERLAP,
+    STEP_FRACTION,
+    Intervals,
+    MaxOverlap,
+    Skin,
+    StepFraction,
+    ThreadCount,
+    check_stable,
+)
 from dem.dynamics.ordering import order_of, ordered
 from dem.dynamics.result import Record, Result, bearings, shares
 from dem.dynamics.skin import SKIN, skin_for
@@ -64,20 +60,13 @@ from dem.dynamics.stepping import (
     StepControl,
     run_steps,
 )
-from dem.dynamics.stress import Stress, edges, stress
+from dem.dynamics.stress import Edges, Stress, stress
 from dem.dynamics.threads import Threads
 from dem.dynamics.world import World, number_of_patches
 from dem.jit.columns import VX, VY, W, X, Y
 from dem.jit.interrupts import signals_deferred
 from dem.scene import ARRAYS, Scene, State
 
-STEP_FRACTION = 0.3  # of the bound on the critical time step
-LARGEST_OVERLAP = 1.2  # of the smaller radius
-MOST_THREADS = max(64, 4 * (os.cpu_count() or 1))
-PIECES = whole(1, 10_000_000)  # beyond that their arrays fill any memory
-DURATION = positive("s")
-STABLE = "lie above 0 and up to 1, or with allow_unstable above 0"
-FRACTION = number(STABLE, LEAST)
 FIRST_BUDGET = 20_000  # constituents times steps until the kernel returns for the first time
 BRIEF, LONG = 0.05, 0.15  # s: between these it returns, so that Python can answer Ctrl-C
 MOST_FRAME_BYTES = 2**30  # of the frames of a Result
@@ -166,21 +155,20 @@ class Simulation:
     0.0002 s
     """
 
-    @checked()
+    @checked
     def __init__(
         self,
-        scene: Annotated[Scene, one_of(Scene)],
-        state: Annotated[State, one_of(State)],
-        time_step: Annotated[float | None, or_none(positive("s"))] = None,
-        step_fraction: Annotated[float, FRACTION] = STEP_FRACTION,
-        max_overlap: Annotated[float, up_to(1.5)] = LARGEST_OVERLAP,
-        skin: Annotated[float | None, or_none(up_to(100.0))] = None,
-        threads: Annotated[int, whole(1, MOST_THREADS)] = 1,
-        ledger: Annotated[bool, flag] = False,
-        allow_unstable: Annotated[bool, flag] = False,
+        scene: InstanceOf[Scene],
+        state: InstanceOf[State],
+        time_step: Time | None = None,
+        step_fraction: StepFraction = STEP_FRACTION,
+        max_overlap: MaxOverlap = MAX_OVERLAP,
+        skin: Skin | None = None,
+        threads: ThreadCount = 1,
+        ledger: bool = False,
+        allow_unstable: bool = False,
     ):
-        if step_fraction > 1.0 and not allow_unstable:
-            refuse("step_fraction", step_fraction, STABLE)
+        check_stable(step_fraction, allow_unstable)
         if ledger and threads > 1:
             raise InputError(f"threads is {threads}; with an energy ledger it must be 1.")
         self.scene, self.time_step = scene, time_step
@@ -344,8 +332,8 @@ class Simulation:
             self._fail(report._replace(outcome=TOO_DEEP, value=value, granule=granule))
         return diagnostics._replace(deepest=int(self._order[diagnostics.deepest]))
 
-    @checked(duration=DURATION)
-    def check_duration(self, duration: float) -> None:
+    @checked
+    def check_duration(self, duration: Time) -> None:
         """Announce the duration of a run, so that an endless one is refused before it starts.
 
         Later calls of `advance` and `record` also refuse a time step that is too short for it.
@@ -409,8 +397,8 @@ class Simulation:
         """
         return list_contacts(self._seen, self._order)
 
-    @checked(x=or_none(edges), y=or_none(edges))
-    def stress(self, x: ArrayLike | None = None, y: ArrayLike | None = None) -> Stress:
+    @checked
+    def stress(self, x: Edges | None = None, y: Edges | None = None) -> Stress:
         """Stress and fabric of the bed at the present time, or of bins along x or y.
 
         Parameters
@@ -462,7 +450,7 @@ class Simulation:
         if x is not None and y is not None:
             raise InputError("x and y are both given; give edges along one of them.")
         world = self._seen
-        planes = np.empty((0, 3)) if world.walls is None else world.walls.planes
+        planes = world.walls.planes
         _, place, _ = shares(self.scene, world.boundaries.motion)
         bins = next(((k, np.asarray(e)) for k, e in enumerate((x, y)) if e is not None), None)
         return stress(self.contacts(), self.state, self.scene, planes, place, bins)
@@ -570,8 +558,8 @@ class Simulation:
 
     # Motion
 
-    @checked(velocity=vector("m/s"))
-    def set_cylinder_velocity(self, velocity: tuple[float, float]) -> None:
+    @checked
+    def set_cylinder_velocity(self, velocity: Velocity) -> None:
         """Change the velocity of the cylinder from now on.
 
         Parameters
@@ -620,8 +608,8 @@ class Simulation:
             before[1:3] = (seen.motion[b, :2] - boundaries.motion[b, :2]) / ahead
         self._progress = report._replace(scanned=-1)
 
-    @checked(duration=not_negative("s"))
-    def advance(self, duration: float) -> float:
+    @checked
+    def advance(self, duration: Annotated[NotNegative, Unit("s")]) -> float:
         """Advance the motion by a duration.
 
         Parameters
@@ -665,8 +653,8 @@ class Simulation:
         """
         return self._advance("duration", self.time, duration, 1)
 
-    @checked(interval=DURATION, count=PIECES)
-    def record(self, interval: float, count: int) -> Record:
+    @checked
+    def record(self, interval: Time, count: Intervals) -> Record:
         """Advance over equal intervals and measure forces, energy and contacts in each.
 
         Impulses from before do not count, and none are left for `collect_impulses`. An interrupt
@@ -899,7 +887,6 @@ class Simulation:
                 f"{value:.4g} s, {when}: make it shorter, leave it out, or set allow_unstable."
             )
         if outcome == OUTSIDE:
-            assert self._world.walls is not None
             planes = self._world.walls.planes
             beyond = planes[:, :2] @ self._world.bodies[granule, :2] - planes[:, 2]
             raise StateError(
@@ -915,18 +902,18 @@ class Simulation:
         )
 
 
-@checked(duration=DURATION, frames=PIECES)
+@checked
 def simulate(
-    scene: Scene,
-    state: State,
-    duration: float,
-    time_step: float | None = None,
-    frames: int = 1,
+    scene: InstanceOf[Scene],
+    state: InstanceOf[State],
+    duration: Time,
+    time_step: Time | None = None,
+    frames: Intervals = 1,
     *,
-    step_fraction: float = STEP_FRACTION,
-    max_overlap: float = LARGEST_OVERLAP,
-    skin: float | None = None,
-    threads: int = 1,
+    step_fraction: StepFraction = STEP_FRACTION,
+    max_overlap: MaxOverlap = MAX_OVERLAP,
+    skin: Skin | None = None,
+    threads: ThreadCount = 1,
     allow_unstable: bool = False,
 ) -> Result:
     """Simulate a scene from a state and return arrays.
@@ -1017,9 +1004,9 @@ def _frame(run: Simulation, interval: float) -> dict[str, Any]:
         "cylinder_force": (cylinder[:2] + cylinder[2:4]) / interval,
         "wall_force": walls[:, 0] / interval,
         "wall_tangential_force": walls[:, 3] / interval,
-        "wall_offset": np.empty(0) if world.walls is None else world.walls.planes[:, 2],
+        "wall_offset": world.walls.planes[:, 2],
     }
-    if world.cylinder is not None:
+    if run.scene.cylinder is not None:
         frame["cylinder_position"] = world.boundaries.motion[world.cylinder.first, :2]
         frame["cylinder_torque"] = cylinder[4] / interval
     if world.held is not None:

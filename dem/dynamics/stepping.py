@@ -13,8 +13,7 @@ from dem.dynamics.integration import advance, drift, look_ahead
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.skin import MARGIN
 from dem.dynamics.threads import share_of
-from dem.dynamics.world import Boundaries, Surface, World
-from dem.jit.address import by_address
+from dem.jit.address import another, as_before, by_address, changeable, given
 from dem.jit.block_memory import Lanes, make_lanes
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
@@ -196,13 +195,12 @@ def later(time, steps, dt):
 @compiled
 def first_outside(walls, bodies):
     """The first granule whose centre is behind a wall, or -1."""
-    if walls is not None:
-        planes = walls.planes
-        for i in range(bodies.shape[0]):
-            for k in range(planes.shape[0]):
-                height = bodies[i, X] * planes[k, 0] + bodies[i, Y] * planes[k, 1]
-                if height > planes[k, 2]:
-                    return i
+    planes = walls.planes
+    for i in range(bodies.shape[0]):
+        for k in range(planes.shape[0]):
+            height = bodies[i, X] * planes[k, 0] + bodies[i, Y] * planes[k, 1]
+            if height > planes[k, 2]:
+                return i
     return -1
 
 
@@ -236,8 +234,9 @@ PLACE, OF_BOUNDARY = 5, 7
 def measure(row, impulses, rate, world, table, frame):
     """Fill a row of the record but for the step; impulses: those that go on, of which those seen
     are taken off."""
-    motion, seen, walls = world.boundaries.motion, world.boundaries.impulses, world.walls
-    row[ENERGY] = kinetic(by_address(world), 0.0, frame)[0]
+    world = by_address(world)
+    motion, seen, planes = world.boundaries.motion, world.boundaries.impulses, world.walls.planes
+    row[ENERGY] = kinetic(world, 0.0, frame)[0]
     touching, row[OVERLAP], _ = contact_summary(world, table)
     row[CONTACTS] = 2.0 * touching / world.bodies.shape[0]
     for b in range(impulses.shape[0]):
@@ -246,27 +245,13 @@ def measure(row, impulses, rate, world, table, frame):
             row[at + c] = seen[b, c] * rate
             impulses[b, c] -= seen[b, c]
         row[at + PLACE], row[at + PLACE + 1] = motion[b, X], motion[b, Y]
-    if walls is not None:  # the place of a wall is its offset (m)
-        for k in range(walls.planes.shape[0]):
-            row[OF_BED + OF_BOUNDARY * k + PLACE] = walls.planes[k, 2]
+    for k in range(planes.shape[0]):  # the place of a wall is its offset (m)
+        row[OF_BED + OF_BOUNDARY * k + PLACE] = planes[k, 2]
 
 
 @inlined
 def copied(array):
     return None if array is None else array.copy()
-
-
-@inlined
-def copied_walls(walls):
-    if walls is None:
-        return None
-    return Surface(
-        first=walls.first,
-        end=walls.end,
-        planes=walls.planes.copy(),
-        radius=walls.radius,
-        contacts=walls.contacts,
-    )
 
 
 @compiled(allocates=True)
@@ -275,44 +260,21 @@ def look(world, pending_kick, ahead):
 
     pending_kick: see dem.dynamics.integration.look_ahead. Lists and contact history are shared.
     """
-    boundaries, bodies, lanes = world.boundaries, world.bodies.copy(), world.lanes
-    alone = world.constituents.shape[0] == world.bodies.shape[0]
+    seen = another(world)
+    boundaries, walls, lanes = seen.boundaries, seen.walls, seen.lanes
+    seen.bodies, seen.angle = seen.bodies.copy(), seen.angle.copy()
+    seen.orientation = copied(seen.orientation)
+    seen.previous_acceleration = copied(seen.previous_acceleration)
     # one array where a granule is its own only constituent
-    constituents = bodies if alone else world.constituents.copy()
-    seen = World(
-        shape=world.shape,
-        bodies=bodies,
-        angle=world.angle.copy(),
-        orientation=copied(world.orientation),
-        inverse_mass=world.inverse_mass,
-        inverse_inertia=world.inverse_inertia,
-        force=world.force,
-        constituents=constituents,
-        constituent_force=world.constituent_force,
-        reference=world.reference,
-        previous_acceleration=copied(world.previous_acceleration),
-        pairs=world.pairs,
-        boundaries=Boundaries(
-            motion=boundaries.motion.copy(),
-            reference=boundaries.reference,
-            force=boundaries.force,
-            contact_forces=boundaries.contact_forces,
-            impulses=boundaries.impulses.copy(),
-            previous_acceleration=boundaries.previous_acceleration.copy(),
-            time=boundaries.time.copy(),
-            first_waypoint=boundaries.first_waypoint,
-            waypoints=boundaries.waypoints,
-            drive=boundaries.drive,
-        ),
-        walls=copied_walls(world.walls),
-        cylinder=world.cylinder,
-        gravity=world.gravity,
-        lanes=Lanes(motion=lanes.motion, values=lanes.values, account=copied(lanes.account)),
-        patches=world.patches,
-        held=world.held,
-    )
-    look_ahead(by_address(seen), pending_kick, ahead)
-    return seen
+    alone = world.constituents.shape[0] == world.bodies.shape[0]
+    seen.constituents = seen.bodies if alone else seen.constituents.copy()
+    boundaries.motion, boundaries.impulses = boundaries.motion.copy(), boundaries.impulses.copy()
+    boundaries.previous_acceleration = boundaries.previous_acceleration.copy()
+    boundaries.time = boundaries.time.copy()
+    walls.planes = walls.planes.copy()
+    seen.lanes = Lanes(motion=lanes.motion, values=lanes.values, account=copied(lanes.account))
+    look_ahead(seen, pending_kick, ahead)
+    return given(seen)
 
 
 # Several threads
@@ -367,22 +329,21 @@ def run_steps(world, table, rules, schedule, before, record, threads):
     shortest, interval_dt = math.inf, dt if dt > 0.0 else math.inf
     if before.outcome == PAUSED:
         n, shortest, interval_dt = before.intervals, before.shortest, before.interval_dt
-    table = by_address(table)
     if observe_only:
-        world = look(world, pending_kick, begin - time)
-        view = by_address(world)
+        world = look(by_address(world), pending_kick, begin - time)
+    view, table = changeable(world), by_address(table)
+    if observe_only:
         if threads is None:
             diagnostics = diagnose(view, table, 0.0, rules.frame)
         else:
             diagnostics = diagnose_together(threads, view, table, 0.0, rules.frame)
     if initialise:
-        world = rebuild_neighbor_list(world, table)
-        forces(world, 0.0, math.inf)
-        move_boundaries(by_address(world), 0.0, 0.0)  # previous accelerations are those of now
-        drift(by_address(world), 0.0, 0.0, 0, world.bodies.shape[0])
-        granule = first_outside(world.walls, world.bodies)
+        view = rebuild_neighbor_list(view, table)
+        forces(view, 0.0, math.inf)
+        move_boundaries(view, 0.0, 0.0)  # previous accelerations are those of now
+        drift(view, 0.0, 0.0, 0, view.bodies.shape[0])
+        granule = first_outside(view.walls, view.bodies)
     while not observe_only:
-        view = by_address(world)
         if granule >= 0:
             outcome = OUTSIDE
             break
@@ -427,9 +388,9 @@ def run_steps(world, table, rules, schedule, before, record, threads):
         ahead = math.floor((ends - time) / dt + NEARLY) if n < intervals else 0
         if ahead <= 0:
             if n < record.shape[0] and n < intervals:
-                row, seen = record[n], look(world, pending_kick, within(ends - time, dt))
-                row[STEP] = interval_dt
-                measure(row, view.boundaries.impulses, 1.0 / interval, seen, table, rules.frame)
+                row, seen = record[n], look(view, pending_kick, within(ends - time, dt))
+                row[STEP], impulses = interval_dt, view.boundaries.impulses
+                measure(row, impulses, 1.0 / interval, by_address(seen), table, rules.frame)
                 budget -= 1
             shortest, interval_dt = min(shortest, interval_dt), dt
             n += 1
@@ -459,10 +420,10 @@ def run_steps(world, table, rules, schedule, before, record, threads):
             if not (moved <= rules.reach or nearing(view) <= 2.0 * rules.reach):
                 outcome, value = LOST, moved
                 break
-            world = rebuild_neighbor_list(world, table)  # by value: what it replaces must live on
+            view = rebuild_neighbor_list(view, table)
             budget, scanned = budget - SCAN_COST, -1
     reached = begin + intervals * interval if outcome == FINE else max(begin, time)
-    return world, Progress(
+    return as_before(view, world), Progress(
         outcome=outcome,
         value=value,
         granule=granule,

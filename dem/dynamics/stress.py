@@ -8,12 +8,14 @@ mean force that crosses the lines of the bin is then exact (Irving and Kirkwood 
 
 import math
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import AfterValidator
 
 from dem.base.errors import InputError
-from dem.base.validate import array
+from dem.base.types import MOST, Unit, array
 from dem.dynamics.contact_list import ContactList
 from dem.scene import Scene, State
 
@@ -85,12 +87,14 @@ def _principal(tensor):
     return 0.5 * (xx + yy), np.hypot(across, both), 0.5 * np.arctan2(both, across)
 
 
-def edges(name: str, value: Any) -> np.ndarray:
-    """Kind: edges (m) of bins, at least two, that rise."""
-    limits = array("be finite", None, each="edge")(name, value)
-    if len(limits) < 2 or not (np.diff(limits) > 0.0).all():
-        raise InputError(f"{name} must hold two or more edges of bins (m) that rise.")
-    return limits
+def rising(edges: np.ndarray) -> np.ndarray:
+    """Edges (m) of bins, at least two, that rise; raises ValueError."""
+    if len(edges) < 2 or not (np.diff(edges) > 0.0).all():
+        raise ValueError("it must hold two or more edges of bins that rise")
+    return edges
+
+
+Edges = Annotated[ArrayLike, array(None, low=-MOST, high=MOST), AfterValidator(rising), Unit("m")]
 
 
 def stress(

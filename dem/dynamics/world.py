@@ -138,7 +138,7 @@ class Surface(NamedTuple):
     planes : ndarray of shape (w, 3) or None
         Rows (nx, ny, offset) of walls, solid where n.x > offset.
     radius : float or None
-        Radius of the cylinder (m).
+        Radius of the cylinder (m); None for walls.
     contacts : Contacts
         Neighbour list.
     """
@@ -229,9 +229,9 @@ class World(NamedTuple):
         Contacts between granules.
     boundaries : Boundaries
         Walls, cylinder and held groups.
-    walls, cylinder : Surface or None
-        Contacts with them.
-    gravity : ndarray of shape (2,) or None
+    walls, cylinder : Surface
+        Contacts with them; without any where the scene has none.
+    gravity : tuple of float
         Acceleration (m/s2).
     lanes : Lanes
         Scratch memory.
@@ -254,9 +254,9 @@ class World(NamedTuple):
     previous_acceleration: np.ndarray | None
     pairs: Contacts
     boundaries: Boundaries
-    walls: Surface | None
-    cylinder: Surface | None
-    gravity: np.ndarray | None
+    walls: Surface
+    cylinder: Surface
+    gravity: tuple[float, float]
     lanes: Lanes
     patches: Patches | None
     held: HeldGroups | None

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from dem.base.errors import InputError
 from dem.periodic import ROOM
 
 NOMINAL = 0.84  # packing fraction that tells where a bed under a pressure has its cylinder
@@ -29,7 +30,7 @@ def height_of_box(configuration, diameters: np.ndarray | float, count: int = 1) 
 
 
 def check_room(configuration, label: str, *seeds: int) -> None:
-    """Raise ValueError where cylinder or granules do not fit for one of the seeds.
+    """Raise InputError where cylinder or granules do not fit for one of the seeds.
 
     What fits into the lowest box that could be, with the largest granule, fits for every seed: only
     where it does not are the boxes of the seeds looked at.
@@ -38,14 +39,14 @@ def check_room(configuration, label: str, *seeds: int) -> None:
     least, most = (shape.diameter * (1.0 + sign * spread) for sign in (-1.0, 1.0))
     try:
         _check_box(configuration, label, height_of_box(configuration, least, shape.granules), most)
-    except ValueError:
+    except InputError:
         for seed in seeds:
             sizes = sample_diameters(shape, spread, seed)
             _check_box(configuration, label, height_of_box(configuration, sizes), sizes.max())
 
 
 def _check_box(configuration, label: str, height: float, largest: float) -> None:
-    """Raise ValueError where cylinder or the largest granule (m) do not fit into a box (m)."""
+    """Raise InputError where cylinder or the largest granule (m) do not fit into a box (m)."""
     shape, cylinder = configuration.shapes[label], configuration.cylinder
     where = f"with shapes.{label} the box is {configuration.box_width:.4g} m by {height:.4g} m"
     turns = [each in configuration.periodic for each in "xy"]  # "none" has neither
@@ -53,37 +54,37 @@ def _check_box(configuration, label: str, height: float, largest: float) -> None
         _check_cylinder(configuration, height, where, turns)
     length = largest * math.sqrt(shape.ratio)
     if length > min(configuration.box_width, height):
-        raise ValueError(
+        raise InputError(
             f"shapes.{label}.diameter is {shape.diameter:g} m: {where}, and a granule of length "
-            f"{length:.3g} m cannot fit"
+            f"{length:.3g} m cannot fit."
         )
     least = ROOM * 0.5 * (length + max(length, cylinder.diameter if cylinder else 0.0))
     for key, side, turn in zip("xy", (configuration.box_width, height), turns, strict=True):
         if turn and side < least:
-            raise ValueError(
+            raise InputError(
                 f"periodic is {configuration.periodic}: {where}; along {key} it must be at least "
-                f"{least:.4g} m, {ROOM:g} times the greatest distance at which two bodies touch"
+                f"{least:.4g} m, {ROOM:g} times the greatest distance at which two bodies touch."
             )
 
 
 def _check_cylinder(configuration, height: float, where: str, turns: list[bool]) -> None:
-    """Raise ValueError where the cylinder does not fit into a box of this height (m)."""
+    """Raise InputError where the cylinder does not fit into a box of this height (m)."""
     cylinder, half = configuration.cylinder, 0.5 * configuration.cylinder.diameter
     bottom, top = cylinder.start * height - half, cylinder.start * height + cylinder.stroke + half
     if cylinder.diameter >= configuration.box_width:
-        raise ValueError(
+        raise InputError(
             f"cylinder.diameter is {cylinder.diameter:g} m; it must be less than box_width, "
-            f"{configuration.box_width:g} m"
+            f"{configuration.box_width:g} m."
         )
     beyond = {"below its floor": bottom < 0, "above its top": top - cylinder.stroke > height}
     for side, out in beyond.items():
         if out and not turns[1]:
-            raise ValueError(
+            raise InputError(
                 f"cylinder.start is {cylinder.start:g}: {where}, and the cylinder would begin "
-                f"{side}"
+                f"{side}."
             )
     if top > height and not turns[1]:
-        raise ValueError(
+        raise InputError(
             f"cylinder.stroke is {cylinder.stroke:g} m: {where}, and the cylinder would leave it "
-            f"during its stroke; at most {cylinder.stroke + height - top:.3g} m fit"
+            f"during its stroke; at most {cylinder.stroke + height - top:.3g} m fit."
         )

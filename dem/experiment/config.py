@@ -4,12 +4,11 @@ SI units throughout. Workflow, command line and library read values only through
 refuses values that cannot be simulated with one sentence per fault, which names key and value.
 """
 
-import hashlib
 import json
 from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_origin
+from typing import Annotated, Any, ClassVar, NamedTuple, get_origin
 
 import numpy as np
 from pydantic import Field, create_model, model_validator
@@ -18,18 +17,20 @@ from pydantic.fields import FieldInfo
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
 from dem.base.provenance import compilers
-from dem.base.schema import (
+from dem.base.sources import digest, run_hash
+from dem.base.types import (
+    Density,
     Label,
+    Length,
     NotNegative,
-    Positive,
     Section,
-    known_by,
+    Seed,
+    Unit,
+    checked,
+    parsed,
     section_of,
-    units_of,
-    validated,
-    value,
+    unit_of,
 )
-from dem.base.sources import code_hash
 from dem.experiment.box import check_room
 from dem.experiment.kinds import EXPERIMENTS, Experiment
 from dem.experiment.sections import (
@@ -38,16 +39,15 @@ from dem.experiment.sections import (
     FrictionSection,
     MaterialSection,
     NumericsSection,
-    OwnSection,
     PackingSection,
     RecordSection,
+    RunSection,
     ShapeSection,
     ShearSection,
     or_file,
 )
+from dem.periodic import Sides
 from dem.shapes import Kind, kind_of
-
-NO_BITS = "reads values, which are part of what a run is known by"
 
 LAYOUT = 1  # of the files of runs: raise it where a variable comes, goes or has another meaning
 # sections that only some experiments read, by these
@@ -55,9 +55,10 @@ SECTIONS = {
     name: tuple(kind for kind, own in EXPERIMENTS.items() if name in own["SECTIONS"])
     for name in ("cylinder", "record", "shear")
 }
-UNREAD = ("beside", "shapes", "record.window")  # by runs; of the shapes, each reads its own
+UNHASHED_KEYS = "beside", "record.window"  # that runs do not read
+FIXED_KEYS = *UNHASHED_KEYS, "record.observables"  # that cannot vary in a sweep
 # what a bed depends on, beside its shape and how densely it is packed
-OF_BED = (
+BED_KEYS = (
     "box_width",
     "periodic",
     "cylinder.diameter",
@@ -78,25 +79,27 @@ class Configuration(Section):
     """All values that a run can read, by `read`; those of a sweep file are more."""
 
     read: ClassVar[dict[str, FieldInfo]]
-    experiment: Annotated[str, or_file(EXPERIMENTS)] = value(
-        None, "what is done with the bed, or a file of your own", "drag"
-    )
-    box_width: Positive = value(
-        "m", "width of the box; its height follows from packing.fraction or packing.pressure"
-    )
-    periodic: Literal["none", "x", "y", "xy"] = value(
-        None, "sides along which the box repeats itself", "none", "none"
-    )
-    cylinder: CylinderSection | None = value(None, "the cylinder; null: there is none", None, None)
+    experiment: Annotated[str, or_file(EXPERIMENTS)] = "drag"
+    """what is done with the bed, or a file of your own"""
+    box_width: Length
+    """width of the box; its height follows from packing.fraction or packing.pressure"""
+    periodic: Sides = "none"
+    """sides along which the box repeats itself"""
+    cylinder: CylinderSection | None = None
+    """the cylinder; null: there is none"""
     packing: PackingSection
     material: MaterialSection
     friction: FrictionSection
-    gravity: NotNegative = value("m s-2", "gravity, downwards", 0.0)
+    gravity: Annotated[NotNegative, Unit("m s-2")] = 0.0
+    """gravity, downwards"""
     ellipse: EllipseSection = EllipseSection()
     shapes: dict[Label, ShapeSection] = Field(min_length=1)
-    beside: str | None = value(None, "folder of files of your own; that of this file", None)
-    record: RecordSection | None = value(None, "what is recorded", None, None)
-    shear: ShearSection | None = value(None, "how the bed is sheared", None, None)
+    beside: str | None = None
+    """folder of files of your own; that of this file"""
+    record: RecordSection | None = None
+    """what is recorded"""
+    shear: ShearSection | None = None
+    """how the bed is sheared"""
     numerics: NumericsSection = NumericsSection()
 
     @model_validator(mode="after")
@@ -126,15 +129,15 @@ class Configuration(Section):
         record, cylinder, pressure = self.record, self.cylinder, self.packing.pressure
         if pressure is not None and "y" in self.periodic:
             raise ValueError(
-                f"packing.pressure is {pressure:g} Pa and periodic {self.periodic}; a pressure needs a "
-                "top wall, let periodic be none or x"
+                f"packing.pressure is {pressure:g} Pa and periodic {self.periodic}; a pressure "
+                "needs a top wall, let periodic be none or x"
             )
         if record is None or cylinder is None or not self.module.observed:
             return self
         if record.bins % (record.snapshots - 1):
             raise ValueError(
-                f"record.bins is {record.bins}; it must be a multiple of record.snapshots - 1, which is "
-                f"{record.snapshots - 1}, so that every snapshot falls on the end of a bin"
+                f"record.bins is {record.bins}; it must be a multiple of record.snapshots - 1, "
+                f"which is {record.snapshots - 1}, so that every snapshot falls on the end of a bin"
             )
         if record.window[1] > cylinder.stroke:
             raise ValueError(
@@ -166,9 +169,8 @@ class Configuration(Section):
         return tuple(name.removesuffix(".py") for name in names)
 
     def values(self) -> dict:
-        """The values of a run as plain groups, without the other keys of a file."""
-        found = json.loads(self.model_dump_json(include=set(self.read)))
-        return found if self.beside else {key: found[key] for key in found if key != "beside"}
+        """The values of a run as plain groups, but for those that are null."""
+        return self.model_dump(mode="json", include=set(self.read), exclude_none=True)
 
     def kind_of(self, shape: str) -> Kind:
         """The kind of granules of a shape; raises InputError where its file cannot be used."""
@@ -180,13 +182,13 @@ class Configuration(Section):
     @cached_property
     def known(self) -> dict[str, dict[str, Any]]:
         """The values that a run of each shape is known by, by path, but for density and seed."""
-        known = known_by(self, self.read).items()
-        own = {path: each for path, each in known if path not in UNREAD}
-        plain = {path: each for path, each in own.items() if not path.startswith("ellipse.")}
+        values = self.values()
+        shapes = values.pop("shapes")
+        every = {path: each for path, each in by_path(values).items() if path not in UNHASHED_KEYS}
+        plain = {path: each for path, each in every.items() if not path.startswith("ellipse.")}
         return {
-            label: (own if shape.kind == "ellipse" else plain)
-            | known_by(shape, ShapeSection.model_fields, "shape.")
-            | {"shape.aspect_ratio": shape.ratio}
+            label: (every if shape.kind == "ellipse" else plain)
+            | by_path({"shape": shapes[label] | {"aspect_ratio": shape.ratio}})
             for label, shape in self.shapes.items()
         }
 
@@ -194,17 +196,14 @@ class Configuration(Section):
     def _known_as_text(self) -> dict[str, str]:
         return {label: json.dumps(known, sort_keys=True) for label, known in self.known.items()}
 
-    def replicate(self, shape: str, density: float, seed: int) -> "Replicate":
+    @checked
+    def replicate(self, shape: str, density: Density, seed: Seed) -> "Replicate":
         """One run; raises InputError if it is impossible."""
-        own = validated(OwnSection, {"shape": shape, "density": density, "seed": seed})
         if shape not in self.shapes:
             hint = did_you_mean(shape, self.shapes)
             raise InputError(f"shape is {shape!r}; the configuration has no such shape{hint}.")
-        try:
-            check_room(self, shape, seed)
-        except ValueError as error:
-            raise InputError(f"{error}.") from None
-        return Replicate(self, own.shape, own.density, own.seed)
+        check_room(self, shape, seed)
+        return Replicate(self, shape, density, seed)
 
     def at(self, path: str):
         """The value at a path; None where there is none."""
@@ -213,22 +212,22 @@ class Configuration(Section):
             found = found.get(name) if isinstance(found, dict) else getattr(found, name, None)
         return found
 
+    @cached_property
+    def entries(self) -> dict[str, "Entry"]:
+        """The values that may vary, by path."""
+        return entries(self.shapes, self.read)
+
     @property
     def module(self) -> Experiment:
-        """The experiment. Its code is loaded on use, so that reading results does not depend on the code
-        that made them."""
+        """The experiment. Its code is loaded on use, so that reading results does not depend on the
+        code that made them."""
         return Experiment(self.experiment, self.beside)
 
-    def checked(self):
-        """These values; raises InputError where a file of a user's own that they name cannot be used."""
+    def check_files(self) -> None:
+        """Raise InputError where the values name a file that cannot be used."""
         for label in self.shapes:
             self.kind_of(label)
         self.module.check(self)
-        return self
-
-    def code_of(self, *modules: str, shapes: Iterable[str] = ()) -> str:
-        """SHA-256 of the code that modules and some shapes depend on."""
-        return code_hash(*modules, *sorted({self.kind_of(shape).module for shape in shapes}))
 
     def changed(self, changes: dict[str, Any], shape: str) -> "Configuration":
         """These values with some changed by path, and one shape only; raises InputError.
@@ -237,7 +236,7 @@ class Configuration(Section):
         """
         if not changes and set(self.shapes) == {shape} and type(self) is Configuration:
             return self
-        data = self.values()
+        data = self.model_dump(include=set(self.read))
         data["shapes"] = {shape: data["shapes"][shape]}
         for path, new in changes.items():
             *groups, last = path.split(".")
@@ -247,11 +246,12 @@ class Configuration(Section):
                     raise InputError(
                         f"{path} cannot vary; the experiment {self.experiment} has no {name}."
                     )
-            if last in at:
-                at[last] = new
+            at[last] = new
         words = ", ".join(f"{path} {new}" for path, new in changes.items())
         source = f"{shape} with {words}" if changes else shape
-        return parse(data, source).checked()
+        configuration = parse(data, source)
+        configuration.check_files()
+        return configuration
 
 
 Configuration.read = dict(Configuration.model_fields)
@@ -274,8 +274,8 @@ class Replicate:
         return self.configuration.kind_of(self.label)
 
     def values(self, beside: bool = True) -> dict:
-        """All values as plain groups, in the form that `of_values` takes; beside: with the folder of
-        shapes of a user's own, which is no part of what the run is."""
+        """All values as plain groups, in the form that `of_values` takes; beside: with the folder
+        of shapes of a user's own, which is no part of what the run is."""
         own = self.configuration.values()
         if not beside:
             own.pop("beside", None)
@@ -312,8 +312,8 @@ class Replicate:
 
     @property
     def variant(self) -> str:
-        """The values that select the machine code of the run, as text: of each motion that it computes,
-        its own and those of its bed."""
+        """The values that select the machine code of the run, as text: of each motion that it
+        computes, its own and those of its bed."""
         c = self.configuration
         motions = c.module.motions(self)
         if c.packing.friction > 0:
@@ -323,7 +323,7 @@ class Replicate:
         return f"{self.shape.kind} {c.periodic} {sorted(motions)}"
 
     def _bed(self, *more: str) -> str:
-        read = (*OF_BED, *more)
+        read = (*BED_KEYS, *more)
         known = self.configuration.known[self.label].items()
         bed = {path: own for path, own in known if path in read or path.startswith("shape.")}
         return json.dumps(bed, sort_keys=True)
@@ -332,7 +332,7 @@ class Replicate:
     def bed_family(self) -> str:
         """Hash of all that the bed depends on, except packing fraction or pressure, friction and
         seed."""
-        return _digest(self._bed())
+        return digest(self._bed())
 
     def bed_key(self) -> str:
         """All that the bed depends on, as text."""
@@ -349,47 +349,51 @@ class Replicate:
         return f"{c._known_as_text[self.label]} {self.density} {self.seed}"
 
     @property
-    def modules(self) -> tuple[str, ...]:
-        """The modules that make the run: experiment, observables and shape."""
+    def files(self) -> tuple[Path, ...]:
+        """The files of its experiment, observables and shape."""
         c = self.configuration
-        return *c.module.places(c), self.kind.module
+        return *c.module.files(c), self.kind.file
 
     @property
     def source_hash(self) -> str:
-        """SHA-256 of the code that decides the bits of this run, and of what compiles it."""
-        return _digest(code_hash(*self.modules, bits=True), compilers())
+        """Hash of the code that decides the numbers of this run, and of what compiles it."""
+        return digest(run_hash(*self.files), compilers())
 
     @cached_property
     def id(self) -> str:
         """Identity of the run: hash of the values that it reads and the code that it runs."""
-        return _digest(self.run_key(), self.source_hash, str(LAYOUT))
+        return digest(self.run_key(), self.source_hash, str(LAYOUT))
 
     @property
     def bed_id(self) -> str:
         """Identity of the bed of the run."""
-        code = code_hash("dem.experiment.bed", self.kind.module, bits=True)
-        return _digest(self.bed_key(), compilers(), code)
+        return digest(self.bed_key(), compilers(), run_hash(self.kind.file))
 
 
 # machine code of a bed that is pressed with friction, as kinds of experiment describe theirs
 PRESSED = (True, True, False, False, False, str(EllipseSection()))
 
 
-def _digest(*texts: str) -> str:
-    return hashlib.sha256("\n".join(texts).encode()).hexdigest()[:32]
+def by_path(values: dict, head: str = "") -> dict[str, Any]:
+    """Values of groups by path, such as friction.granule."""
+    found = {}
+    for name, each in values.items():
+        path = head + name
+        found |= by_path(each, f"{path}.") if isinstance(each, dict) else {path: each}
+    return found
 
 
 def of_values(data: dict, source: str = "values") -> Replicate:
     """One run from plain groups of values with `shape`, `density` and `seed`; raises InputError."""
-    own = {key: data[key] for key in OwnSection.model_fields if key in data}
-    run = validated(OwnSection, own, source)
+    own = {key: data[key] for key in RunSection.model_fields if key in data}
+    run = parsed(RunSection, own, source=source)
     rest = {key: each for key, each in data.items() if key not in own}
     return parse(rest, source).replicate(run.shape, run.density, run.seed)
 
 
 def parse(data, source: str = "configuration") -> Configuration:
     """Values from the content of a file; raises InputError with one sentence per fault."""
-    return validated(model_of(Configuration, data), data, source)
+    return parsed(model_of(Configuration, data), data, source=source)
 
 
 MODELS = {}  # that are made, because that takes longer than to use them
@@ -411,13 +415,13 @@ def model_of(base: type[Configuration], data) -> type[Configuration]:
         return base
     if (key := (base, name, repr(table))) in MODELS:
         return MODELS[key]
-    if label in {*base.model_fields, *OwnSection.model_fields, "extends"}:
+    if label in {*base.model_fields, *RunSection.model_fields, "extends"}:
         raise InputError(
-            f"experiment is {name!r}; its VALUES need a section {label}, which is another key: give the file "
-            "another name."
+            f"experiment is {name!r}; its VALUES need a section {label}, which is another key: "
+            "give the file another name."
         )
     section = experiment.section(table)
-    default = validated(section, {}, at=label)
+    default = parsed(section, {}, label)
     model = create_model(base.__name__, __base__=base, **{label: (section, default)})
     model.read = base.read | {label: model.model_fields[label]}
     MODELS[key] = model
@@ -435,21 +439,19 @@ class Entry(NamedTuple):
 
 
 def entries(
-    shapes: Iterable[str], read: dict[str, FieldInfo] = Configuration.read
+    shapes: Iterable[str], fields: dict[str, FieldInfo] = Configuration.read, head: str = ""
 ) -> dict[str, Entry]:
     """All values of a configuration that may vary, by path; shapes: labels of the configuration."""
     found = {}
-
-    def visit(fields, head):
-        for name, field in fields.items():
-            path, section = head + name, section_of(field.annotation)
+    for name, field in fields.items():
+        path, section = head + name, section_of(field.annotation)
+        if section:
+            heads = [f"{path}."]
             if get_origin(field.annotation) is dict:
-                for label in shapes:
-                    visit(section.model_fields, f"{path}.{label}.")
-            elif section:
-                visit(section.model_fields, f"{path}.")
-            elif path not in ("record.window", "record.observables", "beside"):
-                found[path] = Entry(path, units_of(field), field.description, field)
-
-    visit(read, "")
+                heads = [f"{path}.{label}." for label in shapes]
+            for each in heads:
+                found |= entries(shapes, section.model_fields, each)
+        elif path not in FIXED_KEYS:
+            unit = unit_of(field.rebuild_annotation())
+            found[path] = Entry(path, unit, field.description, field)
     return found

@@ -21,8 +21,6 @@ from dem.io.checksums import Changed, is_sealed, seal
 from dem.packing.random import Bed
 from dem.scene import State
 
-NO_BITS = "writes and reads checkpoints"
-
 
 class Going(NamedTuple):
     """What a run has so far: records of pieces; at snapshots states and what observables saw, by

@@ -1,52 +1,74 @@
-"""The sections of a configuration: what each value is, its units, limits and default."""
+"""The sections of a configuration: what each value is, its type with its unit, its default."""
 
 from collections.abc import Iterable
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
-from dem.base.outside import is_outside
-from dem.base.schema import NotNegative, Number, Positive, Section, Seed, Whole, value
+from dem.base.plugins import is_plugin
+from dem.base.types import (
+    AspectRatio,
+    Coefficient,
+    Count,
+    Density,
+    Length,
+    PoissonRatio,
+    Pressure,
+    Ratio,
+    Restitution,
+    Section,
+    Seed,
+    Speed,
+    Time,
+)
+from dem.dynamics.numerics import (
+    MAX_OVERLAP,
+    STEP_FRACTION,
+    MaxOverlap,
+    StepFraction,
+    check_stable,
+)
 from dem.experiment.observables import OBSERVABLES
+from dem.scene import Friction
 from dem.shapes import KINDS
 
-NO_BITS = "describes values, which are part of what a run is known by"
+Share = Annotated[Ratio, Field(lt=1)]
 
 
-def or_file(known: Iterable[str]) -> BeforeValidator:
-    """A name of the package, or of a file of a user's own, which is looked up where a file is read."""
+def or_file(known: Iterable[str]) -> AfterValidator:
+    """A name of the package, or of a file of a user's own, which is looked up later."""
 
-    def check(name):
-        if name in tuple(known) or is_outside(name):
+    def check(name: str) -> str:
+        if name in tuple(known) or is_plugin(name):
             return name
         *others, last = map(repr, known)
         raise ValueError(f"it must be {', '.join(others)} or {last}")
 
-    return BeforeValidator(check)
+    return AfterValidator(check)
 
 
 class CylinderSection(Section):
-    diameter: Positive = value("m", "diameter of the cylinder")
-    velocity: Positive = value("m s-1", "velocity of the cylinder, upwards")
-    start: Positive = value("1", "height of the cylinder's axis over the height of the box", lt=1)
-    stroke: Positive = value("m", "distance over which the cylinder is drawn")
+    diameter: Length
+    """diameter of the cylinder"""
+    velocity: Speed
+    """velocity of the cylinder, upwards"""
+    start: Share
+    """height of the cylinder's axis over the height of the box"""
+    stroke: Length
+    """distance over which the cylinder is drawn"""
 
 
 class PackingSection(Section):
-    fraction: Positive | None = value(
-        "1", "packing fraction; none: packing.pressure is given", None, lt=1
-    )
-    size_spread: NotNegative = value("1", "diameters are uniform within +- this share", lt=1)
-    friction: NotNegative = value("1", "friction of all contacts while the bed is packed", 0.0)
-    pressure: Positive | None = value(
-        "Pa",
-        "pressure on the top wall, which holds it; none: packing.fraction is given",
-        None,
-        None,
-    )
-    preparation: Literal["relaxed", "grown"] = value(
-        None, "how granules grow: energy minimised, or in motion", "relaxed", "relaxed"
-    )
+    fraction: Share | None = None
+    """packing fraction; none: packing.pressure is given"""
+    size_spread: Annotated[Coefficient, Field(lt=1)]
+    """diameters are uniform within +- this share"""
+    friction: Coefficient = 0.0
+    """friction of all contacts while the bed is packed"""
+    pressure: Pressure | None = None
+    """pressure on the top wall, which holds it; none: packing.fraction is given"""
+    preparation: Literal["relaxed", "grown"] = "relaxed"
+    """how granules grow: energy minimised, or in motion"""
 
     @model_validator(mode="after")
     def _check(self):
@@ -54,63 +76,72 @@ class PackingSection(Section):
             raise ValueError("fraction is missing; give it, or a pressure in its place")
         if self.fraction is not None and self.pressure is not None:
             raise ValueError(
-                f"fraction is {self.fraction:g} and pressure {self.pressure:g} Pa; one follows from "
-                "the other, make one of them null"
+                f"fraction is {self.fraction:g} and pressure {self.pressure:g} Pa; one follows "
+                "from the other, make one of them null"
             )
         if self.pressure is not None and (self.friction or self.preparation != "relaxed"):
             raise ValueError(
-                f"friction is {self.friction:g} and preparation {self.preparation}; a bed that is packed "
-                "under a pressure is relaxed without friction, leave both out"
+                f"friction is {self.friction:g} and preparation {self.preparation}; a bed that is "
+                "packed under a pressure is relaxed without friction, leave both out"
             )
         return self
 
 
 class MaterialSection(Section):
-    young_modulus: Positive = value("Pa", "Young's modulus")
-    poisson_ratio: Number = value("1", "Poisson's ratio", gt=-1, le=0.5)
-    restitution: Number = value("1", "coefficient of restitution", ge=1e-3, le=1)
-    thickness: Positive | None = value("m", "thickness out of the plane; none: mean diameter", None)
+    young_modulus: Pressure
+    """Young's modulus"""
+    poisson_ratio: PoissonRatio
+    """Poisson's ratio"""
+    restitution: Restitution
+    """coefficient of restitution"""
+    thickness: Length | None = None
+    """thickness out of the plane; none: mean diameter"""
 
 
 class FrictionSection(Section):
-    granule: NotNegative = value("1", "friction between granules")
-    wall: NotNegative = value("1", "friction at the walls")
-    cylinder: NotNegative = value("1", "friction at the cylinder")
-    stiffness: Positive = value("1", "stiffness of tangential springs over Mindlin's", 1.0)
+    granule: Coefficient
+    """friction between granules"""
+    wall: Coefficient
+    """friction at the walls"""
+    cylinder: Coefficient
+    """friction at the cylinder"""
+    stiffness: Ratio = Friction.stiffness
+    """stiffness of tangential springs over Mindlin's"""
 
 
 class ShearSection(Section):
-    inertial_number: Positive = value(
-        "1", "inertial number: rate of shear times sqrt(mass / (pressure thickness))"
-    )
-    pressure: Positive = value("Pa", "pressure on the lid")
-    settle: NotNegative = value("1", "least strain before anything is measured")
-    strain: Positive = value("1", "strain while it is measured")
-    samples: Whole = value("1", "samples over this strain", ge=2, le=100_000)
+    inertial_number: Ratio
+    """inertial number: rate of shear times sqrt(mass / (pressure thickness))"""
+    pressure: Pressure
+    """pressure on the lid"""
+    settle: Coefficient
+    """least strain before anything is measured"""
+    strain: Ratio
+    """strain while it is measured"""
+    samples: Annotated[Count, Field(ge=2, le=100_000)]
+    """samples over this strain"""
 
 
 class EllipseSection(Section):
-    contact: Literal["common_normal", "geometric_potential"] = value(
-        None, "how a contact of ellipses is found", "common_normal"
-    )
-    curvature: Literal["volume", "local"] = value(
-        None, "radius of ellipses in Hertz's law", "volume"
-    )
-
-
-def _observables(names):
-    """Each name once, in order, so that the order makes no other run."""
-    named = isinstance(names, list | tuple) and all(isinstance(name, str) for name in names)
-    return tuple(sorted(set(names))) if named else names
+    contact: Literal["common_normal", "geometric_potential"] = "common_normal"
+    """how a contact of ellipses is found"""
+    curvature: Literal["volume", "local"] = "volume"
+    """radius of ellipses in Hertz's law"""
 
 
 class RecordSection(Section):
-    bins: Whole = value("1", "bins over the stroke", ge=1, le=100_000)
-    window: tuple[NotNegative, Positive] = value("m", "displacements of the mean drag's window")
-    snapshots: Whole = value("1", "snapshots of all granules", ge=2, le=10_000)
+    bins: Annotated[Count, Field(ge=1, le=100_000)]
+    """bins over the stroke"""
+    window: tuple[Coefficient, Length]
+    """displacements of the mean drag's window"""
+    snapshots: Annotated[Count, Field(ge=2, le=10_000)]
+    """snapshots of all granules"""
     observables: Annotated[
-        tuple[Annotated[str, or_file(OBSERVABLES)], ...], BeforeValidator(_observables)
-    ] = value(None, "what is recorded", ("drag", "snapshots"), min_length=1)
+        tuple[Annotated[str, or_file(OBSERVABLES)], ...],
+        Field(min_length=1),
+        AfterValidator(lambda names: tuple(sorted(set(names)))),  # in any order they are one run
+    ] = ("drag", "snapshots")
+    """what is recorded"""
 
     @model_validator(mode="after")
     def _check(self):
@@ -120,28 +151,30 @@ class RecordSection(Section):
 
 
 class NumericsSection(Section):
-    step_fraction: Positive = value("1", "time step over the critical one", 0.3, le=10)
-    allow_unstable: bool = value("1", "whether steps beyond the critical one are taken", False)
-    time_step: Positive | None = value("s", "time step; none: from the bed's stiffness", None)
-    max_overlap: Positive = value("1", "overlap over the smaller radius that stops", 1.2, le=1.5)
+    step_fraction: StepFraction = STEP_FRACTION
+    """time step over the critical one"""
+    allow_unstable: bool = False
+    """whether steps beyond the critical one are taken"""
+    time_step: Time | None = None
+    """time step; none: from the bed's stiffness"""
+    max_overlap: MaxOverlap = MAX_OVERLAP
+    """overlap over the smaller radius that stops"""
 
     @model_validator(mode="after")
     def _check(self):
-        if self.step_fraction >= 1.0 and not self.allow_unstable:
-            raise ValueError(
-                f"step_fraction is {self.step_fraction:g}; it must be less than 1, or "
-                "allow_unstable be true"
-            )
+        check_stable(self.step_fraction, self.allow_unstable)
         return self
 
 
 class ShapeSection(Section):
-    kind: Annotated[str, or_file(KINDS)] = value(
-        None, "kind of granule, or file and class of your own, such as stones.Stone"
-    )
-    diameter: Positive = value("m", "mean volume diameter of the granules")
-    granules: Whole = value("1", "number of granules", ge=1, le=10_000_000)
-    aspect_ratio: Number | None = value("1", "length over width of a granule", None, ge=1)
+    kind: Annotated[str, or_file(KINDS)]
+    """kind of granule, or file and class of your own, such as stones.Stone"""
+    diameter: Length
+    """mean volume diameter of the granules"""
+    granules: Annotated[Count, Field(ge=1, le=10_000_000)]
+    """number of granules"""
+    aspect_ratio: AspectRatio | None = None
+    """length over width of a granule"""
 
     @model_validator(mode="after")
     def _check(self):
@@ -161,9 +194,12 @@ class ShapeSection(Section):
         return self.aspect_ratio or KINDS[self.kind].aspect_ratio
 
 
-class OwnSection(Section):
+class RunSection(Section):
     """What a run has beside the values of its configuration."""
 
-    shape: str = value(None, "label of the shape of its granules")
-    density: Positive = value("kg m-3", "density of its granules")
-    seed: Seed = value("1", "seed of its random bed")
+    shape: str
+    """label of the shape of its granules"""
+    density: Density
+    """density of its granules"""
+    seed: Seed
+    """seed of its random bed"""

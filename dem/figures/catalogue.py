@@ -1,6 +1,5 @@
 """Which figures there are, which of them runs or a file suffice for, and how they are drawn."""
 
-from hashlib import file_digest, sha256
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -9,8 +8,7 @@ from typing import NamedTuple
 from dem.base.constants import described
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
-from dem.base.sources import code_hash
-from dem.io.lazily import open_lazily, require, require_drag
+from dem.io.lazily import open_combined, open_lazily, require
 
 CHECK = "e0"  # ellipse code at aspect ratio 1: a check, and no shape of its own
 
@@ -106,76 +104,68 @@ def _sizes(axes: dict[str, int], labels: dict[str, tuple]) -> dict[str, int]:
     return sizes
 
 
+def drawable_from(data: Path, dataset, figures: dict[str, FigureSpec] = FIGURES) -> list[str]:
+    """Names of those of some figures that a file suffices for."""
+    from dem.analysis.statistics import by_case, cases_of
+
+    variables, sizes, cases = set(dataset.variables), {}, None
+    if any(figure.cases is not None or figure.axes for figure in figures.values()):
+        require(dataset, data, {}, ("run_id",))
+        labels = {str(name): values.dims for name, values in dataset.coords.items()}
+        sizes = _sizes(dict(dataset["run_id"].sizes), labels)
+        if (cased := by_case(dataset)) is not None:
+            require(cased, data, {}, ("shape", "density"))
+            cases = [case for _, *case in cases_of(cased)]
+        if "granules" in variables:
+            sizes["granules"] = len(set(dataset["granules"].values.ravel().tolist()))
+    return [
+        name
+        for name, figure in figures.items()
+        if variables.issuperset(figure.variables) and figure.enough(sizes, cases)
+    ]
+
+
 def draw(
-    names: str,
+    name: str,
     data: Path,
     folder: Path,
     figures: dict[str, FigureSpec] = FIGURES,
     of: str | None = None,
-    changed: bool = False,
 ) -> list[Path]:
-    """Draw figures into a folder; returns the files, SVG and PNG.
+    """Draw a figure, or "all" that a file suffices for, into a folder; returns the files, SVG and
+    PNG.
 
-    names:   with commas between, or "all" that the data suffice for
-    data:    a file, or a folder that has the file of each figure
-    of:      the quantity of the figure sweep
-    changed: leave out what is drawn already, of the same data by the same code
-
-    Raises InputError if there is nothing to draw, or no such figure.
+    of: the quantity of the figure sweep. Raises InputError if there is nothing to draw, or no such
+    figure.
     """
-    chosen, known = names.split(","), [*sorted(figures), "all"]
-    for name in chosen:
-        if name not in known:
-            hint = did_you_mean(name, known)
-            raise InputError(f"figure is {name!r}; there is no such figure{hint}.")
-    files = {
-        name: data / f"{figure.file}.nc" if data.is_dir() else data
-        for name, figure in figures.items()
-    }
-    if everything := chosen == ["all"]:
-        chosen = _sufficed_for(files, figures)
-        if not chosen:
-            raise InputError(f"{data}: it holds nothing that a figure shows; name drag.nc.")
-    if of and chosen != ["sweep"]:
+    if name not in (known := [*sorted(figures), "all"]):
+        raise InputError(f"figure is {name!r}; there is no such figure{did_you_mean(name, known)}.")
+    names = [name]
+    if name == "all":
+        of_drag = {name: figure for name, figure in figures.items() if figure.file == "drag"}
+        with open_lazily(data) as dataset:
+            names = drawable_from(data, dataset, of_drag)
+        if not names:
+            raise InputError(f"{data}: it holds no drag that a figure shows; name drag.nc.")
+    if of and names != ["sweep"]:
         raise InputError(
             f"of is {of!r}; only the figure sweep shows another quantity, leave it out."
         )
-    drawn, faults = [], []
-    for name in chosen:
+    files, faults = [], []
+    for each in names:
         try:
-            drawn += _draw(figures[name], files[name], folder, {"of": of} if of else {}, changed)
+            files += _draw(figures[each], data, folder, {"of": of} if of else {})
         except InputError as error:
             faults.append(str(error))
-    if faults and not (everything and drawn):
-        raise InputError("\n".join(dict.fromkeys(faults)))
-    return drawn
+    if not files:
+        raise InputError("\n".join(faults))
+    return files
 
 
-def _sufficed_for(files: dict[str, Path], figures: dict[str, FigureSpec]) -> list[str]:
-    """Figures whose variables their files have; where runs differ in case alone, without those of
-    other axes."""
-    from dem.analysis.statistics import by_case
-
-    variables, is_by_case = {}, {}
-    for path in dict.fromkeys(files.values()):
-        if path.is_file() or len(set(files.values())) == 1:
-            with open_lazily(path) as dataset:
-                variables[path] = set(dataset.variables)
-                is_by_case[path] = "run_id" in dataset and by_case(dataset) is not None
-    return [
-        name
-        for name, figure in figures.items()
-        if (path := files[name]) in variables
-        and variables[path].issuperset(figure.variables)
-        and (figure.variables or path.stem == figure.file)
-        and not (figure.file == "drag" and figure.cases is None and is_by_case[path])
-    ]
-
-
-def _draw(figure: FigureSpec, data: Path, folder: Path, options: dict, changed: bool) -> list[Path]:
+def _draw(figure: FigureSpec, data: Path, folder: Path, options: dict) -> list[Path]:
     """Draw one figure; options: of its function."""
     from dem.analysis.statistics import by_case
-    from dem.figures.style import files_of, is_drawn, save
+    from dem.figures.style import save
 
     with open_lazily(data) as dataset:
         for name in figure.variables:
@@ -184,14 +174,7 @@ def _draw(figure: FigureSpec, data: Path, folder: Path, options: dict, changed: 
                     f"{data}: it holds no {name}, and {figure.name} is drawn from that; name "
                     f"{figure.file}.nc."
                 )
-        with Path(data).open("rb") as file:
-            parts = code_hash(figure.module), file_digest(file, "sha256").hexdigest(), str(options)
-        source = sha256(" ".join(parts).encode()).hexdigest()
-        stem = Path(folder) / figure.name
-        if changed and is_drawn(stem, source):
-            return files_of(stem)
-        if "drag" in figure.variables:
-            require_drag(dataset, data)
+    with (open_combined if "drag" in figure.variables else open_lazily)(data) as dataset:
         if figure.cases is not None or figure.axes:
             require(dataset, data, {}, ("run_id",))
         whole = dataset if figure.cases is None else by_case(dataset)
@@ -204,9 +187,9 @@ def _draw(figure: FigureSpec, data: Path, folder: Path, options: dict, changed: 
         if figure.package != "dem" and find_spec(f"{figure.package}.results"):  # a study's own file
             require(whole, data, import_module(f"{figure.package}.results").VARIABLES, ())
         try:
-            picture = import_module(figure.module).plot(
+            drawn = import_module(figure.module).plot(
                 whole if figure.file == "drag" else whole.load(), **options
             )
         except InputError as error:
             raise InputError(f"{data}: {figure.name} cannot be drawn: {error}") from None
-        return save(picture, stem, figure.caption, source)
+        return save(drawn, Path(folder) / figure.name, figure.caption)

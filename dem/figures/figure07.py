@@ -26,11 +26,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     labels = table1(dataset)
     dataset, columns = dataset.sel(case=labels), min(COLUMNS, len(labels))
     figure, panels = style.panels(len(labels), columns, 1.5, 2.5, sharex=True, sharey=True)
-    means, runs, x = (
-        summarise(dataset)["mean"],
-        style.runs(dataset),
-        style.millimetres(dataset["displacement"]),
-    )
+    means, runs, x = summarise(dataset)["mean"], style.runs(dataset), style.displacement(dataset)
     raw, (smooth, half) = dataset["drag"].mean("seed"), style.smoothed(dataset)
     start, stop = (dataset.attrs[f"window_{end}"] for end in ("start", "stop"))
     for axes, label in zip(panels, labels, strict=True):

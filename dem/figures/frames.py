@@ -6,8 +6,9 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+from pydantic import InstanceOf
 
-from dem.base.validate import one_of
+from dem.base.types import checked
 from dem.dynamics.contact_list import ContactList
 from dem.dynamics.result import Result
 from dem.experiment.motion import Motion
@@ -116,9 +117,9 @@ def mean_velocity(motion: Motion, snapshot: int) -> np.ndarray:
     return way / moved * motion.replicate.configuration.cylinder.velocity
 
 
-def of_result(result: Result) -> Frames:
+@checked
+def of_result(result: InstanceOf[Result]) -> Frames:
     """Frames of a result: its granules, walls and cylinder, and the forces on them against time."""
-    result = one_of(Result)("result", result)
     scene, cylinder = result.scene, result.cylinder_position
     low, high = np.quantile(result.position[0, :, 1], [0.0, 1.0])
     time, unit = in_units(result.time)

@@ -1,10 +1,13 @@
 """Figures of a result of dem.simulate: `dem.plot.bed` and `dem.plot.forces`."""
 
+from typing import Annotated
+
 import matplotlib
 from matplotlib.figure import Figure
+from pydantic import Field, InstanceOf
 
 from dem.base.errors import InputError
-from dem.base.validate import one_of, whole
+from dem.base.types import Count, checked, parsed
 from dem.dynamics.result import Result
 from dem.figures import style
 from dem.figures.film import Scene
@@ -15,7 +18,10 @@ LONGEST = 6.0  # inches, of the longer side of a bed
 AROUND = 1.8, 1.0  # inches, for numbers, words and colour bar
 
 
-def bed(result: Result, frame: int = -1, color: str = "force", forces: bool = False) -> Figure:
+@checked
+def bed(
+    result: InstanceOf[Result], frame: Count = -1, color: str = "force", forces: bool = False
+) -> Figure:
     """Draw granules, walls and cylinder of one frame, to scale, on axes in mm.
 
     All frames of a result have the same view. What is solid is hatched.
@@ -54,7 +60,7 @@ def bed(result: Result, frame: int = -1, color: str = "force", forces: bool = Fa
     """
     frames = of_result(result)
     count = len(frames.position)
-    frame = whole(-count, count - 1)("frame", frame) % count
+    frame = parsed(Annotated[Count, Field(ge=-count, lt=count)], frame, "frame") % count
     width, height = frames.view[1] - frames.view[0]
     scale = LONGEST / max(width, height)
     size = scale * width + AROUND[0], scale * height + AROUND[1]
@@ -62,7 +68,8 @@ def bed(result: Result, frame: int = -1, color: str = "force", forces: bool = Fa
         return Scene(frames, color, forces, shown=(frame,), beside=False, size=size).figure
 
 
-def forces(result: Result) -> Figure:
+@checked
+def forces(result: InstanceOf[Result]) -> Figure:
     """Draw the forces on cylinder and walls against time.
 
     Each step is the mean over the time between two frames.
@@ -93,7 +100,7 @@ def forces(result: Result) -> Figure:
     >>> dem.plot.forces(result).axes[0].get_ylabel()
     'Normal force on walls (N)'
     """
-    groups = forces_of(one_of(Result)("result", result))
+    groups = forces_of(result)
     if not groups:
         raise InputError("result has no forces: its scene has neither cylinder nor walls.")
     with matplotlib.rc_context(style.RC):

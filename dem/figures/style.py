@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
-from PIL import Image
 
 from dem.analysis.statistics import edges_of_bins, running_mean, window_text
 from dem.base.files import atomic
@@ -162,6 +161,11 @@ def numbered(number: int) -> dict[str, str]:
     return {"color": CASES[number % len(CASES)], "marker": MARKERS[number % len(MARKERS)]}
 
 
+def displacement(dataset: xr.Dataset) -> np.ndarray:
+    """Displacements of the cylinder in mm."""
+    return millimetres(dataset["displacement"])
+
+
 def smoothed(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
     """Running mean (..., displacement) in N of the drag over the runs, and half its interval."""
     runs = running_mean(dataset, SMOOTHING)
@@ -234,34 +238,17 @@ def percent(share: float, half: float) -> str:
     return value(100.0 * share, 100.0 * half, "%", "+z.1f")
 
 
-def save(figure: Figure, stem: Path, caption: str = "", source: str = "") -> list[Path]:
-    """Write stem.svg and stem.png atomically, with a caption and a hash of what they are drawn
-    from; the same figure gives the same bytes."""
-    more = {"Date": None}, {"Software": None, "Source": source}
-    for path, metadata in zip(files_of(stem), more, strict=True):
+def save(figure: Figure, stem: Path, caption: str = "") -> list[Path]:
+    """Write stem.svg and stem.png atomically, with a caption; the same figure gives the same
+    bytes."""
+    files = []
+    for suffix, metadata in ((".svg", {"Date": None}), (".png", {"Software": None})):
+        metadata |= {"Title": caption} if caption else {}
+        path = Path(f"{stem}{suffix}")
         with matplotlib.rc_context(RC), atomic(path) as part:
-            kind, about = path.suffix[1:], metadata | {"Title": caption}
-            figure.savefig(part, format=kind, dpi=DPI, metadata=about)
-    return files_of(stem)
-
-
-def files_of(stem: Path) -> list[Path]:
-    """Both files of a figure."""
-    return [Path(f"{stem}{suffix}") for suffix in (".svg", ".png")]
-
-
-def is_drawn(stem: Path, source: str) -> bool:
-    """Whether both files of a figure are drawn from this; they are then dated now."""
-    vector, bitmap = files_of(stem)
-    try:
-        with Image.open(bitmap) as picture:
-            same = vector.is_file() and picture.info.get("Source") == source
-    except OSError:
-        return False
-    if same:
-        vector.touch()
-        bitmap.touch()
-    return same
+            figure.savefig(part, format=suffix[1:], dpi=DPI, metadata=metadata)
+        files.append(path)
+    return files
 
 
 def logarithmic(axes, along: str = "y", subs: tuple[float, ...] = (1.0, 2.0, 5.0)) -> None:

@@ -7,8 +7,6 @@ can keep HDF5 busy for ever. Who changes the file with another program takes the
 from hashlib import sha256
 from pathlib import Path
 
-NO_BITS = "checks files"
-
 MARK = b"\nsha256 "
 LENGTH = len(MARK) + 2 * sha256().digest_size
 BLOCK = 1 << 20  # bytes that are read at a time

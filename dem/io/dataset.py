@@ -18,8 +18,6 @@ from dem.base.errors import InputError, OverlapError, PackingError, RunError, St
 from dem.base.files import atomic
 from dem.io.checksums import Changed, is_sealed, seal
 
-NO_BITS = "writes and reads files, whose layout has a version of its own"
-
 # Tables of variables, name: (dimensions, units, long name). What a run records is in
 # dem.experiment.observables.
 AXES = {

@@ -1,18 +1,14 @@
 """How the kernels are compiled, and where the machine code is kept.
 
-Numba keeps machine code on disk, but its cache has three gaps. It does not notice an edit in
-another file that a function depends on. Two processes that save at the same time can leave an index
-that points to the wrong code. A damaged file ends every run. This module closes them: the folder of
-a module is named after the hash of all code that it depends on, a file after its key, which holds the
-code of the shape, so that there is no index; and files carry their digest. An edit of a comment
-compiles nothing.
+Numba keeps machine code on disk too, but it does not notice an edit of another file that a
+function depends on, and of two processes that save at once the index of one may name the code of
+the other. Here the folder is named after the hash of all code that is compiled, and there is no
+index: a file is named after the function and the types of its arguments.
 """
 
 import functools
 import gc
-import hashlib
 import multiprocessing
-import os
 import pickle
 import sys
 from contextlib import suppress
@@ -26,17 +22,18 @@ from numba.core.event import Listener, register
 from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 
+from dem.base.errors import InputError
+from dem.base.files import atomic
 from dem.base.messages import say
+from dem.base.plugins import note
 from dem.base.sources import (
-    IMPORTED,
+    PACKAGE,
     UNREADABLE,
-    address,
     cache_folder,
     code_hash,
-    defined_in,
-    from_elsewhere,
-    is_current,
-    is_ours,
+    digest,
+    kernel_hash,
+    plugin_codes,
 )
 from dem.jit.compilers import KernelCompiler, PartCompiler, RolledCompiler
 
@@ -56,126 +53,78 @@ def classes_in(kind):
         yield from classes_in(each)
 
 
-OUTSIDE: dict[type, str] = {}  # hashes of the code of classes of users, when Python read them
+CODE: dict[type, str] = {}  # hash of the code of each class that is not of this package
 
 
 def remember(cls: type) -> None:
-    """Keep by which code a class of a user is known, so that its machine code can be found again.
+    """Note by which code a class is known, while Python imports its file.
 
-    Only of a class at the top of a file, while Python imports that file: anything else may depend on
-    more than is written there.
+    Not of a class in a script, a notebook or a function: such a class may depend on more than is
+    written in its file.
     """
-    OUTSIDE.pop(cls, None)
-    module = sys.modules.get(cls.__module__)
-    is_read = getattr(getattr(module, "__spec__", None), "_initializing", False)
-    found = address(cls.__module__, getattr(module, "__file__", None)) if is_read else None
-    if found is None or is_ours(found):
-        return
-    try:
-        whole = cls.__qualname__ in defined_in(found) and not from_elsewhere(found)
-        if whole and is_current(found):
-            OUTSIDE[cls] = IMPORTED[cls.__module__] = code_hash(found, bits=True)
-    except UNREADABLE:
-        return
+    file = getattr(sys.modules.get(cls.__module__), "__file__", None)
+    is_whole = cls.__module__ != "__main__" and "<locals>" not in cls.__qualname__
+    if file and is_whole and not _is_of_package(cls):
+        with suppress(*UNREADABLE):
+            CODE[cls] = code_hash(note(Path(file).resolve()))
 
 
-def _code_of(cls: type) -> str | None:
-    """Hash of the code of a class, None where it is unknown."""
-    return code_hash(cls.__module__, bits=True) if is_ours(cls.__module__) else OUTSIDE.get(cls)
-
-
-def strangers(kinds) -> list[str]:
-    """Names of the classes in some types of which it is unknown what their code depends on."""
-    found = {each for kind in kinds for each in classes_in(kind)}
-    return sorted(each.__qualname__ for each in found if _code_of(each) is None)
-
-
-def with_classes(key) -> str | None:
-    """A key of Numba's cache as text, with the code of the classes that choose what is compiled.
-
-    A shape answers the kernels from a module that they do not import. None for a class whose code is
-    unknown: its kernels are compiled in each process.
-    """
-    if strangers(key[0]):
-        return None
-    found = {each for kind in key[0] for each in classes_in(kind)}
-    classes = sorted(f"{each.__module__}.{each.__qualname__} {_code_of(each)}" for each in found)
-    return repr((numba.__version__, sys.implementation.cache_tag, *map(str, key), classes))
-
-
-def kernel_hash(module: str, file) -> str:
-    """SHA-256 of the code that the kernels of a module depend on; of its file where that is unknown."""
-    try:
-        name = Path(file).stem if module == "__main__" else module
-        if (found := address(name, file)) is not None:
-            return code_hash(found, bits=True)
-    except UNREADABLE:  # an import that is written for other tools
-        pass
-    return hashlib.sha256(Path(file).read_bytes()).hexdigest()
+def _is_of_package(cls: type) -> bool:
+    return cls.__module__.partition(".")[0] == PACKAGE.name
 
 
 class KernelCache(FunctionCache):
     """Machine code of a function on disk: a file for each combination of types of its arguments.
 
-    Path and time stamp of the source do not count, so that all copies of it share machine code. A file
-    begins with its digest, and a damaged one counts as absent, because a flipped bit of machine code is a
-    crash or a wrong number. A run never fails because of a file.
+    Where the source lies does not count, so that all copies of it share machine code. A file that
+    is damaged counts as absent.
     """
 
     def __init__(self, function):
-        module, file = function.__module__, function.__code__.co_filename
-        folder = f"{module}-{kernel_hash(module, file)[:16]}"
-        self._py_func, self._cache_path = function, cache_folder() / "kernels" / folder
+        file = Path(function.__code__.co_filename).resolve()
+        code = kernel_hash()
+        if not file.is_relative_to(PACKAGE):
+            code = digest(code, code_hash(plugin_codes(file)))
+        self._py_func, self._cache_path = function, cache_folder() / "kernels" / code
 
     def load_overload(self, sig, target_context):
         target_context.refresh()
-        path = self._path(sig, target_context.codegen())
-        if path is None:
+        file = self._file(sig, target_context.codegen())
+        if file is None or not file.is_file():
             return None
         try:
-            content = path.read_bytes()
-        except OSError:
+            return CompileResult._rebuild(target_context, *pickle.loads(file.read_bytes()))
+        except Exception:  # damage makes pickle and LLVM raise many errors
             return None
-        if content[:DIGEST] != _digest(content[DIGEST:]):
-            _say(DAMAGED)
-            return None
-        return CompileResult._rebuild(target_context, *pickle.loads(content[DIGEST:]))
 
     def save_overload(self, sig, data):
-        path = self._path(sig, data.codegen)
-        if path is None or data.library.has_dynamic_globals:
+        file = self._file(sig, data.codegen)
+        if file is None or data.library.has_dynamic_globals:
             return
-        content = dumps(data._reduce())
-        part = path.with_suffix(f".{os.getpid()}.part")
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            part.write_bytes(_digest(content) + content)
-            part.replace(path)
-        except OSError as error:
-            _say(UNKEPT.format(error.strerror))
-            with suppress(OSError):
-                part.unlink(missing_ok=True)
+            with atomic(file) as part:
+                part.write_bytes(dumps(data._reduce()))
+        except (OSError, InputError):
+            _say_unkept()
 
-    def _path(self, sig, codegen) -> Path | None:
-        """The file of the machine code for some types of arguments, None if it is not kept."""
-        key = with_classes(self._index_key(sig, codegen))
-        name = self._py_func.__qualname__.replace("<", "").replace(">", "")
-        return key and self._cache_path / f"{name}-{_digest(key.encode()).hex()[:32]}.nbc"
-
-
-DIGEST = 32  # bytes
-DAMAGED = "the machine code that is kept here is damaged; it is compiled again."
-UNKEPT = "machine code cannot be kept here ({}); this run goes on, the next one compiles again."
-
-
-def _digest(content: bytes) -> bytes:
-    return hashlib.sha256(content).digest()
+    def _file(self, sig, codegen) -> Path | None:
+        """The file for some types of arguments; None where the code of a class is unknown."""
+        classes = [cls for kind in sig for cls in classes_in(kind)]
+        if not all(_is_of_package(cls) or cls in CODE for cls in classes):
+            return None
+        code = [f"{cls.__module__}.{cls.__qualname__} {CODE.get(cls, '')}" for cls in classes]
+        key = (numba.__version__, sys.implementation.cache_tag, *self._index_key(sig, codegen))
+        name = f"{self._py_func.__module__}.{self._py_func.__qualname__}".replace("<locals>.", "")
+        return self._cache_path / f"{name}-{digest(*map(str, key), *code)}.nbc"
 
 
 @functools.cache
-def _say(sentence: str) -> None:
-    """Say something about the folder of machine code, once."""
-    say(f"{cache_folder() / 'kernels'}: {sentence}")
+def _say_unkept() -> None:
+    """Say once that the next process will compile again."""
+    say(
+        f"{cache_folder() / 'kernels'}: no machine code can be kept here; the next process "
+        "compiles again."
+    )
 
 
 def spare_blas():
@@ -214,7 +163,7 @@ class Kernel(CPUDispatcher):
         super().__init__(function, targetoptions=options, pipeline_class=KernelCompiler)
 
     def compile(self, sig):
-        """Without Python's search for garbage meanwhile: a sixth of the time, and it finds little."""
+        """Without garbage collection, which takes a sixth of the time and finds little."""
         enabled = gc.isenabled()
         gc.disable()
         try:
@@ -232,12 +181,11 @@ class Kernel(CPUDispatcher):
 
 
 class _Compiling(Listener):
-    """Says that a process compiles, because a library call then takes long; each sentence once."""
+    """Says once that a process compiles, because a library call then takes long."""
 
     def on_start(self, event):
         if isinstance(event.data["dispatcher"], Kernel):
-            names = " and ".join(strangers(event.data["args"]))
-            _tell(STRANGE.format(names) if names else COMPILING)
+            _say_compiling()
 
     def on_end(self, event):
         """Nothing: the next call shows it."""
@@ -246,23 +194,15 @@ class _Compiling(Listener):
 register("numba:compile", _Compiling())
 
 
-def when_compiling(tell) -> None:
-    """Call a function whenever this process compiles a kernel, with a sentence, instead of saying it."""
-    global _tell
-    _tell = tell
-
-
 @functools.cache
-def _say_compiling(sentence: str) -> None:
+def _say_compiling() -> None:
     if multiprocessing.parent_process() is None:
-        say(sentence)
+        say(COMPILING)
 
 
-_tell = _say_compiling
-COMPILING = "Compiling for this kind of scene, up to a minute; the next process finds it compiled."
-STRANGE = (
-    "Compiling for {}, up to a minute; every process compiles again for it, because its code is known only "
-    "if it is a shape at the top of an imported file."
+COMPILING = (
+    "Compiling for this kind of scene, up to a minute; the next process finds it compiled, unless "
+    "a shape is defined in a script or a notebook."
 )
 
 
@@ -275,7 +215,8 @@ def compiled(function=None, *, allocates=False):
     if function is None:
         return functools.partial(compiled, allocates=allocates)
     dispatcher = Kernel(function, allocates)
-    if Path(function.__code__.co_filename).is_file():  # no file, no way to tell one from another
+    file = Path(function.__code__.co_filename)
+    if file.suffix == ".py" and file.is_file():  # else nothing tells one text from another
         dispatcher._cache = KernelCache(function)
     return dispatcher
 

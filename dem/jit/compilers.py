@@ -1,8 +1,8 @@
 """Compile kernels with the widest vectors, and their parts in less time than Numba takes.
 
 Numba makes a library of every function: it optimises it, assembles it, and does both again in every
-library that calls it. A part is only lowered and simplified. The kernels that contain it, which
-Python calls, are optimised and assembled once.
+library that calls it. A part is only lowered. The kernels that contain it, which Python calls, are
+optimised and assembled once.
 """
 
 import operator
@@ -17,9 +17,9 @@ from numba.core.ir_utils import GuardException, get_definition, guard
 from numba.core.typed_passes import NativeLowering
 from numba.core.untyped_passes import DeadBranchPrune
 
-from dem.jit.address import by_address, local
+from dem.jit.address import another, by_address, changeable, local
 
-# LLVM uses vectors of 256 bits on processors of Intel that have some of 512. This attribute of a function changes
+# LLVM uses vectors of 256 bits on processors of Intel that have some of 512. This attribute changes
 # that; other processors ignore it.
 WIDE_VECTORS = '"prefer-vector-width"="512"'
 
@@ -37,6 +37,10 @@ class KernelLibrary(JITCodeLibrary):
             # llvmlite's own `add` knows attributes of one word only
             set.add(function.attributes, WIDE_VECTORS)
         super().add_ir_module(module)
+
+    def add_llvm_module(self, module):
+        """Without Numba's passes over each function: those over the library begin with the same."""
+        self._final_module.link_in(module)
 
 
 class PartLibrary(KernelLibrary):
@@ -92,7 +96,7 @@ def type_of(state, variable):
             return kind.types[kind.fields.index(definition.attr)]
     elif operation == "call":
         function = get_definition(state.func_ir, definition.func)
-        if getattr(function, "value", None) in (by_address, local):
+        if getattr(function, "value", None) in (another, by_address, changeable, local):
             return type_of(state, definition.args[0])
     elif operation == "static_getitem":  # of `a, b, c, d = ...`
         values = get_definition(state.func_ir, definition.value)

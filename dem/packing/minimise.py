@@ -20,7 +20,7 @@ from dem.dynamics.forces import forces, greater
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.skin import SKIN_OF_PACKING
 from dem.dynamics.world import World
-from dem.jit.address import by_address
+from dem.jit.address import as_before, by_address, changeable
 from dem.jit.columns import FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.interrupts import signals_deferred
@@ -193,28 +193,28 @@ def settle(world, table, goal, memory, left):
     Rest. Once the bed is at rest or no iteration is left, the forces on walls and cylinder are
     those of now, and the Rest counts contacts.
     """
-    table = by_address(table)
+    view, table = changeable(world), by_address(table)
     if memory[0] == 0.0:
-        world = rebuild_neighbor_list(world, table)
+        view = rebuild_neighbor_list(view, table)
         if left > 0:
-            forces(world, 0.0, math.inf)
-            longest = min(0.5 * critical_step(world, table, goal.least), goal.alone)
+            forces(view, 0.0, math.inf)
+            longest = min(0.5 * critical_step(view, table, goal.least), goal.alone)
             memory[0], memory[1], memory[3] = 0.1 * longest, ALPHA_START, longest
     pause = max(left - PIECE, 0)
     largest = math.inf
     while left > pause and not largest <= goal.enough:
-        done, moved, largest = fire(world, memory, left - pause, goal)
+        done, moved, largest = fire(view, memory, left - pause, goal)
         left -= max(done, 1)
         if not moved <= goal.list_range:
             if not math.isfinite(moved):
                 left = 0
                 break
-            world = rebuild_neighbor_list(world, table)
+            view = rebuild_neighbor_list(view, table)
     touching, overlap, deepest = 0, 0.0, 0
     if left == 0 or largest <= goal.enough:
-        touching, overlap, deepest = contact_summary(world, table)
-        forces(world, 0.0, math.inf)
-    return world, left, Rest(largest, touching, overlap, deepest)
+        touching, overlap, deepest = contact_summary(view, table)
+        forces(view, 0.0, math.inf)
+    return as_before(view, world), left, Rest(largest, touching, overlap, deepest)
 
 
 def minimise(scene: Scene, state: State, iterations: int, enough: float) -> tuple[World, Rest]:

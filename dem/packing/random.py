@@ -7,19 +7,20 @@ on the geometry and the seed: moduli and masses cancel.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
+from pydantic import Field, InstanceOf
 
 from dem.base.errors import InputError, PackingError
-from dem.base.validate import checked, named, one_of, or_none, positive, whole
+from dem.base.types import Count, Length, checked
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.contact_list import list_contacts
 from dem.dynamics.world import World
 from dem.jit.columns import X, Y
 from dem.packing.minimise import Rest, minimise, state_of
-from dem.periodic import SIDES, Periods, nearest_image, periods_of, wrapped
-from dem.scene import Cylinder, Friction, Material, Scene, State, granules, walls_of
+from dem.periodic import SIDES, Periods, Sides, nearest_image, periods_of, wrapped
+from dem.scene import Cylinder, Friction, Granules, Material, Scene, State, walls_of
 
 REST = 1e-9  # E* R^2: a bed is at rest when no granule feels a greater net force
 LOOSE = 0.3  # area fraction of the bounding circles at the start
@@ -179,24 +180,17 @@ def scatter(shape: Any, room: Room, rng: np.random.Generator) -> np.ndarray:
     return position
 
 
-ROOM: dict[str, Any] = {
-    "shape": granules,
-    "width": positive("m"),
-    "height": positive("m"),
-    "cylinder": or_none(one_of(Cylinder)),
-    "seed": whole(0, 2**63 - 1),
-    "periodic": named({key: key for key in SIDES}),
-}
+BedSeed = Annotated[Count, Field(ge=0, lt=2**63)]
 
 
-@checked(**ROOM)
+@checked
 def pack(
-    shape: Any,
-    width: float,
-    height: float,
-    cylinder: Cylinder | None,
-    seed: int,
-    periodic: str = "none",
+    shape: Granules,
+    width: Length,
+    height: Length,
+    cylinder: InstanceOf[Cylinder] | None,
+    seed: BedSeed,
+    periodic: Sides = "none",
 ) -> Bed:
     """Pack granules at random into a box and bring them to rest.
 
@@ -347,7 +341,7 @@ def finished(shape: Any, room: Room, world: World, rest: Rest, net_force: float)
 
 def pressure_of(world: World, room: Room) -> float:
     """Pressure of a soft Bed."""
-    if world.walls is None:
+    if world.walls.end == 0:  # none
         stress = mean_stress(world, room.periods, room.width * room.height)
     else:
         x, y = SIDES[room.periodic]
@@ -361,11 +355,10 @@ def mean_stress(world: World, periodic: Periods, area: float) -> float:
 
     Half the sum over contacts of force times the branch from centre to centre, over the area.
     """
-    place = world.bodies[:, [X, Y]]
-    contacts = list_contacts(world, np.arange(len(place)))
-    if world.cylinder is not None:  # its number as a partner is -1
-        axis = world.boundaries.motion[world.cylinder.first, [X, Y]]
-        place = np.vstack([place, axis])
+    contacts, cylinder = list_contacts(world, np.arange(len(world.bodies))), world.cylinder
+    # the number of the cylinder as a partner is -1
+    moving = np.vstack([world.bodies, world.boundaries.motion[cylinder.first : cylinder.end]])
+    place = moving[:, [X, Y]]
     branch = nearest_image(place[contacts.partner] - place[contacts.granule], periodic)
     work = contacts.force * (contacts.normal * branch).sum(axis=1)
     return float(work.sum()) / (2.0 * area)

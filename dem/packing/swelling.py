@@ -8,17 +8,18 @@ them just touching.
 """
 
 import math
-from typing import Any
 
 import numpy as np
+from pydantic import InstanceOf
 
 from dem.base.errors import OverlapError, PackingError, StateError
-from dem.base.validate import checked
+from dem.base.types import Length, checked
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.simulation import Simulation
 from dem.dynamics.world import World
-from dem.packing.random import GROWTH, ROOM, SETTLED, Bed, Room, at_rest, dilute_start, unit_of
-from dem.scene import Cylinder, Material, Scene, State
+from dem.packing.random import GROWTH, SETTLED, Bed, BedSeed, Room, at_rest, dilute_start, unit_of
+from dem.periodic import Sides
+from dem.scene import Cylinder, Granules, Material, Scene, State
 
 DAMPED = Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=0.5)
 COARSE_STEP = 0.9  # of the bound on the critical time step: the motion need not be accurate
@@ -27,14 +28,14 @@ KEPT = 0.5  # of all velocities, after a stage
 STAGES = 100  # at full size, at most; what is jammed then moves little and is minimised
 
 
-@checked(**ROOM)
+@checked
 def grow(
-    shape: Any,
-    width: float,
-    height: float,
-    cylinder: Cylinder | None,
-    seed: int,
-    periodic: str = "none",
+    shape: Granules,
+    width: Length,
+    height: Length,
+    cylinder: InstanceOf[Cylinder] | None,
+    seed: BedSeed,
+    periodic: Sides = "none",
 ) -> Bed:
     """Pack granules at random into a box by growth in motion.
 

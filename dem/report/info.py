@@ -13,9 +13,9 @@ from dem.analysis.statistics import summarise, window_text
 from dem.analysis.tables import TextTable
 from dem.analysis.values import value_of
 from dem.base.errors import InputError
-from dem.base.schema import seed_words
 from dem.io.dataset import LABELS
 from dem.io.lazily import open_combined, open_lazily, require
+from dem.sweep.axis import seed_words
 
 LEGEND = """\
 mean: of the drag within the window; ±: half its 95 % interval by Student's t over the runs;

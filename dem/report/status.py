@@ -47,7 +47,7 @@ def status(state: SweepState) -> Group:
     if left:
         seconds, how = time_of(state.store, left, max(1, running))
         words += f"About {span(seconds)} left with {max(1, running)} processes ({how}). "
-    batches = state.store.sealed().values()
+    batches = state.store.complete().values()
     files = [state.store.file_of(each.id) for each in batches if done.intersection(each.runs)]
     size = 1e-6 * sum(path.stat().st_size for path in files if path.exists())
     words = f"{words or 'All runs finished. '}{size:.1f} MB of disk are used."

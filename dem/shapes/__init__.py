@@ -3,50 +3,43 @@ length over width, where that is given by nature. A new shape is a new file.
 
 In: sizes of granules (m). Out: what dem.shapes.protocol lists, for the kernels and for Python. A
 smooth convex shape is its support function (see superellipse.py); `dem.check_shape` says what is
-wrong with a shape. Here you may add a shape, or a way to find a contact. Shapes in files of a
-user's own: dem.base.outside.
+wrong with a shape. Here you may add a shape, or a way to find a contact. Shapes in files of a user's
+own: dem.base.plugins.
 """
 
 import math
 from pathlib import Path
 from typing import NamedTuple
 
-from dem.base.constants import described
+from dem.base.constants import definitions, described
 from dem.base.errors import InputError
-from dem.base.outside import found, loaded
-from dem.base.sources import defined_in, file_of
+from dem.base.plugins import find, load
 
-NO_BITS = "finds the file of a shape"
 HOW = "docs/howto/shape.md"
 SAME = 1e-6  # relative error of the areas of granules that are asked for by their diameters
 
 
 class Kind(NamedTuple):
-    """Where the class of a shape is, as dem.base.sources names its module, and its length over
-    width; None where configurations give it.
+    """File and name of the class of a shape, and its length over width; None where configurations give it."""
 
-    The class is loaded when first used, so that what a run depends on does not hold other shapes.
-    """
-
-    module: str
+    file: Path
     name: str
     aspect_ratio: float | None = None
 
     @property
     def shape(self) -> type:
         """The class; the file of a user's own runs here, and nowhere else. Raises InputError."""
-        granules = getattr(loaded(self.module), self.name)
+        granules = getattr(load(self.file), self.name)
         if not hasattr(granules, "lists_sizes"):  # which dem.shapes.protocol gives to each shape
-            path = file_of(self.module)
             raise InputError(
-                f"{path}: {self.name} is no shape; decorate it with smooth, see {HOW}."
+                f"{self.file}: {self.name} is no shape; decorate it with smooth, see {HOW}."
             )
         return granules
 
 
 KINDS = {
-    name: Kind(f"dem.shapes.{name}", constants["SHAPE"], constants.get("ASPECT_RATIO"))
-    for name, constants in described(Path(__file__).parent, "SHAPE").items()
+    name: Kind(Path(__file__).with_name(f"{name}.py"), own["SHAPE"], own.get("ASPECT_RATIO"))
+    for name, own in described(Path(__file__).parent, "SHAPE").items()
 }
 
 
@@ -55,13 +48,11 @@ def kind_of(name: str, beside: str | None = None) -> Kind:
     InputError."""
     if name in KINDS:
         return KINDS[name]
-    module, _, last = name.rpartition(".")
-    where = found("kind", name, module, beside, tuple(KINDS))
-    classes, said = defined_in(where), f"kind is {name!r}; "
+    file, last = find("kind", name, beside, tuple(KINDS)), name.rpartition(".")[2]
+    classes, said = definitions(file), f"kind is {name!r}; "
     if last not in classes:
         raise InputError(
-            f"{said}{file_of(where)} has no class {last}; it defines "
-            f"{', '.join(classes) or 'none'}."
+            f"{said}{file} has no class {last}; it defines {', '.join(classes) or 'none'}."
         )
     if "of_size" not in classes[last]:
         raise InputError(
@@ -69,7 +60,7 @@ def kind_of(name: str, beside: str | None = None) -> Kind:
             f"aspect_ratio), "
             f"see {HOW}."
         )
-    return Kind(where, last)
+    return Kind(file, last)
 
 
 def of_size(cls: type, diameters, ratio: float, *options):

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.validate import refuse
+from dem.base.types import refuse
 from dem.jit.columns import FX, FY, TAU, X, Y, rows
 from dem.jit.compilation import compiled
 from dem.jit.optional import either

@@ -13,15 +13,17 @@ a third-order (Chebyshev) step and Taylor series around it gives the new contact
 """
 
 import math
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
-from dem.base.validate import checked, up_to
+from pydantic import Field
+
+from dem.base.types import Positive, Unit, checked
 from dem.jit.compilation import inlined
 from dem.shapes.protocol import METHOD_QUESTIONS, SEPARATED, answer
 from dem.shapes.rotation import rotated
 
 
-@checked(tolerance=up_to(1.0))
+@checked
 class CommonNormal(NamedTuple):
     """Contact of two ellipses along their common normal, the default.
 
@@ -52,7 +54,7 @@ class CommonNormal(NamedTuple):
     CommonNormal(tolerance=1e-06)
     """
 
-    tolerance: float = 1e-4
+    tolerance: Annotated[Positive, Field(le=1), Unit("rad")] = 1e-4
 
 
 ITERATIONS = 30

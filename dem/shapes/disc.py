@@ -1,12 +1,12 @@
 """Disc: the cylindrical granule of the paper (cases c1 and c2)."""
 
 import math
-from typing import NamedTuple, Self
+from typing import Annotated, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dem.base.validate import OUTLINE, RATIO, SIZES, checked
+from dem.base.types import SIZES, AspectRatio, OutlinePoints, checked
 from dem.shapes.protocol import ContactGeometry, Granules, answer, unit_circle
 
 SHAPE = "Disc"
@@ -14,10 +14,10 @@ ASPECT_RATIO = 1.0  # length over width of all granules
 
 
 class _Fields(NamedTuple):
-    radius: np.ndarray
+    radius: Annotated[np.ndarray, SIZES]
 
 
-@checked(radius=SIZES)
+@checked
 class Disc(Granules, _Fields):
     """Discs, the cylindrical granules of the paper.
 
@@ -53,8 +53,10 @@ class Disc(Granules, _Fields):
     needs_angle = False  # a disc looks the same at every angle
 
     @classmethod
-    @checked(diameter=SIZES, aspect_ratio=RATIO)
-    def of_size(cls, diameter: ArrayLike, aspect_ratio: float = 1.0) -> Self:
+    @checked
+    def of_size(
+        cls, diameter: Annotated[ArrayLike, SIZES], aspect_ratio: AspectRatio = 1.0
+    ) -> Self:
         """Discs with the areas of discs of the given diameters.
 
         Parameters
@@ -106,8 +108,8 @@ class Disc(Granules, _Fields):
         """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
         return np.zeros_like(self.radius)
 
-    @checked(points=OUTLINE)
-    def polygons(self, points: int = 64) -> np.ndarray:
+    @checked
+    def polygons(self, points: OutlinePoints = 64) -> np.ndarray:
         """Closed outlines about the centre at angle zero, to draw or sample.
 
         Parameters

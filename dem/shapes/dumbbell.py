@@ -3,12 +3,12 @@
 The constituents of dumbbell g are the discs 2g and 2g + 1. Every contact is between discs.
 """
 
-from typing import NamedTuple, Self
+from typing import Annotated, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dem.base.validate import OUTLINE, RATIO, SIZES, checked
+from dem.base.types import SIZES, AspectRatio, OutlinePoints, checked
 from dem.jit.block_memory import ONE, TWO
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.shapes import disc
@@ -19,10 +19,10 @@ ASPECT_RATIO = 2.0  # length over width of all granules
 
 
 class _Fields(NamedTuple):
-    radius: np.ndarray
+    radius: Annotated[np.ndarray, SIZES]
 
 
-@checked(radius=SIZES)
+@checked
 class Dumbbell(Granules, _Fields):
     """Dumbbells: two equal discs joined where they touch.
 
@@ -63,8 +63,10 @@ class Dumbbell(Granules, _Fields):
     __slots__ = ()
 
     @classmethod
-    @checked(diameter=SIZES, aspect_ratio=RATIO)
-    def of_size(cls, diameter: ArrayLike, aspect_ratio: float = 2.0) -> Self:
+    @checked
+    def of_size(
+        cls, diameter: Annotated[ArrayLike, SIZES], aspect_ratio: AspectRatio = 2.0
+    ) -> Self:
         """Dumbbells with the areas of discs of the given diameters.
 
         Parameters
@@ -118,8 +120,8 @@ class Dumbbell(Granules, _Fields):
         """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
         return self.radius
 
-    @checked(points=OUTLINE)
-    def polygons(self, points: int = 64) -> np.ndarray:
+    @checked
+    def polygons(self, points: OutlinePoints = 64) -> np.ndarray:
         """Closed outlines about the joint at angle zero, to draw or sample.
 
         Parameters

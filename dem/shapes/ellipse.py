@@ -1,12 +1,13 @@
 """Ellipse (paper section 2.3), with two contact searches and two radii for Hertz's law."""
 
 import math
-from typing import Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import InstanceOf
 
-from dem.base.validate import OUTLINE, RATIO, SIZES, checked, named
+from dem.base.types import SIZES, AspectRatio, OutlinePoints, checked, must
 from dem.shapes.common_normal import CommonNormal, half_width
 from dem.shapes.geometric_potential import GeometricPotential
 from dem.shapes.protocol import (
@@ -25,8 +26,17 @@ CONTACTS: dict[Any, Any] = {
     "geometric_potential": GeometricPotential(),
 }
 RADII: dict[Any, Any] = {"volume": None, "local": True}  # None is absent from kernels
-Contact = Literal["common_normal", "geometric_potential"] | CommonNormal | GeometricPotential
-HertzRadius = Literal["volume", "local"]
+Contact = Annotated[
+    Literal["common_normal", "geometric_potential"]
+    | InstanceOf[CommonNormal]
+    | InstanceOf[GeometricPotential],
+    must(
+        "be 'common_normal' or 'geometric_potential', or a dem.CommonNormal or "
+        "dem.GeometricPotential"
+    ),
+]
+# the fields of an ellipse make it again: the radius is None or True there
+HertzRadius = Annotated[Literal["volume", "local", True] | None, must("be 'volume' or 'local'")]
 
 
 class _Fields(NamedTuple):
@@ -38,12 +48,7 @@ class _Fields(NamedTuple):
     local_curvature: bool | None
 
 
-@checked(
-    semi_major=SIZES,
-    semi_minor=SIZES,
-    contact=named(CONTACTS, CommonNormal, GeometricPotential),
-    hertz_radius=named(RADII),
-)
+@checked
 class Ellipse(Granules, _Fields):
     """Ellipses, the elliptical granules of the paper.
 
@@ -94,8 +99,8 @@ class Ellipse(Granules, _Fields):
 
     def __new__(
         cls,
-        semi_major: ArrayLike,
-        semi_minor: ArrayLike,
+        semi_major: Annotated[ArrayLike, SIZES],
+        semi_minor: Annotated[ArrayLike, SIZES],
         contact: Contact = "common_normal",
         hertz_radius: HertzRadius = "volume",
     ) -> Self:
@@ -105,11 +110,11 @@ class Ellipse(Granules, _Fields):
         return super().__new__(cls, *sizes, method, local)
 
     @classmethod
-    @checked(diameter=SIZES, aspect_ratio=RATIO)
+    @checked
     def of_size(
         cls,
-        diameter: ArrayLike,
-        aspect_ratio: float,
+        diameter: Annotated[ArrayLike, SIZES],
+        aspect_ratio: AspectRatio,
         contact: Contact = "common_normal",
         hertz_radius: HertzRadius = "volume",
     ) -> Self:
@@ -183,8 +188,8 @@ class Ellipse(Granules, _Fields):
         """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
         return self.semi_major**2 / self.semi_minor - self.semi_minor
 
-    @checked(points=OUTLINE)
-    def polygons(self, points: int = 64) -> np.ndarray:
+    @checked
+    def polygons(self, points: OutlinePoints = 64) -> np.ndarray:
         """Closed outlines about the centre at angle zero, to draw or sample.
 
         Parameters

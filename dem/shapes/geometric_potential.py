@@ -8,14 +8,16 @@ bounce does not conserve energy.
 """
 
 import math
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
-from dem.base.validate import checked, up_to
+from pydantic import Field
+
+from dem.base.types import Positive, Unit, checked
 from dem.jit.compilation import inlined
 from dem.shapes.protocol import METHOD_QUESTIONS, SEPARATED, answer
 
 
-@checked(tolerance=up_to(1.0))
+@checked
 class GeometricPotential(NamedTuple):
     """Contact of two ellipses as the paper describes it.
 
@@ -47,7 +49,7 @@ class GeometricPotential(NamedTuple):
     GeometricPotential(tolerance=1e-12)
     """
 
-    tolerance: float = 1e-12
+    tolerance: Annotated[Positive, Field(le=1), Unit("rad")] = 1e-12
 
 
 ITERATIONS = 50

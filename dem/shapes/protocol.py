@@ -18,7 +18,7 @@ import numpy as np
 from numba.extending import overload
 
 from dem.base.errors import InputError
-from dem.base.validate import checked, positive
+from dem.base.types import Ratio, checked
 from dem.jit.compilation import INLINED, inlined, remember
 
 SEPARATED = -1.0  # overlap of constituents that do not touch
@@ -115,8 +115,8 @@ class Granules:
         """Radius (constituents,) in m of the circle that holds the constituent."""
         return self.bounding_radius
 
-    @checked(factor=positive("ratio"))
-    def scaled(self, factor: float) -> Self:
+    @checked
+    def scaled(self, factor: Ratio) -> Self:
         """Granules of the same shape, all lengths multiplied by a factor.
 
         Parameters

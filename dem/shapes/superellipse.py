@@ -1,17 +1,18 @@
 """Rounded superellipse: between an ellipse (exponent 2) and a rectangle with round corners."""
 
-from typing import NamedTuple, Self
+from typing import Annotated, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import Field
 
-from dem.base.validate import RATIO, SIZES, checked, number
+from dem.base.types import SIZES, AspectRatio, Number, Unit, checked
 from dem.shapes.smooth import area, scaled, smooth
 
 SHAPE = "Superellipse"
 
-EXPONENT = number("lie in 1.2 to 20", 1.2, 20.0)
-ROUNDING = number("lie in 0.01 to 10", 0.01, 10.0)  # over the semi-minor axis
+Exponent = Annotated[Number, Field(ge=1.2, le=20), Unit("1")]
+Rounding = Annotated[Number, Field(ge=0.01, le=10), Unit("1")]  # over the semi-minor axis
 
 
 def support(nx, ny, sizes):
@@ -30,7 +31,7 @@ def support(nx, ny, sizes):
 
 
 @smooth(support)
-@checked(semi_major=SIZES, semi_minor=SIZES, rounding=SIZES, exponent=EXPONENT)
+@checked
 class Superellipse(NamedTuple):
     """Rounded superellipses, between an ellipse and a rectangle with round corners.
 
@@ -70,19 +71,19 @@ class Superellipse(NamedTuple):
     (1, 1, 5, 2)
     """
 
-    semi_major: np.ndarray
-    semi_minor: np.ndarray
-    rounding: np.ndarray
-    exponent: float = 4.0
+    semi_major: Annotated[np.ndarray, SIZES]
+    semi_minor: Annotated[np.ndarray, SIZES]
+    rounding: Annotated[np.ndarray, SIZES]
+    exponent: Exponent = 4.0
 
     @classmethod
-    @checked(diameter=SIZES, aspect_ratio=RATIO, exponent=EXPONENT, rounding=ROUNDING)
+    @checked
     def of_size(
         cls,
-        diameter: ArrayLike,
-        aspect_ratio: float = 1.0,
-        exponent: float = 4.0,
-        rounding: float = 0.2,
+        diameter: Annotated[ArrayLike, SIZES],
+        aspect_ratio: AspectRatio = 1.0,
+        exponent: Exponent = 4.0,
+        rounding: Rounding = 0.2,
     ) -> Self:
         """Superellipses with the areas of discs of the given diameters.
 

@@ -5,33 +5,28 @@ gives factors on the file's own value. Any other name takes named points, each a
 that change together, or a design over ranges.
 """
 
-from typing import Annotated, Any, Literal, NamedTuple, NoReturn
+import re
+from typing import Literal, NamedTuple
 
-from pydantic import BeforeValidator, TypeAdapter
+import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
-from dem.base.schema import (
-    Factor,
-    Label,
-    NotNegative,
-    Section,
-    seeds_of,
-    units_of,
-    validated,
-    value,
-    written,
-)
+from dem.base.types import SEEDS, Coefficient, Label, Number, Section, parsed, written
 from dem.experiment.config import Configuration, Entry, entries
 from dem.experiment.observables import OBSERVABLES, variables_of
-from dem.experiment.sections import OwnSection
+from dem.experiment.sections import RunSection
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
 from dem.sweep import design
-from dem.sweep.precision import Until
+from dem.sweep.precision import MOST_RUNS, Until
 
-OWN = tuple(OwnSection.model_fields)  # of a run, beside the values of its configuration
-RUNS = {name: Entry(name, units_of(f), "", f) for name, f in OwnSection.model_fields.items()}
+OWN = tuple(RunSection.model_fields)  # of a run, beside the values of its configuration
+RUNS = {
+    name: entry._replace(about="")  # which dem.io.dataset says
+    for name, entry in entries((), RunSection.model_fields).items()
+}
 RUNS["case"] = RUNS["shape"]._replace(path="case")  # a row of the table
+TABLES = {"case": "cases", "shape": "shapes"}  # of labels
 POINT = "point of the design"  # long name of an axis that is a design
 
 
@@ -41,7 +36,8 @@ class Derive(Section):
 
     derive: Literal["equal_distance", "equal_load"]
     shape: str | None = None  # that is compared with; the run's own if absent
-    friction: NotNegative = value("1", "friction of beds that were grown", 0.0)
+    friction: Coefficient = 0.0
+    """friction of beds that were grown"""
 
 
 class Axis(NamedTuple):
@@ -62,65 +58,47 @@ class Axis(NamedTuple):
         return list(dict.fromkeys(path for point in self.points for path in point))
 
 
-class Place(NamedTuple):
-    """A place in a file: its sweep, the values that may vary by path, and the key."""
-
-    sweep: Any  # dem.sweep.config.Sweep, or a Configuration
-    paths: dict[str, Entry]
-    where: str
-
-    def at(self, key) -> "Place":
-        """One group deeper."""
-        return self._replace(where=f"{self.where}.{key}")
-
-    def refuse(self, words: str) -> NoReturn:
-        """Raise InputError with the key."""
-        raise InputError(f"{self.where} {words}.")
-
-
-def place_in(sweep: Configuration, where: str) -> Place:
-    """The top of what a file says of a sweep."""
-    return Place(sweep, entries(sweep.shapes, sweep.read), where)
-
-
-def axis_of(key: str, spec, place: Place, replicates: int | None = None) -> Axis:
-    """The dimension of a key; raises InputError with the key and the value at fault. replicates: of seeds
-    without an end, of the first round if absent."""
-    here, entry = place.at(key), RUNS.get(key) or place.paths.get(key)
-    if key == "seed" and isinstance(spec, dict):
-        until = validated(Until, spec, at=here.where)
-        found = list(range(until.first, until.first + (replicates or until.least)))
-        return Axis(key, entry, found, [{"seed": each} for each in found], until)
+def axis_of(
+    name: str, spec, sweep: Configuration, where: str, replicates: int | None = None
+) -> Axis:
+    """The dimension of a name in the group `where`; raises InputError with the key and the value at
+    fault. replicates: of seeds without an end, of the first round if absent."""
+    key, entry = f"{where}.{name}", RUNS.get(name) or sweep.entries.get(name)
+    if name == "seed" and isinstance(spec, dict):
+        until = parsed(Until, spec, key)
+        seeds = list(range(until.first, until.first + (replicates or until.least)))
+        return Axis(name, entry, seeds, [{"seed": seed} for seed in seeds], until)
     if entry:
-        found = _values(spec, entry, here)
-        if key == "case":
-            points = [dict(place.sweep.cases[each]) for each in found]
+        values = _values(spec, entry, sweep, key)
+        if name == "case":
+            points = [dict(sweep.cases[value]) for value in values]
         else:
-            points = [{key: each} for each in found]
-        if None in found:  # texts, because a coordinate has no gaps
-            entry, found = entry._replace(units=None), list(map(written, found))
-        return Axis(key if key in RUNS else name_of(key), entry, found, points)
+            points = [{name: value} for value in values]
+        if None in values:  # texts, because a coordinate has no gaps
+            entry = entry._replace(units=None)
+            values = list(map(written, values))
+        return Axis(name if name in RUNS else name_of(name), entry, values, points)
     points = spec.values() if isinstance(spec, dict) and "design" not in spec else ()
     if not isinstance(spec, dict) or not spec or not all(isinstance(p, dict) for p in points):
-        _known(key, [*place.paths, *RUNS], place)
-    validated(Label, key, at=f"a name in {place.where}")
+        _check_known(name, [*sweep.entries, *RUNS], where)
+    parsed(Label, name, f"a name in {where}")
     if "design" in spec:
-        return _design(key, spec, here)
+        return _design(name, spec, sweep, key)
     names = list(map(str, spec))
-    _once(names, here)
-    points = [changes(point, here.at(name)) for name, point in spec.items()]
-    return Axis(name_of(key), Entry(key, None, "values that go together"), names, points)
+    _check_once(names, key)
+    points = [changes(point, sweep, f"{key}.{point_name}") for point_name, point in spec.items()]
+    return Axis(name_of(name), Entry(name, None, "values that go together"), names, points)
 
 
-def _design(key: str, spec: dict, here: Place) -> Axis:
+def _design(name: str, spec: dict, sweep: Configuration, key: str) -> Axis:
     """Points that fill a space of values, each with a seed if the design has a first one."""
-    wanted = validated(design.Design, spec, at=here.where)
+    wanted = parsed(design.Design, spec, key)
     for path in wanted.over:
-        _known(path, here.paths, here.at("over"))
+        _check_known(path, sweep.entries, f"{key}.over")
     points = design.points(wanted)
     if wanted.first_seed is not None:
         points = [point | {"seed": wanted.first_seed + k} for k, point in enumerate(points)]
-    return Axis(name_of(key), Entry(key, "1", POINT), list(range(len(points))), points)
+    return Axis(name_of(name), Entry(name, "1", POINT), list(range(len(points))), points)
 
 
 def name_of(path: str) -> str:
@@ -132,90 +110,113 @@ def name_of(path: str) -> str:
     return f"{name}_swept" if name in taken else name
 
 
-def changes(values, place: Place) -> dict:
+def changes(values, sweep: Configuration, where: str) -> dict:
     """Values by path, checked; a group is a factor or a derived value."""
     if not isinstance(values, dict):
-        place.refuse(f"is {written(values)}; it must be values by path")
-    found = {}
-    for path, each in values.items():
-        here = place.at(path)
+        raise InputError(f"{where} is {written(values)}; it must be values by path.")
+    changed = {}
+    for path, value in values.items():
+        key = f"{where}.{path}"
         if path in OWN:  # of the run: as an axis of this one value
-            found[path] = axis_of(path, [each], place).coordinate[0]
+            changed[path] = axis_of(path, [value], sweep, where).coordinate[0]
             continue
-        _known(path, [*place.paths, *OWN], place)
-        if isinstance(each, dict) and set(each) != {"times"}:
-            found[path] = _derived(path, each, here)
+        _check_known(path, [*sweep.entries, *OWN], where)
+        if isinstance(value, dict) and set(value) != {"times"}:
+            changed[path] = _derived(path, value, sweep, key)
         else:
-            several = isinstance(each, list)
-            found[path] = _values([each] if several else each, place.paths[path], here)[0]
-    return found
+            spec = [value] if isinstance(value, list) else value
+            changed[path] = _values(spec, sweep.entries[path], sweep, key)[0]
+    return changed
 
 
-def _known(path, paths, place: Place) -> None:
+def _check_known(path, paths, where: str) -> None:
     if path not in paths:
-        hint = did_you_mean(path, paths, "")
-        raise InputError(f"{place.where}: {path} is no value that can vary{hint}.")
+        raise InputError(
+            f"{where}: {path} is no value that can vary{did_you_mean(path, paths, '')}."
+        )
 
 
-def _derived(path: str, asked: dict, here: Place) -> Derive:
+def _derived(path: str, spec: dict, sweep: Configuration, key: str) -> Derive:
     """How a value follows from another result."""
     if path != "packing.fraction":
-        here.refuse("cannot be derived, only packing.fraction")
-    found = validated(Derive, asked, at=here.where)
-    if found.derive == "equal_load" and found.friction:
-        here.refuse(
-            "has a friction; equal_load holds for beds without friction, leave friction out"
+        raise InputError(f"{key} cannot be derived, only packing.fraction.")
+    derived = parsed(Derive, spec, key)
+    if derived.derive == "equal_load" and derived.friction:
+        raise InputError(
+            f"{key} has a friction; equal_load holds for beds without friction, leave friction out."
         )
-    if found.shape not in (None, *here.sweep.shapes):
-        here.refuse(f"has the shape {found.shape!r}{did_you_mean(found.shape, here.sweep.shapes)}")
-    return found
+    if derived.shape not in (None, *sweep.shapes):
+        raise InputError(
+            f"{key} has the shape {derived.shape!r}{did_you_mean(derived.shape, sweep.shapes)}."
+        )
+    return derived
 
 
 def changes_of_words(configuration: Configuration, words: list[str]) -> dict:
     """Values by path from words such as friction.granule=0.3; raises InputError."""
-    found = {}
+    texts = {}
     for word in words:
         path, equal, text = word.partition("=")
         if not equal or not text:
             raise InputError(f"{word!r} is no value; write PATH=VALUE, such as box_width=0.02.")
         if path in OWN:
             raise InputError(f"{word!r} is said by an option; write --{path} {text}.")
-        found[path] = text
-    return changes(found, place_in(configuration, "values"))
+        texts[path] = text
+    return changes(texts, configuration, "values")
 
 
-def _values(spec, entry: Entry, here: Place) -> list:
+def _values(spec, entry: Entry, sweep: Configuration, key: str) -> list:
     """The values of a list, of one value, of words for seeds, or of factors on the file's value."""
-    tables = {"case": "cases", "shape": "shapes"}
-    known = getattr(here.sweep, tables[entry.path]) if entry.path in tables else None
-    if known is not None and spec == "all":
-        return list(known)
-    if isinstance(spec, dict) and set(spec) == {"times"} and entry.path in here.paths:
-        base, factors = here.sweep.at(entry.path), TypeAdapter(Factor)
+    path, labels = entry.path, getattr(sweep, TABLES.get(entry.path, ""), None)
+    if labels is not None and spec == "all":
+        return list(labels)
+    listed = spec if isinstance(spec, list) else [spec]
+    if isinstance(spec, dict) and set(spec) == {"times"} and path in sweep.entries:
+        base, factors = sweep.at(path), spec["times"]
         if isinstance(base, str | bool) or base is None:
-            here.refuse(f"is {written(base)}, which has no multiples")
-        given = spec["times"] if isinstance(spec["times"], list) else [spec["times"]]
-        given = [validated(factors, each, at=here.where) * base for each in given]
-    elif entry.path == "seed" and isinstance(spec, str):
-        given = validated(Annotated[Any, BeforeValidator(seeds_of)], spec, at=here.where)
-    else:
-        given = spec if isinstance(spec, list) else [spec]
-    if not given or (isinstance(spec, dict) and given == [spec]):
-        factors = ", or factors: {times: [0.5, 2]}" if entry.path in here.paths else ""
-        here.refuse(f"is {written(spec)}; it must be a list of values{factors}")
-    field = entry.field
-    one = TypeAdapter(Annotated[(field.annotation, field)])
-    found = [validated(one, each, at=here.where, field=field) for each in given]
-    for each in found if known is not None else ():
-        if each not in known:
-            here.refuse(
-                f"is {each!r}, which is not one of {tables[entry.path]}{did_you_mean(each, known)}"
+            raise InputError(f"{key} is {written(base)}, which has no multiples.")
+        factors = factors if isinstance(factors, list) else [factors]
+        listed = [parsed(Number, factor, key) * base for factor in factors]
+    elif path == "seed" and isinstance(spec, str):
+        listed = seeds_of(spec, key)
+    elif not listed or isinstance(spec, dict):
+        factors = ", or factors: {times: [0.5, 2]}" if path in sweep.entries else ""
+        raise InputError(f"{key} is {written(spec)}; it must be a list of values{factors}.")
+    kind = entry.field.rebuild_annotation()
+    values = [parsed(kind, value, key) for value in listed]
+    for label in values if labels is not None else ():
+        if label not in labels:
+            raise InputError(
+                f"{key} is {label!r}, which is not one of "
+                f"{TABLES[path]}{did_you_mean(label, labels)}."
             )
-    _once(found, here)
-    return sorted(found) if entry.path == "seed" else found
+    _check_once(values, key)
+    return sorted(values) if path == "seed" else values
 
 
-def _once(values: list, here: Place) -> None:
+def seeds_of(words: str, key: str) -> list[int]:
+    """The seeds that words such as "1 to 100, 205" name; raises InputError."""
+    seeds = []
+    for part in words.split(","):
+        ends = re.fullmatch(r"\s*(\d{1,20})(?:\s+to\s+(\d{1,20}))?\s*", part)
+        first, last = (int(ends[1]), int(ends[2] or ends[1])) if ends else (1, 0)
+        if not first <= last < SEEDS or last - first >= MOST_RUNS - len(seeds):
+            raise InputError(
+                f"{key} is {written(words)}; it must be a list of whole numbers, or words such as 1 "
+                f"to 100, 205: each part from less to more, below {SEEDS}, and at most "
+                f"{MOST_RUNS:,} seeds in all."
+            )
+        seeds += range(first, last + 1)
+    return seeds
+
+
+def seed_words(seeds) -> str:
+    """Seeds as words that a configuration may hold: 1 to 5, 7."""
+    runs = np.split(seeds, 1 + np.flatnonzero(np.diff(seeds) != 1))
+    return ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 1 else f"{run[0]}" for run in runs)
+
+
+def _check_once(values: list, key: str) -> None:
     if len(set(values)) < len(values):
-        twice = next(each for each in values if values.count(each) > 1)
-        here.refuse(f"has {written(twice)} twice; list each once")
+        twice = next(value for value in values if values.count(value) > 1)
+        raise InputError(f"{key} has {written(twice)} twice; list each once.")

@@ -4,7 +4,6 @@ A run that is finished is on disk at once, so that a batch that is stopped loses
 last run did since its checkpoint. A run that fails is a row with its reason.
 """
 
-import hashlib
 import json
 import time
 import traceback
@@ -15,21 +14,23 @@ from filelock import FileLock
 
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
-from dem.base.sources import cache_folder, codes, own_files
+from dem.base.sources import PACKAGE, cache_folder, digest, run_codes, with_imports
 from dem.experiment import resume
 from dem.experiment.bed import make_bed, periods
 from dem.experiment.config import Replicate
 from dem.experiment.warmup import compile_kernels
 from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, read, write
 from dem.packing.random import Bed
-from dem.sweep.store import Store, kernels_of
+from dem.sweep.jobs import kernel_key
+from dem.sweep.store import Store
 
 
 def make(store: Store, batch: str, progress=lambda done, failed, compiles=False: None) -> Path:
     """The file of a batch, made if it is not there; returns its path.
 
-    Two processes that want the same runs do not make them twice: the second waits. progress is called
-    with how many runs are done, of these how many failed, and whether kernels are compiled first.
+    Two processes that want the same runs do not make them twice: the second waits. progress is
+    called with how many runs are done, of these how many failed, and whether kernels are compiled
+    first.
     """
     path, replicates = store.file_of(batch), store.replicates(batch)
     if is_whole(path, replicates):
@@ -37,7 +38,7 @@ def make(store: Store, batch: str, progress=lambda done, failed, compiles=False:
     rows, failed = [], 0
     for replicate in replicates:
         with store.locked(store.run_of(replicate.id, ".lock")):
-            if (row := _made(store, replicate)) is None:
+            if (row := _stored(store, replicate)) is None:
                 done = len(rows)
                 try:
                     _compile(replicate, lambda d=done, f=failed: progress(d, f, True))
@@ -55,12 +56,12 @@ def make(store: Store, batch: str, progress=lambda done, failed, compiles=False:
     return path
 
 
-def _compile(replicate: Replicate, told) -> None:
-    """Compile the kernels of a run, once for all processes of this machine; told is called before."""
-    known = f"{kernels_of(replicate)} {provenance.compilers()} {provenance.processor()}"
-    mark = cache_folder() / "kernels" / hashlib.sha256(known.encode()).hexdigest()[:16]
+def _compile(replicate: Replicate, before) -> None:
+    """Compile the kernels of a run once for all processes of this machine; first call `before`."""
+    key = digest(kernel_key(replicate), provenance.compilers(), provenance.processor())
+    mark = cache_folder() / "kernels" / key
     if not mark.exists():
-        told()
+        before()
         mark.parent.mkdir(parents=True, exist_ok=True)
         with FileLock(mark.with_suffix(".lock")):
             if not mark.exists():
@@ -77,11 +78,11 @@ def is_whole(path: Path, replicates: list[Replicate]) -> bool:
     return values["run_id"].tolist() == [replicate.id for replicate in replicates]
 
 
-def _made(store: Store, replicate: Replicate) -> dict | None:
-    """What a run gave that is kept, or that is in another batch and did not fail there."""
+def _stored(store: Store, replicate: Replicate) -> dict | None:
+    """The values of a run that is finished, or that is in another batch and did not fail there."""
     if (found := store.kept(replicate.id)) is not None:
         return found
-    for batch in store.sealed().values():
+    for batch in store.complete().values():
         if replicate.id in batch.runs:
             rows = rows_of(store.file_of(batch.id), [replicate])
             if rows and rows[replicate.id]["failure"] == 0:
@@ -97,10 +98,10 @@ def rows_of(path: Path, replicates: list[Replicate]) -> dict[str, dict]:
         values, _ = read(path, (*own, "run_id", "failure", "failure_reason", "spent"))
     except InputError:
         return {}
-    ids = values.pop("run_id").tolist()
+    rows = enumerate(values.pop("run_id").tolist())
     return {
         run: {name: array[row] for name, array in values.items()}
-        for row, run in enumerate(ids)
+        for row, run in rows
         if run in wanted
     }
 
@@ -129,17 +130,19 @@ def _failure(reason: str, name: str = "other") -> dict:
 
 
 def _place(error: BaseException, replicate: Replicate) -> str | None:
-    """Where an error of a run that uses files of a user's own arose, in these if it can be; None where
-    it is not of the run."""
-    own = {name for module in replicate.modules for name in own_files(module)}
-    places = [
-        (frame.f_globals["__name__"] in own, f"{Path(frame.f_code.co_filename).name}, line {line}")
-        for frame, line in traceback.walk_tb(error.__traceback__)
-    ]
-    last = {is_own: place for is_own, place in places}
-    return (
-        last.get(True) if isinstance(error, InputError) or not own else last.get(True, last[False])
-    )
+    """File and line where an error arose in a run that uses files of a user, of these if it can be.
+
+    None where the error is not the run's.
+    """
+    plugins = [file for file in replicate.files if not file.is_relative_to(PACKAGE)]
+    files = {file for plugin in plugins for file in with_imports(plugin)}
+    last = {}  # by whether it is in a file of the user
+    for frame, line in traceback.walk_tb(error.__traceback__):
+        file = Path(frame.f_code.co_filename)
+        last[file in files] = f"{file.name}, line {line}"
+    if isinstance(error, InputError) or not plugins:
+        return last.get(True)
+    return last.get(True, last[False])
 
 
 def _gaps(replicate: Replicate) -> dict[str, np.ndarray]:
@@ -195,7 +198,7 @@ def write_batch(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
         "dem batch",
         values=json.dumps([replicate.values(beside=False) for replicate in replicates]),
         source_hash=first.source_hash,
-        code=json.dumps(codes(*first.modules, bits=True)),
+        code=json.dumps(run_codes(*first.files)),
         versions=provenance.versions(),
         processor=provenance.processor(),
         git_revision=provenance.git_revision(),
@@ -216,7 +219,7 @@ def write_failed(path: Path, replicate: Replicate, reason: str) -> None:
 
 
 def retry(store: Store, batch: str, replicates: list[Replicate]) -> int:
-    """Open a batch again for its failed runs; returns how many there are. The others are kept."""
+    """Mark the failed runs of a batch to be made again, and return how many there are."""
     path = store.file_of(batch)
     rows = rows_of(path, replicates) or {each.id: store.kept(each.id) for each in replicates}
     failed = [run for run, row in rows.items() if row is not None and row["failure"] != 0]

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from dem.base.errors import InputError
-from dem.base.sources import code_hash
+from dem.base.sources import ROOT, code_hash, codes, files_of
 from dem.sweep.config import Sweep
 from dem.sweep.expand import Block
 from dem.sweep.precision import short_of
@@ -20,59 +20,65 @@ OWNER = "sweep_file"  # attribute: the file of the sweep, empty where it has non
 RECIPE = "combined_by"  # attribute: hash of the code and the values by which runs were combined
 
 
-class Earlier(NamedTuple):
-    """A combined file. file: None where it does not say its sweep; recipe: hash of the code and the
-    values by which its runs were combined, empty where it has none."""
+class Combined(NamedTuple):
+    """A combined file.
 
-    file: str | None
+    owner: the file of its sweep, empty where the sweep has none, None where the combined file does
+        not say.
+    recipe: hash of the code and the values by which its runs were combined, empty where it has
+        none.
+    title: of the sweep.
+    runs: identities of its runs.
+    """
+
+    owner: str | None
     recipe: str
     title: str
     runs: tuple[str, ...]
 
 
-def read_earlier(path: Path) -> Earlier | None:
-    """What a combined file says of itself, None where there is none that can be read."""
+def read_combined(path: Path) -> Combined | None:
+    """Owner and runs of a combined file, None where there is none that can be read."""
     if not Path(path).is_file():
         return None
     import netCDF4  # not for those who only plan
 
     try:
         with netCDF4.Dataset(path) as file:
-            told = {name: str(file.getncattr(name)) for name in file.ncattrs()}
-            runs = (
-                file.variables["run_id"][...].ravel().tolist() if "run_id" in file.variables else ()
-            )
+            attrs = {name: str(file.getncattr(name)) for name in file.ncattrs()}
+            variable = file.variables.get("run_id")
+            runs = () if variable is None else variable[...].ravel().tolist()
     except Exception:  # damage makes the library raise many errors; nothing good is lost
         return None
     ids = tuple(filter(None, map(str, runs)))
-    return Earlier(told.get(OWNER), told.get(RECIPE, ""), told.get("title", ""), ids)
+    return Combined(attrs.get(OWNER), attrs.get(RECIPE, ""), attrs.get("title", ""), ids)
 
 
-def refuse_other(path: Path, earlier: Earlier | None, sweep: Sweep, file: str | None) -> None:
+def refuse_foreign(path: Path, combined: Combined | None, sweep: Sweep, file: str | None) -> None:
     """Raise InputError where a combined file is another sweep's.
 
     A sweep is known by its file; one without, by its title. A file that was renamed is known by its
     title too.
     """
-    if earlier is None or earlier.file is None or file is None or earlier.file == file:
+    if combined is None or None in (combined.owner, file) or combined.owner == file:
         return
-    renamed = not (earlier.file and file and Path(earlier.file).exists())
-    if renamed and earlier.title == sweep.title:
+    renamed = not (combined.owner and file and Path(combined.owner).exists())
+    if renamed and combined.title == sweep.title:
         return
-    whose = earlier.file or f"the sweep {earlier.title!r}"
+    owner = combined.owner or f"the sweep {combined.title!r}"
     raise InputError(
-        f"results is {sweep.results!r}, which has the results of {whose} ({path}): name another "
+        f"results is {sweep.results!r}, which has the results of {owner} ({path}): name another "
         f"folder in {file or 'the configuration'}, or move what is there away."
     )
 
 
-def replaced(path: Path, earlier: Earlier | None, runs: Iterable[str]) -> list[str]:
-    """A sentence where a combined file has runs that a sweep has no longer."""
-    held = set(earlier.runs if earlier else ())
-    if not (gone := held - set(runs)):
+def lost_runs(path: Path, combined: Combined | None, runs: Iterable[str]) -> list[str]:
+    """A sentence where a combined file has runs that its sweep has no longer."""
+    held = set(combined.runs if combined else ())
+    if not (lost := held - set(runs)):
         return []
     return [
-        f"{path}: {len(gone)} of the {len(held)} runs that it held are no longer in this sweep, "
+        f"{path}: {len(lost)} of the {len(held)} runs that it held are no longer in this sweep, "
         "because its values or the code changed; the store keeps them until dem store --prune."
     ]
 
@@ -108,17 +114,18 @@ def combine_block(
         state.notes += short_of(block, state.values(block))
     if observable == BEDS:
         block = block.first_seeds()
-    text = f"{code_hash('dem.sweep.combine')} {state.text(name)} {observable}"
+    sources = files_of(("dem/sweep/combine.py", "dem/io/dataset.py"), ROOT)
+    text = f"{code_hash(codes(sources))} {state.text(name)} {observable}"
     attrs = {RECIPE: hashlib.sha256(text.encode()).hexdigest()}
     attrs |= {} if state.file is None else {OWNER: state.file}
     batches = [
         each for each in state.batches(name) if not block.points.keys().isdisjoint(each.runs)
     ]
     files = [state.store.file_of(batch.id) for batch in batches]
-    earlier = read_earlier(output)
-    if earlier and not partial and earlier.recipe == attrs[RECIPE]:
+    before = read_combined(output)
+    if before and not partial and before.recipe == attrs[RECIPE]:
         written = output.stat().st_mtime_ns
-        if {*earlier.runs} == {*block.points} and all(
+        if {*before.runs} == {*block.points} and all(
             f.stat().st_mtime_ns <= written for f in files
         ):
             return  # so that what is drawn from it is not drawn again
@@ -131,7 +138,7 @@ def combine_block(
                 )
         combine(files, state.sweep, block, observable, output, progress, attrs, partial)
     if output == state.combined(name)[0] and state.sweep.needed(name):
-        state.notes += replaced(output, earlier, block.points)
+        state.notes += lost_runs(output, before, block.points)
 
 
 def _existing(store: Store, block: Block, batches: list[Batch], folder: Path) -> Iterator[Path]:

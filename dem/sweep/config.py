@@ -1,22 +1,20 @@
 """A whole configuration file: the values of a run, and what is varied."""
 
-import json
 import os
-import re
 from functools import cached_property
 from importlib.metadata import files as installed_files
 from pathlib import Path
 from typing import Annotated, Any
 
 import yaml
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.base.messages import did_you_mean
-from dem.base.outside import placed, reread
-from dem.base.schema import Label, NotNegative, Positive, Section, Whole, validated, value
+from dem.base.plugins import refresh, with_folder
 from dem.base.sources import ROOT
+from dem.base.types import Coefficient, Count, Density, Label, Section, must, parsed
 from dem.base.yaml_file import read
 from dem.experiment.config import Configuration, model_of
 from dem.sweep.expand import Block, Derived, expand
@@ -27,58 +25,53 @@ FOLDERS = ("store", "figures", "logs", "rounds")  # of results
 CONFIG = "config.yaml"  # of results, as resolved
 LONGEST_CHAIN = 20  # files that extend one another
 REPLACED = ("sweep",)  # whole, by a file that extends another
-PART = r"(?!store(?:/|$))[A-Za-z0-9][A-Za-z0-9._-]*"  # of the name of a folder of results
 
-
-def _folder(name: str) -> str:
-    if not re.fullmatch(f"results(/{PART})*", name) or len(name) > 200:
-        raise ValueError(  # systems take 255 characters for a name, some 260 for a whole path
-            "it must be results or a folder below it, such as results/mine, but not that of the store, "
-            "named by letters from A to Z, digits, ., _ and -, at most 200 in all"
-        )
-    return name
-
-
-def _block(name: str) -> str:
-    if name in FOLDERS:
-        raise ValueError("it must be no folder of results; rename it")
-    return name
-
-
-def _file_name(name: str) -> str:
-    if not name.isprintable() or max(map(len, name.split("/"))) > 255:
-        raise ValueError("it must be the name of a file")
-    return name
-
-
-FileName = Annotated[str, AfterValidator(_file_name)]
-Blocks = Annotated[
-    dict[Annotated[Label, AfterValidator(_block)], dict[Any, Any]], Field(min_length=1)
+# systems take 255 characters for a name, some 260 for a whole path
+Folder = Annotated[
+    str,
+    Field(pattern=r"^results(/[A-Za-z0-9][A-Za-z0-9._-]*)*$", max_length=200),
+    must(
+        "be results or a folder below it, such as results/mine, but not that of the store, "
+        "named by letters from A to Z, digits, ., _ and -, at most 200 in all",
+        lambda name: "store" not in name.split("/"),
+    ),
 ]
+FileName = Annotated[
+    str,
+    must(
+        "be the name of a file",
+        lambda name: name.isprintable() and max(map(len, name.split("/"))) <= 255,
+    ),
+]
+Blocks = Annotated[dict[Label, dict[Any, Any]], Field(min_length=1)]
 
 
 class CaseSection(Section):
-    shape: Label = value(None, "label of a shape")
-    density: Positive = value("kg m-3", "density of the granules")
+    shape: Label
+    """label of a shape"""
+    density: Density
+    """density of the granules"""
 
 
 class Sweep(Configuration):
     """A configuration file: values, tables of shapes and cases, what varies, and where it goes."""
 
-    title: str = value(
-        None, "title of files and figures", "Slow drag of a cylinder through a bed of granules"
-    )
-    results: Annotated[str, AfterValidator(_folder)] = value(
-        None, "folder of all results, such as results/mine"
-    )
-    batch: Whole = value("1", "runs per file of the store", 10, ge=1, le=10_000)
-    failures: NotNegative = value("1", "share of runs that may fail", 0.0, lt=1)
-    cases: dict[Label, CaseSection] = value(None, "shapes with a density, by label", {})
-    sweep: dict[str, Any] = value(None, "what varies, by key", min_length=1)
-    figures: list[str] | None = value(
-        None, "those to draw; null: all that the runs suffice for", None
-    )
-    studies: str = value(None, "name of the sweep in the folder of each study", "sweep.yaml")
+    title: str = "Slow drag of a cylinder through a bed of granules"
+    """title of files and figures"""
+    results: Folder
+    """folder of all results, such as results/mine"""
+    batch: Annotated[Count, Field(ge=1, le=10_000)] = 10
+    """runs per file of the store"""
+    failures: Annotated[Coefficient, Field(lt=1)] = 0.0
+    """share of runs that may fail"""
+    cases: dict[Label, CaseSection] = Field(default_factory=dict)
+    """shapes with a density, by label"""
+    sweep: Annotated[dict[str, Any], Field(min_length=1)]
+    """what varies, by key"""
+    figures: list[str] | None = None
+    """those to draw; null: all that the runs suffice for"""
+    studies: str = "sweep.yaml"
+    """name of the sweep in the folder of each study"""
 
     @model_validator(mode="after")
     def _check_cases(self):
@@ -103,8 +96,8 @@ class Sweep(Configuration):
                 kind = self.block(each).first.configuration.experiment
                 if kind != "jamming":
                     raise InputError(
-                        f"sweep.blocks.{name}.needs is {each!r}, a block of the experiment {kind}; it must be a block "
-                        "of the experiment jamming, whose results give values."
+                        f"sweep.blocks.{name}.needs is {each!r}, a block of the experiment {kind}; "
+                        "it must be a block of the experiment jamming, whose results give values."
                     )
 
     @cached_property
@@ -118,7 +111,10 @@ class Sweep(Configuration):
             return {"drag": self.sweep}
         if others := set(self.sweep) - {"blocks"}:
             raise InputError(f"sweep has blocks and {min(others)}; move that into a block.")
-        return validated(Blocks, self.sweep["blocks"], at="sweep.blocks")
+        found = parsed(Blocks, self.sweep["blocks"], "sweep.blocks")
+        if taken := found.keys() & set(FOLDERS):
+            raise InputError(f"sweep.blocks.{min(taken)} is a folder of results; rename the block.")
+        return found
 
     def block(
         self, name: str, derived: Derived | None = None, counts: dict[GridPoint, int] | None = None
@@ -170,13 +166,13 @@ class Sweep(Configuration):
 
     def dump(self) -> dict:
         """The whole file as plain groups."""
-        return json.loads(self.model_dump_json())
+        return self.model_dump(mode="json")
 
 
 def parse(data, source: str = "configuration") -> Sweep:
     """Sweep from the content of a file; raises InputError with one sentence per fault."""
     data = extended(data, source)
-    sweep = validated(model_of(Sweep, data), data, source)
+    sweep = parsed(model_of(Sweep, data), data, source=source)
     try:
         sweep.check()
     except InputError as error:
@@ -188,21 +184,22 @@ def parse(data, source: str = "configuration") -> Sweep:
 
 def extended(data, source: str, depth: int = 0):
     """A file's content merged over the file that it extends; raises InputError."""
-    data = placed(data, _folder_of(source))
+    data = with_folder(data, _folder_of(source))
     if isinstance(data, dict):  # keys for anchors of YAML, as Docker Compose has them
         data = {key: each for key, each in data.items() if not str(key).startswith("x-")}
     if not isinstance(data, dict) or "extends" not in data:
         return data
-    name = validated(FileName, data["extends"], source, "extends")
+    name = parsed(FileName, data["extends"], "extends", source)
     own = {key: each for key, each in data.items() if key != "extends"}
     if depth >= LONGEST_CHAIN:
         raise InputError(
-            f"{source}: extends is {name!r}; {LONGEST_CHAIN} files extend each other already, write fewer."
+            f"{source}: extends is {name!r}; {LONGEST_CHAIN} files extend each other already, "
+            "write fewer."
         )
     if "results" not in own:
         raise InputError(
-            f"{source}: results is missing{did_you_mean('results', own, '')}; a file that extends another needs a "
-            "folder of its own."
+            f"{source}: results is missing{did_you_mean('results', own, '')}; a file that extends "
+            "another needs a folder of its own."
         )
     base = found(name, Path(source).parent)
     return merged(extended(read(base), str(base), depth + 1), own)
@@ -225,7 +222,7 @@ def merged(base: dict, own: dict, top: bool = True) -> dict:
 
 
 def found(name: str | Path, beside: Path = Path()) -> Path:
-    """The file of that name: here, beside another, in the checkout, or as it came with the package."""
+    """The file of that name: here, beside another, in the checkout, or of the package."""
     choices = [Path(name), beside / name, ROOT / name]
     if not any(each.is_file() for each in choices):
         for each in installed_files(DISTRIBUTION) or ():
@@ -236,7 +233,7 @@ def found(name: str | Path, beside: Path = Path()) -> Path:
 
 def load(path: Path) -> Sweep:
     """Sweep from a YAML file; raises InputError with one sentence per fault."""
-    reread()
+    refresh()
     path = found(path)
     return parse(read(path), str(path))
 
@@ -261,7 +258,7 @@ def file_of(sweep: Sweep, path: Path) -> str:
 
 
 def save(sweep: Sweep, path: Path, file: str = "") -> None:
-    """Write the resolved configuration; `load` then gives the same sweep. file: that of the sweep."""
+    """Write the resolved configuration, which `load` reads again. file: that of the sweep."""
     head = f"{FROM}{file}\n" if file.isprintable() and file else ""
     text = (head + yaml.safe_dump(sweep.dump(), sort_keys=False)).encode()
     path = Path(path)

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from dem.base.schema import Number, Section, Seed, Whole, number
+from dem.base.types import Count, Number, Section, Seed, must
 
 DRAWS = 20  # hypercubes, of which the one of the lowest discrepancy is taken
 MANY = 5_000  # points from which that takes too long, and one is drawn
@@ -32,18 +32,11 @@ class Range(Section):
         return float(self.low + (self.high - self.low) * place)
 
 
-def _value(value):
-    """A finite number as it is, or text."""
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise ValueError("it must be a number or text")
-    return value if isinstance(value, str) else number(value)
-
-
 class Choice(Section):
     """One of some values, equally likely; a value may be listed more than once."""
 
     choices: Annotated[
-        tuple[Annotated[int | float | str, BeforeValidator(_value)], ...], Field(min_length=2)
+        tuple[Annotated[Number | str, must("be a number or text")], ...], Field(min_length=2)
     ]
 
     def at(self, place: float):
@@ -63,7 +56,7 @@ class Design(Section):
     """Points in the space of some values; the same points from the same seed."""
 
     design: Literal["latin_hypercube", "sobol"]
-    points: Annotated[Whole, Field(ge=2, le=1_000_000)]
+    points: Annotated[Count, Field(ge=2, le=1_000_000)]
     draw: Seed | None = None  # of the design itself; absent: first_seed, or 0
     first_seed: Seed | None = None  # point k is a bed of its own, of seed first_seed + k
     over: Annotated[
@@ -75,8 +68,8 @@ class Design(Section):
         below = 1 << self.points.bit_length() - 1
         if self.design == "sobol" and self.points != below:
             raise ValueError(
-                f"points is {self.points}; a Sobol sequence is even only if it is a power of two: take "
-                f"{below} or {2 * below}"
+                f"points is {self.points}; a Sobol sequence is even only if it is a power of two: "
+                f"take {below} or {2 * below}"
             )
         return self
 

@@ -11,9 +11,9 @@ from dem.base.errors import InputError
 from dem.experiment.config import Replicate, of_values
 from dem.io.dataset import read
 from dem.io.progress import span
+from dem.sweep.explain import reasons
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store
-from dem.sweep.why import reasons
 
 # s an effort, where no run like it exists: of a usual processor, by kind of granule
 GUESS = {"disc": 3e-8, "dumbbell": 6e-8, "ellipse": 6e-8}
@@ -61,7 +61,7 @@ def existing(state: SweepState, name: str) -> tuple[set[str], set[str]]:
     """Identities of the runs of a block that are finished, and of those that failed."""
     store, wanted = state.store, set(state.block(name).points)
     finished, failed = set(), set()
-    for batch in store.sealed().values():
+    for batch in store.complete().values():
         if shared := wanted.intersection(batch.runs):
             bad = store.failed(batch.id)
             finished |= shared - bad

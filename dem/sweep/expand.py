@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.schema import MOST
 from dem.experiment.box import check_room
 from dem.experiment.config import Configuration, Entry, Replicate, entries
 from dem.io.dataset import LABELS, OF_STORE
-from dem.sweep.axis import OWN, Axis, Derive, axis_of, changes, name_of, place_in
-from dem.sweep.precision import GridPoint
+from dem.sweep.axis import OWN, Axis, Derive, axis_of, changes, name_of
+from dem.sweep.precision import MOST_RUNS, GridPoint
 
 WORDS = ("needs", "values")  # of a block, beside what varies
 MOST_AXES = 24  # dimensions of a sweep; a variable of netCDF-4 has at most 32 with its own
@@ -179,53 +178,56 @@ def expand(
     counts: replicates at each point after some rounds; those of the first round if absent.
     """
     where = "sweep" if name == "drag" else f"sweep.blocks.{name}"
-    place = place_in(sweep, where)
-    fixed = changes(block.get("values", {}), place.at("values"))
+    fixed = changes(block.get("values", {}), sweep, f"{where}.values")
     specs = {key: spec for key, spec in block.items() if key not in WORDS}
     replicates = max(counts.values()) if counts else None
-    axes = [axis_of(key, spec, place, replicates) for key, spec in specs.items()]
+    axes = [axis_of(key, spec, sweep, where, replicates) for key, spec in specs.items()]
     if "shape" in fixed:
-        axes.insert(0, axis_of("shape", [fixed.pop("shape")], place))
+        axes.insert(0, axis_of("shape", [fixed.pop("shape")], sweep, where))
     given = {path for axis in axes for path in axis.paths}
     if "seed" not in given:
-        axes.append(axis_of("seed", [fixed.pop("seed", 1)], place))
+        axes.append(axis_of("seed", [fixed.pop("seed", 1)], sweep, where))
     if len(axes) > MOST_AXES:
-        place.refuse(
-            f"has {len(axes)} dimensions; it must have at most {MOST_AXES}: what has one value "
-            "belongs under values, and values that go together under one name"
+        raise InputError(
+            f"{where} has {len(axes)} dimensions; it must have at most {MOST_AXES}: what has one "
+            "value belongs under values, and values that go together under one name."
         )
     given |= set(fixed)
     shaped = (
         axis for axis in axes if axis.points and all("shape" in point for point in axis.points)
     )
     if len(sweep.shapes) > 1 and not any(shaped):
-        place.refuse(f"must give all runs a shape or a case; there are {', '.join(sweep.shapes)}")
+        raise InputError(
+            f"{where} must give all runs a shape or a case; there are {', '.join(sweep.shapes)}."
+        )
     same = (*SAME, *sweep.module.said(sweep, "SIZES").values())
     if same := [path for path in same if path in given - set(fixed)]:
-        place.refuse(f"varies {same[0]}, which runs of one block share; use blocks")
+        raise InputError(f"{where} varies {same[0]}, which runs of one block share; use blocks.")
     points = [fixed, *(point for axis in axes for point in axis.points)]
     if "needs" not in block and any(
         isinstance(v, Derive) for point in points for v in point.values()
     ):
-        place.refuse("derives values; needs must name the blocks that it takes them from")
+        raise InputError(
+            f"{where} derives values; needs must name the blocks that it takes them from."
+        )
     ways = Counter([*fixed, *(path for axis in axes for path in axis.paths)])
     if twice := [path for path, count in ways.items() if count > 1]:
-        place.refuse(f"varies {min(twice)} in two ways; name it once")
+        raise InputError(f"{where} varies {min(twice)} in two ways; name it once.")
     most = prod(max(len(axis.points), axis.until.most if axis.until else 0) for axis in axes)
-    if most > MOST:
-        place.refuse(f"has {most:,} runs; it must have at most {MOST:,}")
+    if most > MOST_RUNS:
+        raise InputError(f"{where} has {most:,} runs; it must have at most {MOST_RUNS:,}.")
     found = Block(name, axes, _runs(sweep, where, fixed, axes, derived, counts), fixed)
     first = found.first.configuration
     names = [*found.dims, *map(name_of, given - {axis.entry.path for axis in axes})]
     recorded = first.module.names(first)
     lengths = {f"{name}_length" for name in (*names, *recorded, *LABELS, *OF_STORE)}  # of texts
     if twice := [name for name in names if names.count(name) > 1 or name in recorded | lengths]:
-        place.refuse(f"gives files of results two things named {twice[0]}; rename one")
+        raise InputError(f"{where} gives files of results two things named {twice[0]}; rename one.")
     if found.until:
         if "needs" in block:
-            place.at("seed").refuse(
-                f"has until, and needs {block['needs']}; list the seeds of a block whose values "
-                "follow from another"
+            raise InputError(
+                f"{where}.seed has until, and needs {block['needs']}; list the seeds of a block "
+                "whose values follow from another."
             )
         labels = (axis.coordinate for axis in axes if axis.name in ("case", "shape"))
         found.until.check(f"{where}.seed", first, next(labels, ()))
@@ -253,8 +255,8 @@ def _runs(sweep, where, fixed, axes, derived, counts) -> dict[GridPoint, Replica
     for key, configuration in configurations.items():
         try:
             check_room(configuration, key[0], *seeds[key])
-        except ValueError as error:
-            raise InputError(f"{where} asks for an impossible run: {error}.") from None
+        except InputError as error:
+            raise InputError(f"{where} asks for an impossible run: {error}") from None
     return runs
 
 

@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from dem.base import plugins
 from dem.base.errors import InputError
-from dem.base.outside import loaded, placed, reread
 from dem.experiment.config import of_values
 from dem.io.dataset import LABELS, attributes, global_attributes
 from dem.io.lazily import open_results
 from dem.io.results_folder import prepare
-from dem.sweep.config import extended, load
+from dem.sweep.config import load, merged
 from dem.sweep.state import SweepState
 from dem.sweep.workers import workers_of
 
@@ -95,8 +95,8 @@ def run_sweep(path: str | Path, executor=None, block: str | None = None) -> xr.D
     workers = workers_of(executor, state.store)
     if executor is None:
         for name in blocks:
-            for module in {each for run in state.block(name).unique() for each in run.modules}:
-                loaded(module)  # what cannot be is said before anything is written
+            for file in {each for run in state.block(name).unique() for each in run.files}:
+                plugins.load(file)  # what cannot be is said before anything is written
     lock, _ = prepare(state.results, state.store.folder)
     try:
         with workers:
@@ -137,9 +137,10 @@ def run_experiment(values: dict) -> xr.Dataset:
     >>> found["drag"].dims, found["drag"].attrs["units"]
     (('displacement',), 'N')
     """
-    reread()
-    replicate = of_values(placed(_whole(values), Path()))
-    own = replicate.configuration.checked()
+    plugins.refresh()
+    replicate = of_values(_whole(values))
+    own = replicate.configuration
+    own.check_files()
     experiment = own.module
     found = experiment.run(replicate)
     layout = experiment.layout(own) | experiment.along(own) | LABELS
@@ -159,14 +160,11 @@ def _whole(values: dict) -> dict:
     """Values merged over the file that they extend."""
     if not isinstance(values, dict):
         raise InputError(f"values is {values!r}; it must be a dict.")
+    values = plugins.with_folder(values, Path())
     if "extends" not in values:
         return values
-    own = {key: new for key, new in values.items() if key not in ("shape", "density", "seed")}
-    base = load(Path(values["extends"]))
-    found = extended(own | {"results": base.results, "extends": str(values["extends"])}, "values")
-    known = {*base.values(), *own, "beside"} - {"results"}
-    found = {key: new for key, new in found.items() if key in known}
     if "shape" not in values:
         raise InputError("values: shape is missing.")
-    density = values.get("density", base.density_of(values["shape"]))
-    return found | {"shape": values["shape"], "density": density, "seed": values.get("seed", 1)}
+    base = load(Path(values["extends"]))
+    usual = {"density": base.density_of(values["shape"]), "seed": 1}
+    return merged(base.values(), usual | {k: values[k] for k in values if k != "extends"})

@@ -1,13 +1,14 @@
 """The table of `dem store`: runs by their values, and which sweeps need them."""
 
+import math
 from collections.abc import Iterable
 from contextlib import suppress
+from numbers import Integral
 
 from rich.table import Column, Table
 
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
-from dem.base.schema import as_number, is_written
 from dem.experiment.config import Replicate, entries
 from dem.sweep.axis import OWN
 from dem.sweep.prune import sweeps
@@ -25,7 +26,7 @@ def listing(store: Store, wanted: dict[str, str]) -> Table:
         users += sweeps(store)
     except InputError:  # a configuration whose files are away
         unknown = "not known"
-    for batch in store.known():
+    for batch in store.batches():
         failed, needed = "not made", [str(f) for f, ids, _ in users if ids & {*batch.runs}]
         with suppress(InputError):
             failed = str(len(store.failed(batch.id)))
@@ -84,6 +85,22 @@ def has_value(run: Replicate, path: str, text: str) -> bool:
     if isinstance(value, str | bool) or value is None:
         return text.lower() == str(value).lower()
     return is_written(value, text)
+
+
+def as_number(text: str) -> float | None:
+    """The finite number that a text says, if any."""
+    with suppress(ValueError):
+        if math.isfinite(said := float(text)):
+            return said
+    return None
+
+
+def is_written(value: float, text: str) -> bool:
+    """Whether a number is what a text says, exactly or as tables print it, with five digits."""
+    said = as_number(text)
+    if said is None or isinstance(value, Integral):
+        return said == value
+    return math.isclose(value, said, rel_tol=5e-5)
 
 
 def differing(runs: list[Replicate]) -> str:

@@ -16,57 +16,58 @@ from functools import cached_property
 from typing import Annotated
 
 import numpy as np
-from pydantic import BeforeValidator, model_validator
+from pydantic import Field, model_validator
 
 from dem.base.errors import InputError, RunError
 from dem.base.intervals import Estimate, mean_interval, ratio_interval
 from dem.base.messages import did_you_mean
-from dem.base.schema import MOST, SEEDS, Section, Seed, Whole, value
+from dem.base.types import SEEDS, Count, Section, Seed, must
 from dem.io.dataset import AXES, OF_RUN, OF_STORE, read
 
 GROWTH = 2  # a round at most doubles the replicates of a place
 SAFETY = 1.05  # on the interval, because who looks and stops finds it too narrow
-SHARE = "it must be a percentage between 50 % and 99.99 %, such as 95 %"
 NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
-ASKED = "it must be a positive number with its unit, such as 5 % of the mean, or 50 N"
+MOST_RUNS = 1_000_000  # of a block
 
 GridPoint = tuple[int, ...]  # index along each axis of a block; of replicates, but for the seeds
 
 
-def _quantity(text, fault: str = ASKED) -> tuple[float, str]:
+def _quantity(text: str) -> tuple[float, str]:
     """A positive number and its unit; raises ValueError."""
-    estimate = re.fullmatch(rf"\s*({NUMBER})\s*(%|[A-Za-z].*?)\s*", str(text))
+    estimate = re.fullmatch(rf"\s*({NUMBER})\s*(%|[A-Za-z].*?)\s*", text)
     if not estimate or not 0.0 < float(estimate[1]) < math.inf:
-        raise ValueError(fault)
+        raise ValueError("it must be a positive number with its unit")
     return float(estimate[1]), estimate[2]
 
 
-def _asked(text) -> str:
-    _quantity(text)
-    return str(text)
+def _is_level(text: str) -> bool:
+    number, unit = _quantity(text)
+    return unit == "%" and 50.0 <= number <= 99.99
 
 
-def _level(text) -> str:
-    number, unit = _quantity(text, SHARE)
-    if unit != "%" or not 50.0 <= number <= 99.99:
-        raise ValueError(SHARE)
-    return str(text)
+Quantity = Annotated[
+    str, must("be a positive number with its unit, such as 5 % of the mean, or 50 N", _quantity)
+]
+Level = Annotated[str, must("be a percentage between 50 % and 99.99 %, such as 95 %", _is_level)]
+Replicates = Annotated[Count, Field(ge=3, le=MOST_RUNS)]
 
 
 class Until(Section):
     """Seeds without an end: replicates are added, place by place, until a mean is known well
     enough."""
 
-    until: Annotated[str, BeforeValidator(_asked)] = value(
-        None, "half of the interval of the mean: 5 % of it, or 50 N"
-    )
-    of: str = value(None, "what runs record, or its ratio to a case or shape: drag / c1", "drag")
-    confidence: Annotated[str, BeforeValidator(_level)] = value(
-        None, "level of the interval", "95 %"
-    )
-    first: Seed = value("1", "first seed", 1)
-    least: Whole = value("1", "replicates of the first round", 10, ge=3, le=MOST)
-    most: Whole = value("1", "replicates of a place at most", 100, ge=3, le=MOST)
+    until: Quantity
+    """half of the interval of the mean: 5 % of it, or 50 N"""
+    of: str = "drag"
+    """what runs record, or its ratio to a case or shape: drag / c1"""
+    confidence: Level = "95 %"
+    """level of the interval"""
+    first: Seed = 1
+    """first seed"""
+    least: Replicates = 10
+    """replicates of the first round"""
+    most: Replicates = 100
+    """replicates of a place at most"""
 
     @model_validator(mode="after")
     def _check(self):
@@ -241,7 +242,7 @@ class Numbers:
         same after any stop.
         """
         replicates = {run.id: run for run in block.unique()}
-        for batch in self.store.sealed().values():
+        for batch in self.store.complete().values():
             if batch.id not in self._read and not replicates.keys().isdisjoint(batch.runs):
                 self._read.add(batch.id)
                 names = "run_id", "failure", "failure_reason", self.variable

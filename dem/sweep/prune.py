@@ -1,4 +1,4 @@
-"""Which sweeps there are, and what of the store none of them needs.
+"""Find the sweeps that share a store, and delete runs that none of them needs.
 
 Nothing is registered: a sweep is a folder with the configuration that it was started with, and its
 combined files name their runs.
@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from dem.base.errors import InputError
-from dem.sweep.combined import read_earlier
+from dem.sweep.combined import read_combined
 from dem.sweep.config import CONFIG, FOLDERS
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store
@@ -20,54 +20,54 @@ NOTHING = "So nothing was removed."
 def sweeps(store: Store) -> Iterator[tuple[Path, set[str], set[str]]]:
     """Folders of results beside a store: each with the runs, and the beds, that it needs.
 
-    Raises InputError where that cannot be known: a configuration that cannot be read, or a folder that
-    is a link to what is away.
+    Raises InputError where that cannot be known: a configuration that cannot be read, or a folder
+    that is a link to what is away.
     """
-    for place, folders, files in os.walk(store.folder.parent, followlinks=True):
-        here = Path(place)
+    for name, folders, files in os.walk(store.folder.parent, followlinks=True):
+        folder = Path(name)
         folders[:] = sorted(set(folders) - set(FOLDERS))
-        for path in (here / name for name in files):
+        for path in (folder / file for file in files):
             if path.is_symlink() and not path.exists():
                 raise InputError(
-                    f"{path}: it is a link to what is not there; connect its disk, or delete the link if "
-                    "you deleted the folder for good."
+                    f"{path}: it is a link to what is not there; connect its disk, or delete the "
+                    "link if you deleted the folder for good."
                 )
-        earlier = filter(None, map(read_earlier, here.glob("*.nc")))
-        runs, beds = {run for each in earlier for run in each.runs}, set()
+        combined = filter(None, map(read_combined, folder.glob("*.nc")))
+        runs, beds = {run for file in combined for run in file.runs}, set()
         if CONFIG in files:
-            state = SweepState.of(here / CONFIG)
+            state = SweepState.of(folder / CONFIG)
             for name in state.sweep.blocks:
                 beds |= {run.bed_id for run in state.block(name).unique()}
             runs |= state.runs()
         if runs:
-            yield here, runs, beds
+            yield folder, runs, beds
 
 
 def prune(store: Store) -> tuple[list[Path], int]:
-    """Remove what no sweep needs; returns the files and their bytes.
+    """Delete what no sweep needs; returns the deleted files and their bytes.
 
     Raises InputError, and removes nothing, where it cannot be known what a sweep needs.
     """
     runs, beds = set(), set()
     # first, because a sweep that starts meanwhile writes its configuration before its plans
-    files, known = list(store.files()), list(store.known())
+    files, known = list(store.files()), list(store.batches())
     try:
         for _, wanted, used in sweeps(store):
             runs |= wanted
             beds |= used
         if not runs and files:
             raise InputError(
-                f"{store.folder.parent}: no sweep is here; start the sweeps again whose runs you want to "
-                f"keep, or delete the folder {store.folder} if you want none of them."
+                f"{store.folder.parent}: no sweep is here; start the sweeps again whose runs you "
+                f"want to keep, or delete the folder {store.folder} if you want none of them."
             )
     except InputError as error:
         raise InputError(f"{error}\n{NOTHING}") from None
     used = (batch for batch in known if not batch.runs or runs.intersection(batch.runs))
     needed = runs.union(beds, (batch.id for batch in used))
-    gone, size = [], 0
+    deleted, size = [], 0
     for path in files:
         if path.name.partition(".")[0] not in needed:
             size += path.stat().st_size
             path.unlink()
-            gone.append(path)
-    return gone, size
+            deleted.append(path)
+    return deleted, size

@@ -15,11 +15,12 @@ from dem.base.errors import InputError
 from dem.base.files import check_output
 from dem.base.yaml_file import read
 from dem.experiment.config import Replicate
-from dem.sweep.combined import combine_block, read_earlier, refuse_other, replaced
+from dem.sweep.combined import combine_block, lost_runs, read_combined, refuse_foreign
 from dem.sweep.config import CONFIG, Sweep, file_of, load, parse, save
 from dem.sweep.expand import Block
+from dem.sweep.jobs import plan_batches
 from dem.sweep.precision import GridPoint, Numbers, counts
-from dem.sweep.store import FOLDER, Batch, Store, plan
+from dem.sweep.store import FOLDER, Batch, Store
 from dem.sweep.workers import Workers, make_batches
 
 FASTEST = 0.1  # of the velocity of sound, beyond which a bed is shocked rather than sheared
@@ -182,8 +183,8 @@ class SweepState:
                 for number, block in enumerate(self._rounds[each]):
                     if (each, number) not in self._plans:
                         planned = {b.id: b for batches in self._plans.values() for b in batches}
-                        known = (self.store.sealed() | planned).values()
-                        self._plans[each, number], new = plan(
+                        known = (self.store.complete() | planned).values()
+                        self._plans[each, number], new = plan_batches(
                             known, block.unique(), self.sweep.batch, self.sweep.results
                         )
                         self._new |= new
@@ -210,17 +211,17 @@ class SweepState:
     def counts(self) -> tuple[int, int]:
         """How many runs exist, also of batches that have not ended, and how many the sweep has."""
         wanted = self.runs()
-        sealed = {run for batch in self.store.sealed().values() for run in batch.runs}
-        kept = [run for run in wanted - sealed if self.store.run_of(run).is_file()]
-        return len(wanted & sealed) + len(kept), len(wanted)
+        complete = {run for batch in self.store.complete().values() for run in batch.runs}
+        kept = [run for run in wanted - complete if self.store.run_of(run).is_file()]
+        return len(wanted & complete) + len(kept), len(wanted)
 
     def failed(self) -> int:
         """How many runs failed in batches that ended since this was first asked. Each file is read
         once, and none that existed before: reading takes a hundredth of a second."""
-        sealed = self.store.sealed().keys()
+        complete = self.store.complete().keys()
         if self._ended is None:
-            self._ended = set(sealed)
-        for batch in sealed - self._ended:
+            self._ended = set(complete)
+        for batch in complete - self._ended:
             self._ended.add(batch)
             with suppress(InputError, OSError):  # a damaged file is said by who needs it
                 self._failed |= self.store.failed(batch)
@@ -239,10 +240,10 @@ class SweepState:
             for number, path in enumerate(self.combined(name)):
                 with suppress(OSError):
                     check_output("the file to write", path)
-                earlier = read_earlier(path)
-                refuse_other(path, earlier, self.sweep, self.file)
+                combined = read_combined(path)
+                refuse_foreign(path, combined, self.sweep, self.file)
                 if number == 0 and not self.sweep.needed(name):
-                    warnings += replaced(path, earlier, self.block(name).points)
+                    warnings += lost_runs(path, combined, self.block(name).points)
         return warnings
 
     def _new_store(self) -> Iterator[str]:

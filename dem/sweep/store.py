@@ -1,6 +1,6 @@
 """The store that all sweeps share: batches of finished runs, and what those under way have so far.
 
-batches/{batch}.nc      finished runs with all that they gave: nothing else says which runs are there
+batches/{batch}.nc      finished runs with all that they gave
 batches/{batch}.json    what a batch is to make: its runs, and in the second line their values
 runs/{xx}/{run}.npz     finished runs of batches that have not ended, and checkpoints
 beds/{xx}/{bed}.npz     beds, for all runs that share them
@@ -12,7 +12,6 @@ import os
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from itertools import chain, zip_longest
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,18 +20,13 @@ from filelock import FileLock
 
 from dem.base.errors import InputError
 from dem.base.files import atomic
-from dem.base.outside import reread
-from dem.base.sources import code_hash
+from dem.base.plugins import refresh
 from dem.experiment.config import Replicate, of_values
 from dem.io.checksums import Changed, is_sealed, seal
 from dem.io.dataset import read
 from dem.io.results_folder import is_held
 
 FOLDER = Path("results/store")
-KERNELS = (
-    "dem.dynamics.simulation",
-    "dem.packing.compaction",
-)  # modules that call all kernels of runs
 NAMES = {  # of the files in each folder; others are not the store's
     "batches": r"[0-9a-f]{16}\.(nc|json)",
     "runs": r"[0-9a-f]{32}(\.checkpoint)?\.npz",
@@ -41,10 +35,15 @@ NAMES = {  # of the files in each folder; others are not the store's
 
 
 class Batch(NamedTuple):
-    """Some runs that are made by one process into one file: its identity, their identities."""
+    """Runs that one process makes into one file: its identity and theirs."""
 
     id: str
     runs: tuple[str, ...]
+
+
+def batch_id(results: str, *runs: str) -> str:
+    """Hash of run ids and folder of results, so that two sweeps at once write different files."""
+    return hashlib.sha256(" ".join((results, *runs)).encode()).hexdigest()[:16]
 
 
 class Store:
@@ -52,7 +51,7 @@ class Store:
 
     def __init__(self, folder: Path = FOLDER):
         self.folder = Path(folder)
-        self._known: dict[str, tuple[str, ...]] = {}  # runs of batches, which never change
+        self._runs: dict[str, tuple[str, ...]] = {}  # runs of batches, which never change
 
     def file_of(self, batch: str) -> Path:
         """The file of a batch."""
@@ -72,26 +71,26 @@ class Store:
         for folder in (self.folder, *(self.folder / name for name in NAMES)):
             if os.path.lexists(folder) and not folder.is_dir():
                 raise InputError(
-                    f"{folder}: it is no folder; if it is a link, connect the disk that it leads to, else "
-                    "remove it."
+                    f"{folder}: it is no folder; if it is a link, connect the disk that it leads "
+                    "to, else remove it."
                 )
         return self.folder.is_dir()
 
     # Batches
 
-    def known(self, end: str = "*") -> Iterator[Batch]:
-        """All batches, made or not; end: of the file that there must be. One without runs is damaged."""
+    def batches(self, end: str = "*") -> Iterator[Batch]:
+        """All batches that have a file with some end; one without runs is damaged."""
         paths = (self.folder / "batches").glob(f"*.{end}")
         for batch in sorted({p.stem for p in paths if re.fullmatch(NAMES["batches"], p.name)}):
             yield Batch(batch, self._runs_in(batch))
 
-    def sealed(self) -> dict[str, Batch]:
-        """The batches whose runs are there."""
-        return {batch.id: batch for batch in self.known("nc")}
+    def complete(self) -> dict[str, Batch]:
+        """The batches whose file is there, by identity."""
+        return {batch.id: batch for batch in self.batches("nc")}
 
     def _runs_in(self, batch: str) -> tuple[str, ...]:
         """The runs of a batch, as its plan says, or else its file."""
-        if batch not in self._known:
+        if batch not in self._runs:
             path = self.plan_of(batch)
             try:
                 if not path.is_file():
@@ -105,8 +104,8 @@ class Store:
                     runs = read(self.file_of(batch), ("run_id",))[0]["run_id"].tolist()
                 except InputError:
                     return ()
-            self._known[batch] = tuple(runs)
-        return self._known[batch]
+            self._runs[batch] = tuple(runs)
+        return self._runs[batch]
 
     def failed(self, batch: str) -> set[str]:
         """The runs of a batch that failed; raises InputError where it is not there or damaged."""
@@ -116,37 +115,37 @@ class Store:
     def replicates(self, batch: str) -> list[Replicate]:
         """What the runs of a batch are; raises InputError where its plan is not of today's code."""
         path = self.plan_of(batch)
-        for prepare in (lambda: None, reread):  # files may have changed since they were read
+        for prepare in (lambda: None, refresh):  # files may have changed since they were read
             prepare()
             # what is wrong with a plan does not matter, because it is made again
             with suppress(OSError, ValueError, KeyError, TypeError, IndexError, RecursionError):
                 head, body = path.read_text(encoding="utf-8").splitlines()
                 values, of = json.loads(body)
-                found = [of_values(values[at] | own) for at, own in of]
-                if json.loads(head)[1:] == [each.id for each in found]:
-                    return found
+                replicates = [of_values(values[at] | run) for at, run in of]
+                if json.loads(head)[1:] == [each.id for each in replicates]:
+                    return replicates
         raise InputError(
-            f"{path}: it is no plan of a batch for this version of the code; start the sweep again, "
-            "which writes it."
+            f"{path}: it is no plan of a batch for this version of the code; start the sweep "
+            "again, which writes it."
         )
 
     def write_plan(self, batch: Batch, results: str, replicates: list[Replicate]) -> None:
         """Write what a batch is to make; runs of one configuration name its values once."""
-        values, places, of = [], {}, []
+        values, rows, of = [], {}, []
         for replicate in replicates:
-            place = places.setdefault(id(replicate.configuration), len(values))
-            if place == len(values):
+            row = rows.setdefault(id(replicate.configuration), len(values))
+            if row == len(values):
                 values.append(replicate.values())
-            own = {"shape": replicate.label, "density": replicate.density, "seed": replicate.seed}
-            of.append([place, own])
+            run = {"shape": replicate.label, "density": replicate.density, "seed": replicate.seed}
+            of.append([row, run])
         text = f"{json.dumps([results, *batch.runs])}\n{json.dumps([values, of])}\n"
         path = self.plan_of(batch.id)
         if not path.exists() or path.read_bytes() != text.encode():
             with atomic(path) as part:
                 part.write_bytes(text.encode())
 
-    def put(self, batch: str, content: bytes) -> None:
-        """Put the sealed file of a batch that was made elsewhere; raises Changed where it is damaged."""
+    def add(self, batch: str, content: bytes) -> None:
+        """Add the file of a batch that was made elsewhere; raises Changed where it is damaged."""
         with atomic(self.file_of(batch)) as part:
             part.write_bytes(content)
             if not is_sealed(part):
@@ -184,8 +183,9 @@ class Store:
         return _load(self.run_of(run))
 
     def under_way(self) -> dict[str, float | None]:
-        """The runs of batches that have not ended, by identity: None for one that is finished, else since
-        when (s since 1970) a process is making it. Nothing is touched."""
+        """The runs of batches that have not ended, by identity: None for one that is finished, else
+        since when (s since 1970) a process is making it. Nothing is touched.
+        """
         files = list((self.folder / "runs").glob("*/*"))
         held = {}
         for path in (each for each in files if each.suffix == ".lock"):
@@ -229,71 +229,3 @@ def check_place(place: Path, folder: Path = FOLDER) -> None:
     """Raise InputError for a place in a store: what is put there would replace its runs."""
     if Path(place).resolve().is_relative_to(folder.resolve()):
         raise InputError(f"output is {str(place)!r}; the store is there, name another file.")
-
-
-# How runs are put together
-
-
-def alike(replicate: Replicate) -> tuple:
-    """What runs of one batch share: the size of their arrays and their machine code."""
-    own = replicate.configuration
-    sizes = own.module.sizes(replicate).values()
-    return own.experiment, own.observables, own.at("cylinder.stroke"), *sizes, kernels_of(replicate)
-
-
-def kernels_of(replicate: Replicate) -> str:
-    """What the machine code of a run is known by; nothing that is not in the run's own identity.
-
-    Not by all code of the run: most of it is compiled nowhere, and kinds of runs share the rest.
-    """
-    text = f"{code_hash(*KERNELS, replicate.kind.module, bits=True)} {replicate.variant}"
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
-def batch_id(results: str, *runs: str) -> str:
-    """What a batch is known by: its runs and who makes it, so that of two sweeps at once each writes
-    files of its own."""
-    return hashlib.sha256(" ".join((results, *runs)).encode()).hexdigest()[:16]
-
-
-def plan(
-    there: Iterable[Batch], replicates: Iterable[Replicate], size: int, results: str
-) -> tuple[list[Batch], dict[str, list[Replicate]]]:
-    """The batches that hold some runs: those that there are, and new ones for the rest, with their
-    runs. Nothing is written. Runs of one bed are put together where they fit. Its own batches are a
-    sweep's first choice, so that its jobs agree on them while another sweep makes the same runs."""
-    left, found, groups = {each.id: each for each in replicates}, [], {}
-
-    def order(batch):
-        return batch_id(results, *batch.runs) != batch.id, -len(batch.runs), batch.id
-
-    for batch in sorted(there, key=order):
-        if mine := [run for run in batch.runs if run in left]:
-            found.append(batch)
-            for run in mine:
-                del left[run]
-    for replicate in left.values():
-        beds = groups.setdefault(alike(replicate), {})
-        beds.setdefault(replicate.bed_key(), []).append(replicate)
-    new, cuts = {}, [_cut(list(beds.values()), size) for beds in groups.values()]
-    for some in filter(None, chain.from_iterable(zip_longest(*cuts))):  # each kind compiles first
-        runs = tuple(replicate.id for replicate in some)
-        batch = Batch(batch_id(results, *runs), runs)
-        found.append(batch)
-        new[batch.id] = some
-    return found, new
-
-
-def _cut(beds: list[list[Replicate]], size: int) -> Iterator[list[Replicate]]:
-    """Runs in batches of at most a size, those of one bed together where they fit."""
-    some = []
-    for bed in beds:
-        if some and len(some) + len(bed) > size:
-            yield some
-            some = []
-        some = some + bed
-        while len(some) > size:
-            yield some[:size]
-            some = some[size:]
-    if some:
-        yield some

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from findings import FILES, ROOT
 
-from dem.figures.catalogue import draw
+from dem.figures.catalogue import draw, drawable_from
+from dem.io.lazily import open_lazily
 from studies import catalogue
 
 FOLDER = Path("_generated/gallery")  # in docs
@@ -50,7 +51,7 @@ def write(docs: Path) -> None:
     for file, command in (RUNS | {name: shown[0] for name, shown in PICTURES.items()}).items():
         if _older(folder / file, code):
             _run(command, folder)
-    figures = _figures(folder)
+    figures = _figures(folder, code)
     parts = ["# What can be drawn?"]
     for heading, group in ("Films and pictures of one run", PICTURES), ("Figures", figures):
         parts.append(f"## {heading}")
@@ -61,7 +62,7 @@ def write(docs: Path) -> None:
     (folder.parent / "gallery.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
 
 
-def _figures(folder: Path) -> dict[str, tuple[str, str]]:
+def _figures(folder: Path, code: float) -> dict[str, tuple[str, str]]:
     """Draw every figure of a released file; command line and caption by file, in the order of
     the paper."""
     figures, found = catalogue.figures(), {}
@@ -70,8 +71,11 @@ def _figures(folder: Path) -> dict[str, tuple[str, str]]:
         own = {name: each for name, each in figures.items() if each.file == of}
         if of == "drag" != file.name:
             own = {name: each for name, each in own.items() if name == file.name}
-        drawn = draw("all", file.path, folder, own, changed=True) if own else []
-        for name in dict.fromkeys(path.stem for path in drawn):
+        with open_lazily(file.path) as dataset:
+            names = drawable_from(file.path, dataset, own)
+        for name in names:
+            if _older(folder / f"{name}.png", max(code, file.path.stat().st_mtime)):
+                draw(name, file.path, folder, figures)
             program = "dem" if figures[name].package == "dem" else "python -m studies"
             command = f"{program} figure {name} results/{file.source}"
             found[f"{name}.png"] = command, figures[name].caption

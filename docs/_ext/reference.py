@@ -6,7 +6,7 @@ from pathlib import Path
 import typer
 from typer.cli import get_docs_for_click
 
-from dem.base.schema import section_of
+from dem.base.types import section_of, unit_of
 from dem.cli.app import app
 from dem.experiment.config import SECTIONS, Configuration
 from dem.experiment.kinds import jamming, onset, shear
@@ -63,7 +63,7 @@ def _values(section, head: str) -> list[tuple[str, ...]]:
     for name, field in section.model_fields.items():
         if section_of(field.annotation):
             continue
-        units = (field.json_schema_extra or {}).get("units") or ""
+        units = unit_of(field.rebuild_annotation()) or ""
         default = "required" if field.is_required() else _word(field.default)
         rows.append((f"`{head}{name}`", field.description, units, default))
     return rows

@@ -1,41 +1,18 @@
-"""The code that decides how granules move, as hashes: what a released number is compared with.
+"""The code that decides how granules move, as one hash: what a released number is compared with.
 
-python docs/data/kernels.py        for `kernels` in a file that is written by hand
+python docs/data/kernels.py        that of today
 """
 
-import hashlib
-import json
 from pathlib import Path
 
-from dem.base.sources import ROOT, _read
-
-# What decides how granules move. The rest of dem.dynamics drives these kernels and reads them.
-ROOMS = "contacts", "dynamics", "jit", "packing", "shapes"
-DRIVERS = (
-    "dynamics/simulation.py",
-    "dynamics/checkpoint.py",
-    "dynamics/result.py",
-    "shapes/check.py",
-)
+from dem.base.sources import KERNELS, PACKAGE, code_hash, codes, files_of
 
 
-def kernels(package: Path) -> dict[str, str]:
-    """Hash of the code of every module that decides how granules move, by its path in the package.
-
-    Comments, docstrings and the words of errors do not count.
+def digest(package: Path = PACKAGE) -> str:
+    """Hash of the code of a package that decides how granules move; comments and docstrings do not
+    count.
     """
-    found = {
-        path.relative_to(package).as_posix(): path
-        for room in ROOMS
-        for path in sorted((package / room).rglob("*.py"))
-    }
-    return {name: _read(path).code[:16] for name, path in found.items() if name not in DRIVERS}
-
-
-def digest(modules: dict[str, str] | None = None) -> str:
-    """One hash of what `kernels` returned; of today's if None."""
-    modules = modules or kernels(ROOT / "dem")
-    return hashlib.sha256(json.dumps(modules).encode()).hexdigest()[:16]
+    return code_hash(codes(files_of(KERNELS, package), package.parent))[:16]
 
 
 if __name__ == "__main__":

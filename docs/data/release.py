@@ -3,11 +3,10 @@ picture of the README.
 
     python docs/data/release.py results
 
-Those of a study go into its folder. Each file names the command and the revision that made it, and holds a hash of every module of the
-package that decides how granules move (`kernels`). tests/test_pages.py compares them with today's.
+Those of a study go into its folder. Each file names the command and the revision that made it, and holds a hash of the code that
+decides how granules move (`kernels`). tests/test_pages.py compares it with today's.
 """
 
-import json
 import subprocess
 import sys
 import tarfile
@@ -28,7 +27,7 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE.parent.parent), str(HERE.parent / "_ext")]
 from findings import FILES  # noqa: E402
 
-from docs.data.kernels import digest, kernels  # noqa: E402
+from docs.data.kernels import digest  # noqa: E402
 
 PICTURE = ROOT / "docs/images/bed.png"
 LEFT_OUT = {  # on no page, in no figure
@@ -86,7 +85,7 @@ def release(results: Path) -> None:
         with xr.open_dataset(source) as dataset:
             kept = dataset.drop_vars(LEFT_OUT.get(each.name, ()), errors="ignore").load()
         kept.attrs["made_with"] = each.command
-        kept.attrs["kernels"] = json.dumps(kernels_at(kept.attrs["git_revision"]))
+        kept.attrs["kernels"] = digest_at(kept.attrs["git_revision"])
         for name in ROUNDED:
             if name in kept:
                 kept[name] = kept[name].astype("float32")
@@ -101,17 +100,17 @@ def release(results: Path) -> None:
         print(f"{each.path}: {each.path.stat().st_size / 1e6:.2f} MB")
 
 
-def kernels_at(revision: str) -> dict[str, str]:
-    """The same of a revision; if it is several ("a; b"), they must agree."""
-    found = [_kernels_at(each.strip()) for each in revision.split(";")]
-    if any(each != found[0] for each in found):
+def digest_at(revision: str) -> str:
+    """The hash of a revision; if it is several ("a; b"), they must agree."""
+    found = [_digest_at(each.strip()) for each in revision.split(";")]
+    if len(set(found)) > 1:
         raise ValueError(
             f"The kernels differ between the revisions {revision}; run all of it again."
         )
     return found[0]
 
 
-def _kernels_at(revision: str) -> dict[str, str]:
+def _digest_at(revision: str) -> str:
     if not revision.isalnum():
         raise ValueError(f"git_revision is {revision}: edited files made it; commit and run again.")
     command = ["git", "archive", revision, "dem"]
@@ -119,7 +118,7 @@ def _kernels_at(revision: str) -> dict[str, str]:
     with TemporaryDirectory() as folder:
         with tarfile.open(fileobj=BytesIO(archive)) as tar:
             tar.extractall(folder, filter="data")
-        return kernels(Path(folder) / "dem")
+        return digest(Path(folder) / "dem")
 
 
 def draw(results: Path) -> None:
@@ -128,7 +127,7 @@ def draw(results: Path) -> None:
     subprocess.run([sys.executable, "-m", "dem", "draw", *map(str, run)], cwd=ROOT, check=True)
     with xr.open_dataset(results / "drag.nc") as dataset, Image.open(PICTURE) as picture:
         note = PngInfo()
-        note.add_text("kernels", digest(kernels_at(dataset.attrs["git_revision"])))
+        note.add_text("kernels", digest_at(dataset.attrs["git_revision"]))
         picture.save(PICTURE, pnginfo=note)
 
 

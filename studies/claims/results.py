@@ -6,7 +6,7 @@ The first word of a block's name is the part of the study.
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.schema import validated
+from dem.base.types import parsed
 from dem.experiment.config import Replicate
 from dem.experiment.kinds import drag
 from dem.experiment.observables.alignment import VARIABLES as ALONG
@@ -109,7 +109,7 @@ def make(state, jobs: int, progress) -> tuple[dict, dict]:
         if part not in sweep.blocks:
             raise InputError(f"sweep.blocks has no {part}; see studies/claims/sweep.yaml.")
     spec = sweep.blocks["sensitivity"].get("point")
-    factors = validated(Design, spec, at="sweep.blocks.sensitivity.point").over
+    factors = parsed(Design, spec, "sweep.blocks.sensitivity.point").over
     beds = [name for name in sweep.blocks if name.partition("_")[0] == "jamming"]
     others = [name for name in sweep.blocks if name not in beds]
     of_beds = runs(state, ("jam_fraction", "jam_slope", "failure"), beds)

@@ -28,6 +28,7 @@ import numpy as np
 
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
+from dem.base.sources import run_hash
 from dem.experiment.config import Replicate
 from dem.io.dataset import global_attributes, read, write
 from dem.sweep.expand import Block
@@ -65,8 +66,7 @@ def write_results(
         files = [file for block in sweep.blocks for file in state.files(block)]
         sources += [read(file, ())[1] for file in dict.fromkeys(files)]
     if getattr(results, "MEASURES", False):
-        code = sweep.code_of(results.__name__, shapes=sweep.shapes)
-        measured = provenance.versions(), provenance.git_revision(), code
+        measured = provenance.versions(), provenance.git_revision(), run_hash()
         sources.append(dict(zip(ORIGIN, measured, strict=True)))
     for key in ORIGIN:
         attributes[key] = "; ".join(dict.fromkeys(each[key] for each in sources))

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from dem.base.schema import Label, NotNegative, Positive, Section, Whole, validated
+from dem.base.types import Count, Label, NotNegative, Positive, Section, parsed
 from dem.base.yaml_file import read
 
 RAN = "ran"
@@ -37,8 +37,8 @@ class Changes(Section):
     aspect_ratio: Positive | None = None
     overlap: NotNegative | None = None  # of a start or of an impact, over the radius
     displacement: Positive | None = None  # of the cylinder, m
-    steps: Annotated[Whole, Field(ge=1)] | None = None
-    collisions: Annotated[Whole, Field(ge=1)] | None = None
+    steps: Annotated[Count, Field(ge=1)] | None = None
+    collisions: Annotated[Count, Field(ge=1)] | None = None
     step: Annotated[Positive, Field(le=1)] | None = None  # over the bound of the critical one
 
 
@@ -74,7 +74,7 @@ class Beds(Section):
     """Small beds whose bound of the critical step is compared with the true limit."""
 
     shapes: tuple[Label, ...]
-    granules: Annotated[Whole, Field(ge=10, le=200)]
+    granules: Annotated[Count, Field(ge=10, le=200)]
     fraction: dict[Label, Positive] = Field(default_factory=dict)  # of packing, if another
 
 
@@ -92,4 +92,4 @@ class Catalogue(Section):
 
 def load(path: Path) -> Catalogue:
     """The catalogue in a YAML file; raises InputError."""
-    return validated(Catalogue, read(path), str(path))
+    return parsed(Catalogue, read(path), source=str(path))

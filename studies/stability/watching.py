@@ -41,7 +41,7 @@ def friction_excess(simulation: Simulation, share: float = 1.0) -> float:
     than a block, are then in the lanes.
     """
     cylinder = simulation.world.cylinder
-    if cylinder is None or cylinder.contacts.friction is None:
+    if cylinder.contacts.friction is None:
         return 0.0
     world = writable(simulation.world)
     forces(world, 0.0, math.inf)

@@ -14,14 +14,12 @@ import tempfile
 import time
 from pathlib import Path
 
-import netCDF4
-import numpy as np
 import yaml
 from distributed import Client
+from made import contents, differing
 
 ROOT = Path(__file__).parents[2]
 DEM = [sys.executable, "-m", "dem"]
-CLOCKS = {"run_time", "spent"}
 PORT = 8797
 SCHEDULER = f"tcp://127.0.0.1:{PORT}"
 
@@ -77,32 +75,19 @@ def sweep(place: Path, file: str, *options: str, **more) -> subprocess.Popen:
     return subprocess.Popen(command, cwd=place, stderr=subprocess.PIPE, text=True, **more)
 
 
-def values(path: Path) -> dict:
-    """All values of a file but times of processors."""
-    with netCDF4.Dataset(path) as file:
-        file.set_auto_mask(False)
-        return {name: v[...] for name, v in file.variables.items() if name not in CLOCKS}
-
-
-def differing(one: Path, other: Path) -> list[str]:
+def differing_files(one: Path, other: Path) -> list[str]:
     """Names of the values in which two folders of results differ."""
     found = []
     for path in sorted(one.rglob("*.nc")):
         if "flow/" in str(path):
             continue  # by batches, whose names may differ
-        mine, theirs = values(path), values(other / path.relative_to(one))
-        found += [
-            f"{path.name}:{name}"
-            for name in mine.keys() | theirs.keys()
-            if name not in mine
-            or name not in theirs
-            or not np.array_equal(mine[name], theirs[name], equal_nan=mine[name].dtype.kind == "f")
-        ]
+        mine, theirs = contents(path), contents(other / path.relative_to(one))
+        found += [f"{path.name}:{name}" for name in differing(mine, theirs)]
     return found
 
 
 def finished(place: Path) -> dict[Path, bytes]:
-    """The sealed batches of a store."""
+    """The batches of a store."""
     return {path: path.read_bytes() for path in (place / "results/store/batches").glob("*.nc")}
 
 
@@ -138,7 +123,9 @@ def main(file: str = "config/smoke.yaml", kills: int = 20, seed: int = 1) -> Non
                 spent[name] = time.monotonic() - started
             print(f"turn {turn}:", {name: f"{each:.1f} s" for name, each in spent.items()})
         print("tasks executed:", machine.executed())
-        print("values that differ:", differing(alone / "results/many", client / "results/many"))
+        print(
+            "values that differ:", differing_files(alone / "results/many", client / "results/many")
+        )
         lost = 0
         for number in range(kills):
             shutil.rmtree(client / "results")
@@ -165,7 +152,7 @@ def main(file: str = "config/smoke.yaml", kills: int = 20, seed: int = 1) -> Non
             assert again.returncode == 0, words
             now = finished(client)
             lost += sum(now.get(path) != content for path, content in before.items())
-            differ = differing(alone / "results/many", client / "results/many")
+            differ = differing_files(alone / "results/many", client / "results/many")
             parts = list(client.rglob("*.part"))
             print(
                 f"{number} {victim}: status {status} after {took:.1f} s, {len(before)} batches kept, "

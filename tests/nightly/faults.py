@@ -17,12 +17,11 @@ import time
 from collections import Counter
 from pathlib import Path
 
-import netCDF4
 import numpy as np
 import yaml
+from made import contents, differing
 
 ROOT = Path(__file__).parents[2]
-CLOCKS = {"run_time", "spent"}
 # stage: what Snakemake says when it begins, the longest that a kill then waits (s), and what is taken
 # away so that it has something to do
 STAGES = {
@@ -97,25 +96,16 @@ class Place:
         shutil.rmtree(self.store, ignore_errors=True)
 
 
-def contents(path: Path, without=CLOCKS) -> dict:
-    with netCDF4.Dataset(path) as file:
-        return {n: np.array(v[...]) for n, v in file.variables.items() if n not in without}
-
-
 def lost_and_differing(whole: Path, other: Path) -> tuple[int, int]:
     """How many combined files of an undisturbed sweep another has not, or has with other bits."""
-    lost = differing = 0
+    lost = changed = 0
     for path in whole.glob("*.nc"):
         twin = other / path.name
         if not twin.is_file():
             lost += 1
             continue
-        one, two = contents(path), contents(twin)
-        same = one.keys() == two.keys() and all(
-            np.array_equal(one[n], two[n], equal_nan=one[n].dtype.kind == "f") for n in one
-        )
-        differing += not same
-    return lost, differing
+        changed += differing(contents(path), contents(twin)) != []
+    return lost, changed
 
 
 def finished(store: Path) -> dict[Path, int]:
@@ -203,17 +193,17 @@ def kills(place: Place, count: int, rng: random.Random) -> str:
         after = spent_on(place.store)
         twice += sum(after.get(run, spent) != spent for run, spent in before.items())
         lost += len(before.keys() - after.keys())
-    missing = differing = 0
+    missing = changed = 0
     for name in names:
         place.finish(name)
         one, two = lost_and_differing(place.results("whole"), place.results(name))
-        missing, differing = missing + one, differing + two
+        missing, changed = missing + one, changed + two
     told = ", ".join(f"{n} {stage}" for stage, n in sorted(stages.items()))
     found = (
         f"{count} ({told}): {lost} finished runs lost, {twice} made twice, {broken} half-written files; in "
-        f"the end {missing} files of results missing, {differing} differing"
+        f"the end {missing} files of results missing, {changed} differing"
     )
-    assert not (lost or twice or broken or missing or differing), found
+    assert not (lost or twice or broken or missing or changed), found
     return found
 
 
@@ -222,22 +212,8 @@ def kills_of_compiling(place: Place, count: int, rng: random.Random) -> str:
     with tempfile.TemporaryDirectory() as cache:
         log = place.folder / "compile.log"
         place.sweep("whole")
-        run = [
-            sys.executable,
-            "-m",
-            "dem",
-            "simulate",
-            "--config",
-            "config/whole.yaml",
-            "--shape",
-            "c1",
-            "--density",
-            "3900",
-            "--seed",
-            "1",
-            "-o",
-            "compiled.nc",
-        ]
+        words = "-m dem simulate --config config/whole.yaml --shape c1 --density 3900 --seed 1 -o"
+        run = [sys.executable, *words.split(), "compiled.nc"]
         done = 0
         for _ in range(count):
             with log.open("w") as out:
@@ -253,27 +229,19 @@ def kills_of_compiling(place: Place, count: int, rng: random.Random) -> str:
         assert ended.returncode == 0
     assert place.run([*run[:-1], "again.nc"]).returncode == 0
     one, two = (contents(place.folder / name) for name in ("again.nc", "compiled.nc"))
-    same = all(np.array_equal(one[name], two[name]) for name in one)
-    assert same, "other bits"
+    assert differing(one, two) == []
     return f"{done} while kernels are compiled: same bits"
 
 
 def kills_of_a_run(place: Place, count: int, rng: random.Random) -> str:
     """dem simulate, saving itself all the time, killed until it has ended so often."""
     code = "from dem.experiment import drag; from dem.cli.app import app; drag.SAVED_EVERY = 0.0; app()"
+    words = "simulate --config config/long.yaml --shape d1 --density 3900 --seed 1"
     command = [
         sys.executable,
         "-c",
         code,
-        "simulate",
-        "--config",
-        "config/long.yaml",
-        "--shape",
-        "d1",
-        "--density",
-        "3900",
-        "--seed",
-        "1",
+        *words.split(),
         "-o",
         "long.nc",
         "--checkpoint",
@@ -295,8 +263,7 @@ def kills_of_a_run(place: Place, count: int, rng: random.Random) -> str:
                 gone_on += (place.folder / "long.npz").exists()
     assert place.run(command).returncode == 0
     one, two = (contents(place.folder / name) for name in ("longwhole.nc", "long.nc"))
-    same = all(np.array_equal(one[name], two[name]) for name in one)
-    assert same, "other bits"
+    assert differing(one, two) == []
     return f"{done} while a run saves itself ({gone_on} left a checkpoint): same bits"
 
 
@@ -311,10 +278,10 @@ def sentence(run, words: str) -> str:
 
 
 def same_as_whole(place: Place, name: str) -> str:
-    lost, differing = lost_and_differing(place.results("whole"), place.results(name))
+    lost, changed = lost_and_differing(place.results("whole"), place.results(name))
     assert not list(place.results(name).parent.rglob(".*.part"))
-    assert not (lost or differing), f"{lost} lost, {differing} differing"
-    return f"after that: {lost} lost, {differing} differing"
+    assert not (lost or changed), f"{lost} lost, {changed} differing"
+    return f"after that: {lost} lost, {changed} differing"
 
 
 def half(path: Path) -> None:

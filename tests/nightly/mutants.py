@@ -6,6 +6,7 @@ kind of scene; so the test that is most likely to fail is asked first, and all o
 """
 
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -16,18 +17,8 @@ from typing import NamedTuple
 from dem.base.sources import cache_folder
 
 PROJECT = Path(__file__).parents[2]
-COPIED = (
-    "dem",
-    "tests",
-    "conftest.py",
-    "studies",
-    "config",
-    "rules",
-    "docs",
-    "profiles",
-    "pyproject.toml",
-    "Snakefile",
-    "README.md",
+COPIED = shlex.split(
+    "dem tests conftest.py studies config rules docs profiles pyproject.toml Snakefile README.md"
 )
 LONGEST = 600.0  # s of the processor, for one mutant
 TWIN = "tests/test_twin.py::test_a_run_is_that_of_the_model[{}]"
@@ -71,7 +62,7 @@ MUTANTS = (
     Mutant("contacts/response.py", "order", "    force = capped(force, limit)\n", "", BOX),
     Mutant("contacts/blocks.py", "sign", "gx, gy, -torque, 0.0)", "gx, gy, torque, 0.0)", BOX),
     Mutant("contacts/blocks.py", "index", "+= rows[j + FIVE]", "+= rows[j + SIX]", SMOOTH),
-    Mutant("contacts/blocks.py", "sign", "motion[at] += shift[p]", "motion[at] -= shift[p]", SMOOTH),
+    Mutant("contacts/blocks.py", "sign", "motion[at] += shift[p]", "motion[at] -= shift[p]", DUMBBELLS),
     Mutant("contacts/loops.py", "not summed", "loads[b, 0] += normal", "loads[b, 0] = normal", BOX),
     Mutant("contacts/loops.py", "missing term", "on[b, FX] += shares[0] + shares[2]", "on[b, FX] += shares[0]", DISCS),
     # motion
@@ -94,7 +85,7 @@ MUTANTS = (
     Mutant("dynamics/cell_list.py", "missing term", "reach = radius[i] + radius[j] + skin", "reach = radius[i] + radius[j]", BOX),
     Mutant("dynamics/cell_list.py", "comparison", "old_partner[q] < j)", "old_partner[q] <= j)", BOX),
     Mutant("dynamics/stepping.py", "comparison", "if steps - candidate_since >= QUIET:", "if candidate_dt < math.inf:", HELD),
-    Mutant("dynamics/stepping.py", "missing call", "world = rebuild_neighbor_list(world, table)  # by value", "world = world  # by value", BOX),
+    Mutant("dynamics/stepping.py", "missing call", "view = rebuild_neighbor_list(view, table)\n            budget", "budget", BOX),
     Mutant("dynamics/stepping.py", "not cleared", "impulses[b, c] -= seen[b, c]", "impulses[b, c] -= 0.0", RUN),
     Mutant("dynamics/critical_step.py", "constant", "* 2.0 / max(rate + root", "* 4.0 / max(rate + root", "tests/test_simulate.py"),
     Mutant("dynamics/energy.py", "constant", "energy += 0.5 * squared", "energy += squared", RUN),
@@ -111,7 +102,7 @@ MUTANTS = (
     Mutant("shapes/smooth.py", "constant", "return 0.25 * _integral", "return 0.5 * _integral", SUPER),
     Mutant("shapes/superellipse.py", "sign", "root + (1.0 - q) * root", "root - (1.0 - q) * root", SUPER),
     # beds
-    Mutant("packing/minimise.py", "missing call", "        forces(world, 0.0, math.inf)\n    return", "    return", BED),
+    Mutant("packing/minimise.py", "missing call", "        forces(view, 0.0, math.inf)\n    return", "    return", BED),
     Mutant("packing/random.py", "missing term", "(r + radius[near]) ** 2", "radius[near] ** 2", BED),
     Mutant("packing/swelling.py", "missing factor", "KEPT * end.velocity", "end.velocity", BED),
     # runs
@@ -122,8 +113,8 @@ MUTANTS = (
     Mutant("experiment/kinds/onset.py", "constant", "HOLDING = 3", "HOLDING = 2", "tests/test_onset.py"),
     Mutant("experiment/config.py", "missing term", 'PACKED = "packing.fraction", "packing.friction"', 'PACKED = ("packing.fraction",)', SWEEP),
     # sweeps, their store, files and numbers
-    Mutant("sweep/store.py", "comparison", "if some and len(some) + len(bed) > size:", "if some and len(some) + len(bed) >= size:", SWEEP),
-    Mutant("sweep/store.py", "index", "for run in mine:\n", "for run in mine[1:]:\n", SWEEP),
+    Mutant("sweep/jobs.py", "comparison", "if part and len(part) + len(bed) > size:", "if part and len(part) + len(bed) >= size:", SWEEP),
+    Mutant("sweep/jobs.py", "index", "for run in shared:\n", "for run in shared[1:]:\n", SWEEP),
     Mutant("sweep/batch.py", "missing call", "    store.keep(replicate.id, found)\n", "", STORE),
     Mutant("sweep/batch.py", "comparison", 'return values["run_id"].tolist() == [', 'return values["run_id"].tolist() != [', STORE),
     Mutant("sweep/batch.py", "order", "    if not is_whole(path, replicates):  # another", "    store.forget(replicate.id for replicate in replicates)\n    if not is_whole(path, replicates):  # another", f"{STORE}::test_a_chunk_that_cannot_be_written_loses_no_run"),
@@ -134,11 +125,11 @@ MUTANTS = (
     Mutant("sweep/batch.py", "condition", 'if rows and rows[replicate.id]["failure"] == 0:', "if rows:", "tests/test_faults.py::test_a_run_that_failed_in_another_batch_is_tried_again"),
     Mutant("sweep/store.py", "missing call", "        file.close()\n        seal(part)\n", "        file.close()\n", STOPPED),
     Mutant("sweep/store.py", "missing call", "            if not is_sealed(part):\n", "            if not content:\n", f"{SWEEP}::test_a_file_that_was_damaged_on_its_way_is_not_put_into_the_store"),
-    Mutant("sweep/store.py", "order", "return batch_id(results, *batch.runs) != batch.id, -len", "return -len", f"{SWEEP}::test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs"),
+    Mutant("sweep/jobs.py", "order", "return batch_id(results, *batch.runs) != batch.id, -len", "return -len", f"{SWEEP}::test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs"),
     Mutant("sweep/prune.py", "index", 'path.name.partition(".")[0] not in', "path.stem not in", UNDER_WAY),
     Mutant("sweep/prune.py", "missing term", "runs.union(beds, (batch.id", "runs.union((batch.id", UNDER_WAY),
     Mutant("sweep/prune.py", "missing term", "if not batch.runs or runs.intersection", "if runs.intersection", f"{SWEEP}::test_prune_removes_nothing_whose_runs_are_unknown"),
-    Mutant("sweep/prune.py", "missing term", "{run for each in earlier for run in each.runs}, set()", "set(), set()", PRUNED),
+    Mutant("sweep/prune.py", "missing term", "{run for file in combined for run in file.runs}, set()", "set(), set()", PRUNED),
     Mutant("sweep/prune.py", "order", "list(store.files()), list(", "store.files(), list(", f"{SWEEP}::test_prune_leaves_the_plans_of_a_sweep_that_starts_meanwhile"),
     Mutant("sweep/combine.py", "index", "for _, row in some]", "for _, row in some[::-1]]", ROWS),
     Mutant("sweep/combine.py", "condition", "        elif left:\n", "        elif left and not file.dimensions:\n", f"{SWEEP}::test_a_run_that_no_file_holds_is_named"),
@@ -157,7 +148,7 @@ MUTANTS = (
     Mutant("base/intervals.py", "constant", "stdtrit(freedom, 0.5 + 0.5 * level)", "stdtrit(freedom, level)", "tests/test_statistics.py"),
     Mutant("analysis/onset.py", "sign", "return y @ share - slope * middle", "return y @ share + slope * middle", "tests/test_onset.py"),
     # how kernels are compiled
-    Mutant("jit/compilation.py", "missing term", " {_code_of(each)}\" for", "\" for", "tests/test_compilation.py"),
+    Mutant("jit/compilation.py", "missing term", "*map(str, key), *code)", "*map(str, key))", "tests/test_plugins.py"),
     Mutant("jit/optional.py", "sign", "return lambda a, b: -b", "return lambda a, b: b", ELLIPSES),
     Mutant("jit/block_memory.py", "index", "(table[row],) + rows_like(like[1:], table, row + 1)", "(table[row],) + rows_like(like[1:], table, row)", ELLIPSES),
 )  # fmt: skip
@@ -186,19 +177,8 @@ def made(mutant: Mutant, folder: Path) -> Path:
 
 def asked(copy: Path, *words: str) -> str | None:
     """The first test that fails in a copy of the project, as pytest names it; None if none does."""
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-x",
-        "-n0",
-        "-p",
-        "no:cacheprovider",
-        "--hypothesis-profile=mutants",
-        "-m",
-        "quick",
-        *words,
-    ]
+    options = "-x -n0 -p no:cacheprovider --hypothesis-profile=mutants -m quick"
+    command = [sys.executable, "-m", "pytest", *options.split(), *words]
     environment = os.environ | {"NUMBA_CACHE_DIR": str(copy / ".numba"), "PYTHONPATH": str(copy)}
     ran = subprocess.Popen(
         command, cwd=copy, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,

@@ -24,7 +24,7 @@ from typer.testing import CliRunner
 import dem
 from dem.base.errors import InputError, RunError
 from dem.base.messages import printable
-from dem.base.schema import MOST_SENTENCES
+from dem.base.types import LISTED
 from dem.cli.app import app
 from dem.io.checksums import seal
 from dem.sweep.config import load, parse
@@ -149,7 +149,7 @@ def contents(folder):
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def check_sentences(text, most=MOST_SENTENCES + 1):
+def check_sentences(text, most=LISTED + 1):
     """What a user reads are sentences, one a line, after the progress lines of a log."""
     if text.lstrip().startswith("Usage:"):
         return  # of the command line's own parser
@@ -390,9 +390,10 @@ KINDS = (
 )
 
 
-@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
-def test_bad_input_ends_in_a_sentence_and_loses_nothing(good, kind):
-    @settings(settings.get_profile("night"), max_examples=500)
+def spoil(good, kind, chosen):
+    """Spoil input of a kind in copies of a folder, as often as settings of hypothesis say."""
+
+    @chosen
     @given(st.integers(0, 2**32))
     def one(seed):
         with tempfile.TemporaryDirectory() as name:
@@ -404,3 +405,8 @@ def test_bad_input_ends_in_a_sentence_and_loses_nothing(good, kind):
                     check_sentences(str(error))
 
     one()
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
+def test_bad_input_ends_in_a_sentence_and_loses_nothing(good, kind):
+    spoil(good, kind, settings(settings.get_profile("night"), max_examples=500))

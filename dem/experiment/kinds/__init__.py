@@ -22,22 +22,20 @@ All but run may be left out.
 from contextlib import suppress
 from pathlib import Path
 from types import MappingProxyType
+from typing import Annotated
 
 import numpy as np
-from pydantic import create_model
+from pydantic import Field, create_model
 
-from dem.base import sources
-from dem.base.constants import described
+from dem.base.constants import constants, definitions, described
 from dem.base.errors import InputError, RunError
-from dem.base.outside import file_found, loaded, said_in
-from dem.base.schema import LIMITS, Number, Section, Whole, value
-from dem.base.validate import shown
-from dem.experiment.observables import OBSERVABLES, place_of, variables_of
+from dem.base.plugins import find_module, load
+from dem.base.types import BOUNDS, Count, Number, Section, Unit, shown
+from dem.experiment.observables import OBSERVABLES, file_of, variables_of
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
 
-NO_BITS = "describes kinds of experiment"
 EXPERIMENTS = described(Path(__file__).parent, "SECTIONS")
-TYPES = {bool: bool, int: Whole, float: Number, str: str}  # of values, by those of their defaults
+TYPES = {bool: bool, int: Count, float: Number, str: str}  # of values, by those of their defaults
 
 
 def _field(name: str, default, units, about, limits=MappingProxyType({})) -> tuple:
@@ -45,10 +43,11 @@ def _field(name: str, default, units, about, limits=MappingProxyType({})) -> tup
     bounds = [default, *limits.values()] if limits else []
     texts = isinstance(about, str) and isinstance(units, str | None)
     numbers = all(isinstance(each, int | float) for each in bounds)
-    known = name.isidentifier() and not hasattr(Section, name) and limits.keys() <= LIMITS.keys()
+    known = name.isidentifier() and not hasattr(Section, name) and limits.keys() <= BOUNDS.keys()
     if not (texts and numbers and known):
         raise TypeError
-    return TYPES[type(default)], value(units, about, default, **limits)
+    kind = Annotated[TYPES[type(default)], Field(**limits), Unit(units or "")]
+    return kind, Field(default, description=about)
 
 
 def filled(name: str, values, sizes: dict[str, int]) -> np.ndarray:
@@ -81,18 +80,18 @@ class Experiment:
         return self.name.removesuffix(".py")
 
     @property
-    def place(self) -> str:
-        """Its module, as dem.base.sources names it; raises InputError where its file cannot be used."""
+    def file(self) -> Path:
+        """Its file; raises InputError where it cannot be used."""
         if self.name in EXPERIMENTS:
-            return f"{__name__}.{self.name}"
+            return Path(__file__).with_name(f"{self.name}.py")
         known = *EXPERIMENTS, *OBSERVABLES  # whose files of results have these names
-        return file_found("experiment", self.name, self.beside, known, "run")
+        return find_module("experiment", self.name, self.beside, known, "run")
 
     @property
     def says(self) -> dict:
         """Constants at the top of its file; none where there is no such file, as for readers of results."""
         with suppress(InputError):
-            return said_in(self.place)
+            return constants(self.file)
         return {}
 
     def values(self, given) -> dict:
@@ -114,8 +113,8 @@ class Experiment:
 
     @property
     def code(self):
-        """Its module, loaded."""
-        return loaded(self.place)
+        """Its module, imported."""
+        return load(self.file)
 
     def run(self, replicate, *args, **options) -> dict:
         """Make one run; its variables by name, each as long as `sizes` says. Raises RunError where
@@ -136,16 +135,16 @@ class Experiment:
         """Whether it records record.observables."""
         return self.says.get("OBSERVED", False)
 
-    def places(self, configuration) -> tuple[str, ...]:
-        """Its module and those of its observables; raises InputError where a file cannot be used."""
+    def files(self, configuration) -> tuple[Path, ...]:
+        """Its file and those of its observables; raises InputError where one cannot be used."""
         names = configuration.observables if self.observed else ()
-        return self.place, *(place_of(name, configuration.beside) for name in names)
+        return self.file, *(file_of(name, configuration.beside) for name in names)
 
     def said(self, configuration, name: str) -> dict:
-        """A constant of all these modules."""
+        """A constant of all these files."""
         found = {}
-        for place in self.places(configuration):
-            found |= said_in(place).get(name, {})
+        for file in self.files(configuration):
+            found |= constants(file).get(name, {})
         return found
 
     def along(self, configuration) -> dict:
@@ -196,9 +195,9 @@ class Experiment:
     def axes(self, configuration) -> dict:
         """Values along these dimensions, by the names of `along`."""
         found = {}
-        for place in self.places(configuration):
-            if "axes" in sources.defined_in(place):
-                found |= loaded(place).axes(configuration)
+        for file in self.files(configuration):
+            if "axes" in definitions(file):
+                found |= load(file).axes(configuration)
         return found
 
     def duration(self, replicate) -> float | None:
@@ -210,7 +209,7 @@ class Experiment:
     def check(self, configuration) -> None:
         """Raise InputError where its file or one of an observable cannot be used."""
         for name in configuration.observables:
-            place_of(name, configuration.beside)
+            file_of(name, configuration.beside)
         lengths = self.lengths(configuration)
         for dim, length in lengths.items():
             if type(length) is not int or length < 1:

@@ -11,9 +11,9 @@ True if the simulation must keep an energy ledger.
 from pathlib import Path
 from pkgutil import iter_modules
 
-from dem.base.outside import file_found, loaded, said_in
+from dem.base.constants import constants
+from dem.base.plugins import find_module, load
 
-NO_BITS = "finds observables"
 # Found and not listed, so that a new one does not change the code of runs without it.
 OBSERVABLES = tuple(sorted(module.name for module in iter_modules(__path__)))
 KINDS = tuple(
@@ -21,19 +21,19 @@ KINDS = tuple(
 )
 
 
-def place_of(name: str, beside: str | None = None) -> str:
-    """The module of an observable, as dem.base.sources names it; raises InputError."""
+def file_of(name: str, beside: str | None = None) -> Path:
+    """The file of an observable; raises InputError where it cannot be used."""
     if name in OBSERVABLES:
-        return f"{__name__}.{name}"
+        return Path(__file__).with_name(f"{name}.py")
     known = OBSERVABLES + KINDS  # whose files of results have these names
-    return file_found("record.observables", name, beside, known, "measure", "look")
+    return find_module("record.observables", name, beside, known, "measure", "look")
 
 
 def variables_of(name: str, beside: str | None = None) -> dict:
     """The variables of an observable; its file is not run."""
-    return said_in(place_of(name, beside))["VARIABLES"]
+    return constants(file_of(name, beside))["VARIABLES"]
 
 
 def module_of(name: str, beside: str | None = None):
-    """The module of an observable, which runs its file."""
-    return loaded(place_of(name, beside))
+    """The module of an observable, which is imported."""
+    return load(file_of(name, beside))

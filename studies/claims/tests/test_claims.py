@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from made import of_file
+from made import assert_shown_and_drawn, of_file
 from numpy.testing import assert_allclose
 from scipy.stats import qmc
 from test_damage import ATTRS, COMBINED, FOREIGN, foreign
@@ -229,6 +229,11 @@ def smallest(tmp_path_factory):
         state = of_file(SMOKE)
         write_results("claims", folder / "claims.nc", SMOKE)
         return state, xr.load_dataset("claims.nc")
+
+
+def test_the_smallest_form_is_shown_and_drawn(smallest):
+    _, dataset = smallest
+    assert_shown_and_drawn("claims", Path(dataset.encoding["source"]))
 
 
 def test_every_run_of_the_study_is_a_row(smallest):

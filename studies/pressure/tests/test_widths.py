@@ -76,7 +76,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(power):
     """Where the scatter is so small that the drags tell in which way the walls count; and of the
     drag in a box that is as wide as the first."""
     held = []
-    for seed in range(200):
+    for seed in range(100):
         found = Widths(boxes(power, noise=0.02, seed=seed))
         limit, change = found.limit("e1"), found.change("e1", "high")
         held.append([limit.low < 0.5 < limit.high, change.low < 1.0 < change.high])

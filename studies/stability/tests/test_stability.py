@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from test_collision import APART
 
 import dem
 from dem.dynamics.checkpoint import writable
-from dem.shapes import KINDS
 from dem.sweep.config import load
 from dem.sweep.state import SweepState
 from studies.stability import catalogue, linear, results
@@ -23,26 +23,6 @@ SHORT = {"experiment": "draw", "shapes": ["c1"], "change": {"displacement": 5e-5
 @pytest.fixture(scope="module")
 def sweep():
     return load(HERE / "smoke.yaml")
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_run_goes_on_from_a_checkpoint_with_the_same_bits(small_bed, tmp_path, kind):
-    """Saved to disk and loaded into another simulation, which lists other pairs, a run continues as
-    if never interrupted."""
-    small = small_bed(kind)
-    whole, second = (dem.Simulation(small.scene(), small.state) for _ in range(2))
-    whole.advance(4e-4)
-    partners = (run.world.pairs.partner for run in (whole, second))
-    assert not np.array_equal(*partners)
-    np.savez(tmp_path / "saved.npz", **whole.checkpoint())
-    with np.load(tmp_path / "saved.npz") as saved:
-        second.restore(saved)
-    records = [run.record(5e-6, 4) for run in (whole, second)]
-    for first, other in zip(*records, strict=True):
-        np.testing.assert_array_equal(first, other)
-    np.testing.assert_array_equal(whole.state.position, second.state.position)
-    assert (whole.time, whole.steps) == (second.time, second.steps)
-    assert records[0].tangential_force.any()
 
 
 def test_a_checkpoint_of_another_scene_is_refused(small_bed):
@@ -88,9 +68,7 @@ def test_momenta_of_a_known_motion(small_bed):
     state = dem.State(
         [[1e-2, 0.0], [-1e-2, 0.0]], [[0.0, 3.0], [0.0, -3.0]], angular_velocity=[5.0, 5.0]
     )
-    run = dem.Simulation(
-        replace(small_bed("disc").scene(walls=None, cylinder=None), shape=shape), state
-    )
+    run = dem.Simulation(replace(small_bed("disc").scene(**APART), shape=shape), state)
     mass = run.scene.mass[0]
     momentum, turning, sizes = momenta(run)
     assert np.abs(momentum).max() < 1e-15 * sizes[0]

@@ -3,8 +3,9 @@
 from pathlib import Path
 
 import pytest
-from laws import LAWS, notices
+from laws import LAWS
 
+from dem.dynamics import assembly
 from studies.verification import findings
 from studies.verification.contact_law import Contact, damping_ratio
 from studies.verification.results import CASES, QUICK, run
@@ -28,10 +29,11 @@ def test_what_is_expected_of_a_contact_comes_from_no_code_of_the_library():
     assert smooth.collide((0.3, -1.0), 0.2) == pytest.approx([0.3, 0.3, 0.2], rel=1e-6)
 
 
-def test_a_case_passes_and_fails_once_a_law_is_broken():
-    law = next(each for each in LAWS if each.kind == "half of the mass in the dashpot")
-    assert all(row.passed for row in run("stacked")[0])
-    assert notices(law, "stacked")["stacked"] >= 1
+def test_a_case_fails_once_a_law_is_broken(monkeypatch):
+    """Here half of the mass; others are broken in the kernels, at night."""
+    right = assembly.mobilities
+    monkeypatch.setattr(assembly, "mobilities", lambda scene: [2.0 * each for each in right(scene)])
+    assert not all(row.passed for row in run("chain")[0])
 
 
 def test_the_released_table_has_all_broken_laws():

@@ -1,0 +1,197 @@
+"""Python files of a user beside a sweep file: shapes, observables and kinds of experiment.
+
+`kind: stones.Stone` is the class Stone of stones.py in the folder of the sweep file;
+`experiment: rest.py` and `observables: [drag, rotation.py]` are files there. They are modules like
+any other: their folder is put last on Python's path. Only `load` imports one, for who makes runs or
+draws shapes as they are; all others parse it.
+"""
+
+import importlib
+import os
+import sys
+from functools import cache
+from itertools import chain
+from pathlib import Path
+from types import ModuleType
+
+from dem.base import sources
+from dem.base.constants import constants, definitions
+from dem.base.errors import InputError
+
+KEYS = "kind", "observables", "experiment"  # of configurations, that may name a file
+
+_imported: dict[Path, tuple] = {}  # `_read` of the files of users that this process runs
+
+
+def is_plugin(word) -> bool:
+    """Whether a word names something in a file of a user, such as stones.Stone or rest.py."""
+    parts = word.split(".") if isinstance(word, str) and word.isascii() else []
+    return len(parts) == 2 and all(map(str.isidentifier, parts))
+
+
+def with_folder(data, folder: Path):
+    """Values of a file; `beside`, where files of a user are, is its folder if it names some."""
+    if not isinstance(data, dict):
+        return data
+    if isinstance(other := data.get("beside"), str):
+        return data | {"beside": str((folder / other).resolve())}
+    if data.get("beside") is None and any(map(is_plugin, _words(data))):
+        return data | {"beside": str(folder.resolve())}
+    return data
+
+
+def _words(data, key: str = ""):
+    """All values of the keys that may name a file."""
+    if isinstance(data, dict):
+        for path, value in data.items():
+            yield from _words(value, str(path).rpartition(".")[2])
+    elif isinstance(data, list | tuple):
+        for value in data:
+            yield from _words(value, key)
+    elif key in KEYS:
+        yield data
+
+
+@cache
+def find(key: str, word: str, beside: str | None, known: tuple[str, ...]) -> Path:
+    """The file that the word of a key names, which is parsed and not run.
+
+    known: names of what this package has. Raises InputError where the file cannot be used.
+    """
+    start = f"{key} is {word!r}; "
+    if not is_plugin(word):
+        raise InputError(f"{start}it must be one of {', '.join(known)}, or of a file of your own.")
+    if beside is None:
+        raise InputError(
+            f"{start}the folder of its file is not known here; name it (beside in a configuration, "
+            "--shapes on the command line)."
+        )
+    file = Path(beside, f"{word.partition('.')[0]}.py")
+    if file.stem in known:
+        raise InputError(
+            f"{start}{file.stem} is a name of this package; give your file another name."
+        )
+    if not file.is_file():
+        raise InputError(f"{start}there is no file {file}.")
+    try:
+        sources.planned_codes(file)
+    except sources.UNREADABLE as error:
+        reason = " ".join(str(error).split())
+        raise InputError(f"{start}{file} cannot be read ({reason}).") from None
+    return file
+
+
+def find_module(
+    key: str, word: str, beside: str | None, known: tuple[str, ...], *functions: str
+) -> Path:
+    """The same for a file with VARIABLES and at least one of some functions, such as rest.py."""
+    start = f"{key} is {word!r}; "
+    if not word.endswith(".py"):
+        raise InputError(
+            f"{start}it must be one of {', '.join(known)}, or a file of your own, such as rest.py."
+        )
+    file = find(key, word, beside, known)
+    table = constants(file).get("VARIABLES")
+    if not isinstance(table, dict) or not all(map(_is_entry, table.values())):
+        raise InputError(
+            f"{start}{file} must give VARIABLES as plain values, name: (dimensions, units, words)."
+        )
+    if not definitions(file).keys() & set(functions):
+        raise InputError(f"{start}{file} has no function {' or '.join(functions)}.")
+    return file
+
+
+def _is_entry(entry) -> bool:
+    match entry:
+        case (tuple(), str() | None, str() | None):
+            return True
+    return False
+
+
+def refresh() -> None:
+    """Parse files of users again from now on; raises InputError where this package has changed."""
+    sources.refuse_edits()
+    for function in (sources.planned_codes, sources.run_hash, constants, definitions, find):
+        function.cache_clear()
+
+
+def load(file: Path) -> ModuleType:
+    """Import a file, of this package or of a user; again where its code has changed since.
+
+    Raises InputError where it cannot be imported, or is not as it was when runs were planned.
+    """
+    if file.is_relative_to(sources.PACKAGE):
+        return importlib.import_module(_name(file, sources.ROOT))
+    previous = _imported.get(file)
+    now, modules = _read(file)
+    if now != sources.planned_codes(file):
+        raise InputError(f"{file}: it has changed since runs were planned; start again.")
+    files = (previous[1] if previous else {}) | modules
+    if previous == (now, modules) and file.stem in sys.modules and _has(files):
+        return sys.modules[file.stem]
+    current = [read[1].values() for other, read in _imported.items() if _is_current(other, read)]
+    kept = {name for name, each in files.items() if _has({name: each}) and each in chain(*current)}
+    stale = (files.keys() & sys.modules) - kept
+    before = {name: sys.modules.pop(name) for name in stale}
+    folders = {str(other.parent) for other in (*_imported, file)}
+    sys.path[:] = [each for each in sys.path if each not in folders] + [str(file.parent)]
+    importlib.invalidate_caches()
+    writes, sys.dont_write_bytecode = sys.dont_write_bytecode, True  # nothing beside a sweep file
+    prefix, sys.pycache_prefix = sys.pycache_prefix, os.devnull  # whose times are of seconds
+    try:
+        _imported[file] = now, modules
+        module = importlib.import_module(file.stem)
+        if sources.plugin_codes(file) != now:
+            raise InputError("it has changed while it was imported; start again.")
+        if not _has(files):
+            raise InputError(
+                "it, or what it imports, has the name of a module that is installed, or of Python, "
+                "or of another folder; give it another name."
+            )
+    except Exception as error:
+        _imported.pop(file)
+        if previous:
+            _imported[file] = previous
+        for name in stale | {file.stem}:
+            sys.modules.pop(name, None)
+        sys.modules.update(before)
+        words = " ".join(f"{type(error).__name__}: {error}".split())
+        reason = error if isinstance(error, InputError) else f"it cannot be imported ({words})."
+        raise InputError(f"{file}: {reason}") from error
+    finally:
+        sys.dont_write_bytecode, sys.pycache_prefix = writes, prefix
+    return module
+
+
+def _has(files: dict[str, Path]) -> bool:
+    """Whether each module that Python has by one of some names is of the file of that name."""
+    modules = {name: getattr(sys.modules.get(name), "__file__", None) for name in files}
+    return all(
+        path is None or Path(path).resolve() == files[name].resolve()
+        for name, path in modules.items()
+    )
+
+
+def note(file: Path) -> dict[str, str]:
+    """Note the code of a file that is being imported, and of what it imports; returns it."""
+    return _imported.setdefault(file, _read(file))[0]
+
+
+def _read(file: Path) -> tuple[dict[str, str], dict[str, Path]]:
+    """The code of a file as it is now, and the files of its modules by their names."""
+    files = [each for each in sources.with_imports(file) if each.is_relative_to(file.parent)]
+    return sources.plugin_codes(file), {_name(each, file.parent): each for each in files}
+
+
+def _is_current(file: Path, read: tuple) -> bool:
+    """Whether a file, and what it imports, is as it was read."""
+    try:
+        return _read(file) == read
+    except sources.UNREADABLE:
+        return False
+
+
+def _name(file: Path, folder: Path) -> str:
+    """Name of a file as a module."""
+    stem = file.parent if file.name == "__init__.py" else file.with_suffix("")
+    return ".".join(stem.relative_to(folder).parts)

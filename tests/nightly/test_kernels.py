@@ -1,0 +1,34 @@
+"""Tests of the suite with kernels that no other test needs."""
+
+import numpy as np
+import pytest
+import test_library_input
+import test_motion
+from egg import Egg
+from test_large import assert_threads_change_no_bit
+
+import dem
+from dem.shapes import KINDS
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("extreme", sorted(test_library_input.RARE))
+def test_short_steps_are_no_collapse_for_any_shape(small_bed, kind, extreme):
+    test_library_input.test_short_steps_that_a_bed_needs_are_no_collapse(small_bed, kind, extreme)
+
+
+def test_walls_that_move_do_the_same_work_without_friction(small_bed):
+    test_motion.test_a_bed_without_friction_moves_as_in_the_limit_of_little(small_bed, ledger=True)
+
+
+def test_the_number_of_threads_changes_no_bit_of_discs_that_do_not_turn():
+    assert_threads_change_no_bit(None)
+
+
+def test_granules_without_symmetry_pack():
+    """Eggs pack to rest, without large overlaps."""
+    radius = 1e-3 * np.random.default_rng(1).uniform(0.4, 0.6, 50)
+    cylinder = dem.Cylinder(1.5e-3, (4e-3, 2e-3))
+    area = Egg(radius).area.sum() / 0.84 + 0.25 * np.pi * cylinder.diameter**2
+    bed = dem.pack(Egg(radius), 8e-3, area / 8e-3, cylinder, 1)
+    assert bed.pressure > 0.0 and bed.max_overlap < 0.2 and bed.net_force < 1e-9

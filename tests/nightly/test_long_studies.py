@@ -1,0 +1,68 @@
+"""Studies in forms that take minutes, most of them to compile kernels that nothing else needs."""
+
+import importlib
+
+import pytest
+import test_studies
+
+import studies
+from conftest import needs_study
+from dem.sweep.config import load
+
+
+def part(study, name):
+    """A module of a study, which may be removed; None then."""
+    here = study in studies.NAMES
+    return importlib.import_module(f"studies.{study}.{name}") if here else None
+
+
+CASES = sorted(part("verification", "results").CASES) if part("verification", "results") else []
+LAWS = part("verification", "tests.laws").LAWS if part("verification", "results") else []
+
+
+@pytest.mark.parametrize("name", studies.NAMES)
+def test_a_study_can_be_removed(copy, tmp_path, name):
+    test_studies.assert_the_rest_works_without(copy, tmp_path / "copy", [name])
+
+
+@needs_study("benchmark")
+def test_the_benchmark_works_in_its_smallest_form(tmp_path, monkeypatch):
+    test_studies.test_a_study_works_in_its_smallest_form("benchmark", tmp_path, monkeypatch)
+
+
+@needs_study("benchmark")
+def test_lammps_moves_undamped_beds_alike(small_bed):
+    """To rounding without friction; of dumbbells to that of their angles."""
+    results, scenes = part("benchmark", "results"), part("benchmark", "scenes")
+    beds = {kind: small_bed(kind) for kind in ("disc", "dumbbell")}
+    cases = {kind: scenes.make_case(bed.scene(), bed.state) for kind, bed in beds.items()}
+    if reason := importlib.import_module("studies.common.peers.lammps").available():
+        pytest.skip(reason)
+    found = results.compare_motion(cases, results.SMOKE)["trajectory_difference"]
+    assert found[0, 0] < 1e-12 and found[2, 0] < 1e-9
+
+
+@needs_study("stability")
+def test_stiff_and_extreme_cases_pass_in_a_short_form():
+    """Each experiment of the catalogue, with all shapes of its first case."""
+    results = part("stability", "results")
+    folder, seen = studies.FOLDERS["stability"], set()
+    cases = part("stability", "catalogue").load(folder / "catalogue.yaml").cases
+    for name, case in cases.items():
+        if case.experiment not in seen:
+            seen.add(case.experiment)
+            short = case.model_copy(update={"change": case.change.model_copy(update=results.BRIEF)})
+            for shape in case.shapes:
+                rows = results.verdicts(load(folder / "smoke.yaml"), shape, name, short)
+                assert all(row["passed"] for row in rows), rows
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_case_of_verification_is_as_expected(name):
+    rows, _ = part("verification", "results").run(name)
+    assert [row for row in rows if not row.passed] == []
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: law.kind)
+def test_a_case_of_verification_notices_a_broken_law(law):
+    assert part("verification", "tests.laws").notices(law, law.asks)[law.asks]
