@@ -191,7 +191,7 @@ def of_one_frame(result):
             lambda r, p: dem.film(r, 3),
             "path is '3'; it must be the path of a file that ends in .mp4 or .gif.",
         ),
-        (lambda r, p: dem.film(STATE, p / "run.gif"), "it must be a result of dem.simulate."),
+        (lambda r, p: dem.film(STATE, p / "run.gif"), "it must be an instance of Result."),
         (
             lambda r, p: dem.film(of_one_frame(r), p / "run.gif"),
             "result has 1 frame; a film needs two: simulate with more frames.",
