@@ -154,7 +154,7 @@ def read_by(name):
         own = study(name)
         needed = [each for block in own.sweep.blocks for each in own.sweep.needed(block)]
         for block in dict.fromkeys(needed):
-            found += [f"{own.folder_of(block)}/{each}.nc" for each in own.observables(block)]
+            found += combined(own, block)
     return found
 
 

@@ -9,7 +9,8 @@ import typer
 import studies
 from dem.cli.options import FolderOption, OutputOption, TextOption, argument, option
 from dem.cli.show import draw_figure, print_or_write
-from dem.cli.terminal import Verbs, bar, start_lean
+from dem.cli.terminal import Verbs, start_lean
+from dem.io.progress import bar
 from studies.catalogue import figures, reported
 
 app = Verbs(

@@ -20,10 +20,12 @@ import typer
 from typer.main import get_command
 from typer.testing import CliRunner
 
+from conftest import posix
 from dem.base.errors import InputError, RunError
 from dem.cli.app import app
-from dem.cli.terminal import bar, reported
+from dem.cli.terminal import reported
 from dem.figures import film
+from dem.io.progress import bar
 from dem.sweep.listing import is_written
 
 ROOT = Path(__file__).parent.parent
@@ -248,7 +250,7 @@ def test_a_picture_is_of_the_stroke(tmp_path, displacement):
 
 
 def test_a_log_has_a_line_of_progress_now_and_then(capsys, monkeypatch):
-    monkeypatch.setattr("dem.cli.terminal.EVERY", 0.0)
+    monkeypatch.setattr("dem.io.progress.EVERY", 0.0)
     with bar("runs", 4.0) as update:
         update(1)
         update(2, "runs, 1 failed")
@@ -322,7 +324,7 @@ def test_a_failure_is_a_sentence_without_the_name_of_its_class(capsys, error, se
 BESIDE_A_BAR = """
 import time
 from dem.base.messages import say
-from dem.cli.terminal import bar
+from dem.io.progress import bar
 with bar("packing c1"):
     time.sleep(0.5)
     say("compiling")
@@ -375,3 +377,23 @@ def test_letters_that_a_terminal_lacks_are_replaced():
         capture_output=True,
     )
     assert run.returncode == 0 and b"c1" in run.stdout and run.stdout.isascii(), run.stderr
+
+
+@posix
+def test_a_reader_that_has_seen_enough_is_no_failure():
+    """dem info drag.nc | head -1"""
+    dem = [sys.executable, "-m", "dem"]
+    for verb in (["info", "docs/data/drag.nc"], ["status", "config/smoke.yaml", "--watch"]):
+        read, write = os.pipe()
+        os.close(read)
+        ran = subprocess.run([*dem, *verb], cwd=ROOT, stdout=write, stderr=subprocess.PIPE)
+        os.close(write)
+        assert (ran.returncode, ran.stderr) == (0, b"")
+
+
+def test_a_dry_run_only_reads(tmp_path, monkeypatch):
+    """Also in a folder that cannot be written."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("os.access", lambda _, mode: mode == os.R_OK)
+    result = CliRunner().invoke(app, ["sweep", str(ROOT / "config/smoke.yaml"), "--dry-run"])
+    assert result.exit_code == 0 and not list(tmp_path.iterdir())

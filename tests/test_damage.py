@@ -17,7 +17,7 @@ from dem.cli.app import app
 from dem.experiment.observables.drag import VARIABLES as DRAG
 from dem.experiment.observables.snapshots import VARIABLES as SNAPSHOTS
 from dem.io.checksums import LENGTH, is_sealed, seal
-from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP, is_text, read
+from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP, read
 from dem.io.lazily import open_lazily
 from dem.report.build import build
 from dem.sweep import batch as making
@@ -153,6 +153,7 @@ def told(*words):
     return result.exit_code, result.output
 
 
+NUMBERS = "displacement_bounds", "failure"  # without a unit
 RISING = "displacement", "displacement_bounds", "seed"
 CASE_AND_SEED = "case", "seed"
 COMBINED = (
@@ -178,7 +179,7 @@ def foreign(path, layout, skip=(), text_as_number=False, attrs=(), size=3, fill=
                     file.createDimension(dim, size)
             if name in skip:
                 continue
-            text = is_text(name, layout) and not text_as_number
+            text = layout[name][1] is None and name not in NUMBERS and not text_as_number
             variable = file.createVariable(name, str if text else "f8", dims)
             shape = [size] * len(dims)
             variable[...] = (

@@ -28,13 +28,13 @@ from dem.experiment.bed import make_bed
 from dem.experiment.kinds import drag
 from dem.figures.catalogue import draw
 from dem.io.dataset import read
+from dem.io.lazily import open_combined
 from dem.io.progress import WorkflowProgress, span
 from dem.io.results_folder import hold
 from dem.report.build import build
 from dem.report.info import summary
 from dem.sweep import batch as making
 from dem.sweep import state as working
-from dem.sweep.combine import open_combined
 from dem.sweep.combined import combine_block
 from dem.sweep.config import load, save
 from dem.sweep.estimate import summary as estimated

@@ -19,10 +19,9 @@ from dem.analysis.tables import TextTable
 from dem.base.errors import InputError
 from dem.figures.catalogue import draw, drawable_from
 from dem.figures.sweep import is_logarithmic
-from dem.io.lazily import open_lazily
+from dem.io.lazily import open_combined, open_lazily
 from dem.report.build import build
 from dem.report.info import summary
-from dem.sweep.combine import open_combined
 
 ROOT = Path(__file__).parent.parent
 BOXES = {"wide": {"box_width": 10e-3, "shapes.c1.granules": 75}, "same": {"box_width": 8e-3}}

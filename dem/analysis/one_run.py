@@ -16,7 +16,6 @@ import numpy as np
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
 from dem.experiment.config import Replicate, by_path, of_values
-from dem.experiment.motion import Motion
 from dem.io.dataset import LABELS, content_of
 from dem.io.lazily import open_lazily
 from dem.sweep.listing import as_number, is_written
@@ -26,16 +25,9 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+    from dem.experiment.motion import Motion
+
 SHOWN = 8  # values of an axis that a sentence lists
-SNAPSHOTS = (
-    "snapshot_displacement",
-    "cylinder_y",
-    "granule_x",
-    "granule_y",
-    "granule_angle",
-    "granule_diameter",
-    "box_height",
-)
 
 
 def open_run(path: Path, select: list[str]) -> tuple[Replicate, dict]:
@@ -49,11 +41,7 @@ def open_run(path: Path, select: list[str]) -> tuple[Replicate, dict]:
         run = selected(values_of_runs(dataset), select)
         if dataset["run_id"].dims == ("run",):
             return _row(path, dataset, run)
-    return read_run(batch_of(path, run), run)
-
-
-def read_run(path: Path, run: str) -> tuple[Replicate, dict]:
-    """A run of a batch by its identity, and its variables by name."""
+    path = batch_of(path, run)
     with open_lazily(path) as dataset:
         return _row(path, dataset, run)
 
@@ -167,14 +155,10 @@ def read_motion(path: Path, select: list[str] = (), shapes: Path | str | None = 
     return motion_of(path, replicate.with_shapes(shapes), values)
 
 
-def names_of(replicate: Replicate) -> tuple[str, ...]:
-    """Names of the variables that hold the snapshots of a run."""
-    pressed = replicate.configuration.packing.pressure is not None
-    return (*SNAPSHOTS, "top_y") if pressed else SNAPSHOTS
-
-
 def motion_of(path: Path, replicate: Replicate, values: dict) -> Motion:
     """The snapshots of a run from its variables."""
+    from dem.experiment.motion import Motion  # with the kernels
+
     if "granule_x" not in values:
         raise InputError(
             f"{path}: no snapshots of {replicate.words()} are kept; "

@@ -1,11 +1,16 @@
 """Tables for the terminal and for pages: no number is cut, however narrow the terminal is."""
 
-from collections.abc import Iterable
+from __future__ import annotations
 
-import pandas as pd
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
 from rich import box
 from rich.table import Table
 from rich.text import Text
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 WIDE = 10_000  # characters: no table is wider
 ROWS = 60  # of a table on a terminal, at most

@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from dem.cli.options import argument
-from dem.cli.terminal import Verbs, bar, start_lean
+from dem.cli.terminal import Verbs, start_lean
+from dem.io.progress import bar
 
 app = Verbs(add_completion=False, pretty_exceptions_enable=False)
 

@@ -4,7 +4,8 @@ from pathlib import Path
 
 from dem.cli.options import OUTPUT, FolderOption, TextOption, argument, option
 from dem.cli.show import draw_figure, print_or_write
-from dem.cli.terminal import bar, start_lean
+from dem.cli.terminal import start_lean
+from dem.io.progress import bar
 
 
 def info(

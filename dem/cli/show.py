@@ -12,7 +12,7 @@ from rich.segment import Segment
 from dem.analysis.tables import WIDE
 from dem.base.files import atomic, check_output
 from dem.base.messages import printable
-from dem.cli.terminal import bar
+from dem.io.progress import bar
 
 
 class PlainConsole(Console):
@@ -23,6 +23,10 @@ class PlainConsole(Console):
 
     def __init__(self, **options):
         super().__init__(markup=False, emoji=False, **options)
+
+    def on_broken_pipe(self):
+        """Whoever reads the pipe has seen enough: no failure, of which rich makes one."""
+        raise BrokenPipeError
 
     def render(self, renderable, options=None):
         """Segments of what is shown, their text printable."""

@@ -6,7 +6,8 @@ from pathlib import Path
 from dem.base.messages import say
 from dem.cli.options import PAPER, ConfigOption, OutputOption, argument, option
 from dem.cli.show import print_or_write, watched
-from dem.cli.terminal import bar, show, start_lean
+from dem.cli.terminal import show, start_lean
+from dem.io.progress import bar
 
 FileArgument = argument(Path, "Configuration file of a sweep (YAML).")
 

@@ -1,9 +1,9 @@
-"""What all verbs share: exit statuses, sentences instead of tracebacks, progress bars."""
+"""What all verbs share: exit statuses, and sentences instead of tracebacks."""
 
 import functools
+import os
 import signal
 import sys
-import time
 from contextlib import contextmanager
 from pathlib import Path
 from typing import get_type_hints
@@ -14,7 +14,6 @@ from dem.base.errors import InputError, RunError
 from dem.base.files import check_output, reason
 from dem.base.messages import printable, say
 from dem.cli.options import Writes
-from dem.io.progress import EVERY, span
 
 RECEIVED = []  # signals; callbacks of the compiler lose what a handler raises, and it fails later
 
@@ -71,8 +70,9 @@ def reported():
             notes = getattr(error, "__notes__", ["no half-written file is left."])
             say(f"Interrupted; {notes[0]}")
             raise typer.Exit(128 + (RECEIVED or [signal.SIGINT])[0]) from None
-        if isinstance(error, BrokenPipeError):
-            raise  # whoever reads the pipe has seen enough, and typer ends
+        if isinstance(error, BrokenPipeError):  # whoever reads the pipe has seen enough
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise typer.Exit from None
         if not isinstance(error, InputError | RunError | OSError):
             raise
         message = str(error)
@@ -86,38 +86,6 @@ def reported():
 def show(text: str) -> None:
     """Show a result on standard output."""
     print(printable(text))
-
-
-@contextmanager
-def bar(label: str, total: float | None = None):
-    """Progress of some work on stderr: a bar with the time left on a terminal, a line now and then
-    in a log.
-
-    Yields a function to call with what is done and, where it changes, the label. total: what is
-    done in the end; None where that is unknown.
-    """
-    if sys.stderr.isatty():
-        from rich.console import Console
-        from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-        columns = TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn()
-        streams = {"redirect_stdout": False, "redirect_stderr": False}  # workers inherit them
-        with Progress(
-            *columns, console=Console(stderr=True), transient=True, **streams
-        ) as progress:
-            task = progress.add_task(printable(label), total=total)
-            yield lambda done, label=None: progress.update(task, completed=done, description=label)
-        return
-    begun = last = time.monotonic()
-
-    def update(done: float, label: str = label) -> None:
-        nonlocal last
-        if time.monotonic() - last >= EVERY:
-            last = time.monotonic()
-            left = f", about {span((last - begun) * (total / done - 1.0))} left" if done else ""
-            say(f"{label}: {done / total:.0%} done{left}")
-
-    yield update
 
 
 def start_lean():

@@ -158,6 +158,6 @@ def cluster_colors(start, axis, diameter: float) -> np.ndarray:
     return np.where(ahead & (np.abs(aside) < 0.5 * diameter), SHADED, PLAIN)
 
 
-def layer_colors(start, height: float, layers: int) -> np.ndarray:
+def layer_colors(start, height: float) -> np.ndarray:
     """Colours (n,) of horizontal layers in turn, by where granules begin."""
-    return np.array(style.LAYERS)[layers_of(start, height, layers) % len(style.LAYERS)]
+    return np.array(style.LAYERS)[layers_of(start, height) % len(style.LAYERS)]

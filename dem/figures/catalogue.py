@@ -8,7 +8,7 @@ from typing import NamedTuple
 from dem.base.constants import described
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
-from dem.io.lazily import open_lazily, require
+from dem.io.lazily import open_combined, open_lazily, require
 
 CHECK = "e0"  # ellipse code at aspect ratio 1: a check, and no shape of its own
 
@@ -166,7 +166,6 @@ def _draw(figure: FigureSpec, data: Path, folder: Path, options: dict) -> list[P
     """Draw one figure; options: of its function."""
     from dem.analysis.statistics import by_case
     from dem.figures.style import save
-    from dem.sweep.combine import open_combined
 
     with open_lazily(data) as dataset:
         for name in figure.variables:

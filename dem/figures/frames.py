@@ -12,7 +12,6 @@ from dem.base.types import checked
 from dem.dynamics.contact_list import ContactList
 from dem.dynamics.result import Result
 from dem.experiment.motion import Motion
-from dem.experiment.observables.flow import LAYERS
 from dem.figures import bed, style
 from dem.periodic import Periods
 
@@ -99,7 +98,7 @@ def of_motion(motion: Motion) -> Frames:
         contacts=motion.contacts,
         fastest=values.cylinder.velocity,
         paints={
-            "layer": bed.layer_colors(motion.position[0], motion.height[0], LAYERS),
+            "layer": bed.layer_colors(motion.position[0], motion.height[0]),
             "cluster": bed.cluster_colors(motion.position[0], axis[0], size),
         },
         captions=[f"{float(each):.2f} mm" for each in moved],
@@ -137,9 +136,7 @@ def of_result(result: InstanceOf[Result]) -> Frames:
         velocity=result.velocity.__getitem__,
         contacts=result.contacts,
         fastest=float(np.linalg.norm(result.velocity, axis=-1).max()) or 1.0,
-        paints={
-            "layer": bed.layer_colors(result.position[0] - [0.0, low], high - low or 1.0, LAYERS)
-        },
+        paints={"layer": bed.layer_colors(result.position[0] - [0.0, low], high - low or 1.0)},
         captions=[f"t = {each:.4g} {unit}" for each in time],
         boxed=False,
         record=(lambda axes: draw_forces(axes, result, groups[0])) if groups else None,

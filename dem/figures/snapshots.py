@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 
 from dem.analysis.statistics import find
 from dem.base.errors import InputError
-from dem.experiment.observables.flow import LAYERS
 from dem.figures import bed, style
 from dem.periodic import Periods, periods_of, wrapped
 from dem.shapes import outlines
@@ -102,7 +101,7 @@ def _row(row, found: Bed, one: xr.Dataset, snapshots: list[int], colors: str) ->
     if colors == "cluster":
         paint = bed.cluster_colors(start, found.axis[0], found.cylinder)
     else:
-        paint = bed.layer_colors(start, found.height[0], LAYERS)
+        paint = bed.layer_colors(start, found.height[0])
     for axes, snapshot in zip(row, snapshots, strict=True):
         drawn = bed.Drawing(axes, rings, view, found.cylinder, found.periods)
         drawn.joints.set_visible(False)  # panels are too small for them

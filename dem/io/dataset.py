@@ -91,7 +91,6 @@ AGAIN = "delete it and run again"
 FORMAT = "NETCDF4_CLASSIC"
 COMPRESSED = 8192  # bytes of an array from which compressing it makes the file smaller
 WALLS = ("left", "right", "bottom", "top")
-UNITLESS = ("displacement_bounds", "failure")  # numbers whose attributes say more than a unit
 MORE = {  # attributes of CF beside name and units
     "failure": {
         "flag_values": np.arange(len(FAILURES), dtype="i1"),
@@ -105,11 +104,6 @@ MORE = {  # attributes of CF beside name and units
         for key in ("drag", "drag_normal", "drag_tangential", "transverse_force", "wall_force")
     },
 }
-
-
-def is_text(name: str, layout: dict) -> bool:
-    """Whether a variable holds texts: what has no unit and is no number that has none either."""
-    return layout[name][1] is None and name not in UNITLESS
 
 
 def attributes(name: str, layout: dict) -> dict:

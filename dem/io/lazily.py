@@ -47,7 +47,6 @@ def open_results(path: str | Path) -> xr.Dataset:
     ...     float(results["drag"].sel(case="c1").mean().round(-2))
     1300.0
     """
-    import dask
     import xarray as xr
 
     if not Path(path).is_file():
@@ -56,8 +55,12 @@ def open_results(path: str | Path) -> xr.Dataset:
         if small := Path(path).stat().st_size <= CHECKED:
             is_sealed(path)
         try:
+            if small:
+                return xr.open_dataset(path, engine="netcdf4")
+            import dask  # half a second to load
+
             with dask.config.set({"array.chunk-size": PIECE}):
-                return xr.open_dataset(path, engine="netcdf4", chunks=None if small else "auto")
+                return xr.open_dataset(path, engine="netcdf4", chunks="auto")
         except (OSError, ValueError, RuntimeError):
             why = "it is cut off, damaged or another file: make it again, or copy it again"
             if Path(path).suffix in (".yaml", ".yml"):
@@ -89,3 +92,20 @@ def require(dataset: xr.Dataset, path: Path, layout: dict, variables, attributes
         if dataset.variables[name].dims != layout[name][0]:
             over = ", ".join(layout[name][0]) or "no dimension"
             raise InputError(f"{path}: its {name} is not over {over}; is it another file?")
+
+
+def require_drag(dataset: xr.Dataset, path: Path) -> None:
+    """Raise InputError unless a file has the drag of all runs of a block."""
+    require(dataset, path, {}, ("run_id",))
+    layout = {"drag": ((*dataset["run_id"].dims, "displacement"), "N", "")}
+    names = "shape", "displacement", "displacement_bounds", "drag"
+    require(dataset, path, layout, names, ("window_start", "window_stop"))
+
+
+@contextmanager
+def open_combined(path: Path):
+    """The drag of all runs of a block, read when it is needed; raises InputError for any other
+    file."""
+    with open_lazily(path) as dataset:
+        require_drag(dataset, path)
+        yield dataset

@@ -14,9 +14,8 @@ from dem.analysis.tables import TextTable
 from dem.analysis.values import value_of
 from dem.base.errors import InputError
 from dem.io.dataset import LABELS
-from dem.io.lazily import open_lazily, require
+from dem.io.lazily import open_combined, open_lazily, require
 from dem.sweep.axis import seed_words
-from dem.sweep.combine import open_combined
 
 LEGEND = """\
 mean: of the drag within the window; ±: half its 95 % interval by Student's t over the runs;

@@ -7,7 +7,6 @@ snapshots.nc."""
 
 import json
 from collections import Counter
-from contextlib import contextmanager
 from functools import reduce
 from itertools import groupby
 from pathlib import Path
@@ -31,7 +30,6 @@ from dem.io.dataset import (
     global_attributes,
     read,
 )
-from dem.io.lazily import open_lazily, require
 from dem.sweep.axis import OWN
 from dem.sweep.config import Sweep
 from dem.sweep.expand import Block
@@ -279,17 +277,3 @@ def shared(block: Block, paths: list[str]) -> dict:
             if not path.startswith("shapes.") or path.split(".")[1] == run.label:
                 values[path].add(run.at(path))
     return {path: some.pop() for path, some in values.items() if len(some) == 1}
-
-
-@contextmanager
-def open_combined(path: Path, needed=("drag",)):
-    """The file of a block with variables that are read when needed; raises InputError for any other
-    file."""
-    with open_lazily(path) as dataset:
-        if "run_id" not in dataset.variables:
-            raise InputError(f"{path}: it has no variable run_id; is it another file?")
-        dims = dataset["run_id"].dims
-        layout = {name: ((*dims, "displacement"), "N", "") for name in needed}
-        names = "shape", "displacement", "displacement_bounds"
-        require(dataset, path, layout, (*names, *needed), ("window_start", "window_stop"))
-        yield dataset

@@ -251,12 +251,14 @@ class SweepState:
         """Raise InputError where a file that the sweep writes cannot be one, or where the folder
         holds another sweep. Returns warnings: of a new store, of a cylinder that is too fast, and
         of runs that will be gone."""
-        check_output("the file to write", self.results / CONFIG)
+        with suppress(OSError):  # a dry run writes nothing; what does, says that it cannot
+            check_output("the file to write", self.results / CONFIG)
         runs = (run for name in self.sweep.blocks for run in self.block(name).unique())
         warnings = [*self._new_store(), *self._fast_cylinder(), *slow_beds(runs)]
         for name in self.sweep.blocks:
             for number, path in enumerate(self.combined(name)):
-                check_output("the file to write", path)
+                with suppress(OSError):
+                    check_output("the file to write", path)
                 combined = read_combined(path)
                 refuse_foreign(path, combined, self.sweep, self.file)
                 if number == 0 and not self.sweep.needed(name):

@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from dem.cli.options import argument, option
-from dem.cli.terminal import bar, show
+from dem.cli.terminal import show
+from dem.io.progress import bar
 
 
 def fit(
@@ -11,7 +12,7 @@ def fit(
     target: option(float, "Mean drag to fit, N; 1295 is from section 3.2 of the paper.") = 1295.0,
 ):
     """Fit Young's modulus, the one calibrated number, to a mean drag."""
-    from dem.sweep.combine import open_combined
+    from dem.io.lazily import open_combined
     from studies.calibration.calibrate import calibrate
 
     with bar(f"reading {data}"), open_combined(data) as dataset:

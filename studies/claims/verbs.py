@@ -4,7 +4,7 @@ from pathlib import Path
 
 from dem.base.errors import InputError
 from dem.cli.options import argument, option
-from dem.cli.terminal import bar
+from dem.io.progress import bar
 
 
 def test(
@@ -38,8 +38,7 @@ def test(
 
 def _read(path: Path, margin: float):
     """Runs in claims.nc, or in drag.nc with the flow.nc beside it; raises InputError."""
-    from dem.io.lazily import open_lazily, require
-    from dem.sweep.combine import open_combined
+    from dem.io.lazily import open_combined, open_lazily, require
     from studies.claims import MEASURES
     from studies.claims.evidence import from_study, from_sweep
     from studies.claims.results import VARIABLES

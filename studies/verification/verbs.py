@@ -3,7 +3,7 @@
 import typer
 
 from dem.cli.options import argument, option
-from dem.cli.terminal import bar
+from dem.io.progress import bar
 
 
 def check(

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from dem.analysis.statistics import change, summarise
 from dem.analysis.tables import TextTable, numbers
-from dem.base.intervals import Estimate, ratio_interval
+from dem.base.intervals import Estimate, half_interval, ratio_interval
 from dem.report.info import drag_table
 from studies.common.findings import Findings, estimate, interval, span
 
@@ -130,15 +130,11 @@ class Drag(Findings):
             made.add_row(case, *(f"{value:.0f}" for value in means.sel(case=case).values))
         return made
 
-    def still_grows(self, case: str) -> bool:
-        """Whether the drag at 4 to 5 mm is above that at 1 to 2 mm, interval included."""
-        found = self._along.sel(case=case)
-        rise = (found[..., 4] - found[..., 1]).values
-        return rise.mean() > 2.78 * rise.std(ddof=1) / np.sqrt(rise.size)
-
     def growing(self, *cases: str) -> str:
-        """Those cases whose drag still grows within the window."""
-        return ", ".join(case for case in cases if self.still_grows(case))
+        """Those cases whose drag at 4 to 5 mm is above that at 1 to 2 mm, interval included."""
+        rise = (self._along[..., 4] - self._along[..., 1]).sel(case=list(cases))
+        grows = rise.mean("seed") > half_interval(rise)
+        return ", ".join(grows["case"].values[grows.values].tolist())
 
     def largest_overlap(self, *cases: str) -> float:
         """Greatest overlap of some cases, over the smaller radius."""
