@@ -122,7 +122,7 @@ class Sweep(Configuration):
         """All runs of a block; raises InputError for impossible runs.
 
         derived: gives the values that follow from another block's result; without it, a run has
-        the values in the file. counts: replicates of each place after some rounds, of the
+        the values in the file. counts: replicates of each point after some rounds, of the
         first if absent.
         """
         if derived is not None or counts is not None:
