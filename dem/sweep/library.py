@@ -89,8 +89,7 @@ def run_sweep(path: str | Path, executor=None, block: str | None = None) -> xr.D
     state = SweepState.of(Path(path))
     state.check()
     blocks = list(state.sweep.blocks)
-    if block is not None and block not in blocks:
-        raise InputError(f"block is {block!r}; {path} has {', '.join(blocks)}.")
+    output = state.combined(block or blocks[0])[0]
     workers = workers_of(executor, state.store)
     if executor is None:
         for name in blocks:
@@ -102,7 +101,7 @@ def run_sweep(path: str | Path, executor=None, block: str | None = None) -> xr.D
             state.make(workers)
     finally:
         lock.release()
-    return open_results(state.combined(block or blocks[0])[0])
+    return open_results(output)
 
 
 def run_experiment(values: dict) -> xr.Dataset:
