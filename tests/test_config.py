@@ -163,11 +163,6 @@ REFUSED = [
         {"a": {"record.bins": 60}},
         "sweep varies record.bins, which runs of one block share; use blocks.",
     ),
-    (
-        "sweep",
-        {"shape": "c1"} | {f"p{n}": {"a": {"gravity": n}} for n in range(70)},
-        "sweep has 72 dimensions; it must have at most 24",
-    ),
     ("sweep", {"blocks": {"../x": {"case": "all"}}}, f"sweep.blocks.../x is '../x'; {A_LABEL}"),
     ("sweep", {"blocks": {"store": {"case": "all"}}}, "sweep.blocks.store is a folder of results"),
     ("sweep", {"blocks": {"a": 3}}, "sweep.blocks.a is 3; it must be a group of keys."),
