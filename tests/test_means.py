@@ -1,4 +1,4 @@
-"""Means of all places as a table, and two sweeps side by side."""
+"""Means of all points as a table, and two sweeps side by side."""
 
 import csv
 import re
@@ -63,7 +63,7 @@ def file(tmp_path):
     return write
 
 
-def test_the_mean_of_a_place_is_that_of_its_runs_within_the_window(file, tmp_path):
+def test_the_mean_of_a_point_is_that_of_its_runs_within_the_window(file, tmp_path):
     write_means(means(file()), tmp_path / "means.csv")
     with dem.open_results(file()) as dataset:
         runs = dataset["drag"].values[:, :, 1:5].mean(2)  # from 1 to 4 mm
@@ -86,7 +86,7 @@ def test_means_can_be_opened_as_results(file, tmp_path):
         assert found["drag"].dims == ("point",) and found["drag"].attrs["units"] == "N"
 
 
-def test_two_sweeps_are_compared_where_both_have_a_place(file):
+def test_two_sweeps_are_compared_where_both_have_a_point(file):
     found = compared(file(), file("other.nc", shift=50.0, points=(1, 2)), "drag")
     assert found["point"].values.tolist() == [1, 2]
     assert found["ratio"].values == pytest.approx(
@@ -111,7 +111,7 @@ def test_the_terminal_shows_one_quantity_by_what_varies(file):
         (lambda f, d: compared(f(), f("o.nc"), "lift"), "it has no lift; it has drag"),
         (
             lambda f, d: compared(f(points=[0]), f("o.nc", points=[2]), "drag"),
-            "have no place in common",
+            "have no point in common",
         ),
     ],
 )
@@ -171,7 +171,7 @@ def test_points_of_different_designs_are_no_pairs(file):
     )
     third = changed(file("third.nc"), lambda d: d.rename(friction_granule="friction_boundary"))
     for path in (other, third):
-        with pytest.raises(InputError, match="have no place in common"):
+        with pytest.raises(InputError, match="have no point in common"):
             compared(file(), path, "drag")
 
 
@@ -190,7 +190,7 @@ def test_runs_that_both_files_have_count_once(file):
     assert compared(file(), file("same.nc"), "drag")["ratio"].isnull().all()
 
 
-def test_places_of_a_name_are_compared_whatever_their_granules_are(file):
+def test_points_of_a_name_are_compared_whatever_their_granules_are(file):
     """And the table leaves out what differs."""
 
     def named(granules):

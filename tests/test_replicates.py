@@ -104,7 +104,7 @@ def test_replicates_are_added_until_the_mean_is_as_well_known_as_asked(sweep):
     sample, count = found["force"], found["replicates"]
     assert (count >= 10).all() and (count < 120).all()
     assert (half_interval(sample) <= 0.1 * abs(sample.mean("seed"))).all()
-    # seeds without gaps, and nothing where a place has no replicate
+    # seeds without gaps, and nothing where a point has no replicate
     for case in "ab":
         there = found["run_id"].sel(case=case).values != ""
         assert there.tolist() == (np.arange(len(there)) < int(count.sel(case=case))).tolist()
@@ -118,7 +118,7 @@ def test_a_round_at_most_doubles_the_replicates(sweep):
     counts = [state.block("drag", k).counts for k in state.rounds("drag")]
     assert counts[0] == {(0,): 10, (1,): 10} and len(counts) > 3
     for before, after in pairwise(counts):
-        assert all(before[place] <= after[place] <= 2 * before[place] for place in before)
+        assert all(before[point] <= after[point] <= 2 * before[point] for point in before)
 
 
 def test_the_interval_that_is_printed_is_that_of_the_runs(sweep):
@@ -201,11 +201,11 @@ def test_blocks_that_share_runs_are_made(sweep):
     assert state.counts()[0] == len(state.runs())
 
 
-def test_a_place_that_stops_at_the_cap_is_said(sweep):
+def test_a_point_that_stops_at_the_cap_is_said(sweep):
     state = of_file(sweep("{until: 1 %, of: force, most: 12}"))
     (sentence,) = state.notes
     assert (
-        "2 of 2 places are not as well known as asked for" in sentence
+        "2 of 2 points are not as well known as asked for" in sentence
         and "after 12 replicates" in sentence
     )
     assert result()["replicates"].values.tolist() == [12, 12]
@@ -221,7 +221,7 @@ def test_a_failed_run_counts_and_is_not_replaced(sweep):
     np.testing.assert_array_equal(seen, found["force"].values[there])
 
 
-def test_a_place_whose_first_runs_fail_gets_more_and_one_whose_all_fail_is_said(sweep):
+def test_a_point_whose_first_runs_fail_gets_more_and_one_whose_all_fail_is_said(sweep):
     cases = "[b, d]\n  friction.granule: [0.2, 0.5]"
     state = of_file(sweep("{until: 20 %, of: force, most: 40}", cases, "failures: 0.9\n"))
     found = result().sel(case="d")
@@ -229,7 +229,7 @@ def test_a_place_whose_first_runs_fail_gets_more_and_one_whose_all_fail_is_said(
     known = found["force"].sel(friction_granule=0.2).dropna("seed")
     assert known.size >= 10 and float(half_interval(known)) <= 0.2 * float(known.mean())
     (sentence,) = state.notes
-    assert "1 of 4 places" in sentence and "case d, friction_granule 0.5" in sentence
+    assert "1 of 4 points" in sentence and "case d, friction_granule 0.5" in sentence
     assert "is not known after 40 replicates" in sentence
 
 
@@ -363,7 +363,7 @@ def test_a_partial_file_holds_what_is_there_and_says_so(sweep):
         assert int(part["replicates"].sum()) == 12
 
 
-def test_a_sweep_that_varies_seeds_alone_has_one_place():
-    """Of one shape, whose place has no axis beside that of the seeds."""
+def test_a_sweep_that_varies_seeds_alone_has_one_point():
+    """Of one shape, whose point has no axis beside that of the seeds."""
     until, sample = precision.Until(until="1 %"), np.random.default_rng(1).normal(100.0, 10.0, 10)
     assert precision.counts(until, {(): sample}, {(): None}, 1) == {(): 20}

@@ -589,7 +589,7 @@ def test_a_run_that_no_file_holds_is_named(tmp_path):
     with pytest.raises(InputError, match=r"seed [12] is in none of the 1 files; run again"):
         combine([first], sweep, sweep.block("drag"), "drag", output)
     second.unlink()
-    with pytest.raises(FileNotFoundError, match=second.name):
+    with pytest.raises(InputError, match=rf"{second.name}: there is no such file\.$"):
         combine_block(work, "drag", "drag", output)
     assert not output.exists()
 

@@ -106,7 +106,7 @@ def test_a_worker_without_the_store_takes_files_of_a_user_from_its_own_folder(
     uploaded = tmp_path / "uploaded"
     uploaded.mkdir()
     (mine / "rotation.py").rename(uploaded / "rotation.py")
-    monkeypatch.setattr(workers, "_folder", lambda name: tmp_path / "machine" / name)
+    monkeypatch.setattr(workers, "cache_folder", lambda: tmp_path / "machine")
     content = make_task(task, beside=str(uploaded))
     assert not (mine / "results").exists()
     state.store.add(batch.id, content)

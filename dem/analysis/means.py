@@ -1,4 +1,4 @@
-"""Means of the runs of a combined file, one row a place: for a spreadsheet, or beside those of
+"""Means of the runs of a combined file, one row a point: for a spreadsheet, or beside those of
 another."""
 
 from pathlib import Path
@@ -80,12 +80,12 @@ def means_of(dataset: xr.Dataset, path: Path, names: list[str] | None = None) ->
 
 
 def compared(path: Path, other: Path, name: str) -> xr.Dataset:
-    """Means of one quantity in two files, where both have a place, and their ratio with Fieller's
+    """Means of one quantity in two files, where both have a point, and their ratio with Fieller's
     interval.
 
     The samples must be independent, so runs that both files have count for the first alone. Labels
     that differ are left out. Raises InputError where the files have nothing in common: points of
-    designs have numbers, which are the same place only where all their values are the same.
+    designs have numbers, which are the same point only where all their values are the same.
     """
     samples, ids = [], []
     for item in (path, other):
@@ -101,9 +101,10 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
     same = [key for key in labels[0] if key in labels[1] and labels[0][key].equals(labels[1][key])]
     differ = {*labels[0], *labels[1]}.difference(same)
     if axes[0] != axes[1] or not samples[0].size or (differ and designs_of(samples[0])):
-        over = (", ".join(sorted(item)) or "one place" for item in axes)
+        varied = (", ".join(sorted(item)) or "nothing" for item in axes)
         raise InputError(
-            f"{path} and {other} have no place in common; they are over {' and over '.join(over)}."
+            f"{path} and {other} have no point in common; what varies is "
+            f"{' in the first, and '.join(varied)} in the second."
         )
     first, second = (item.drop_vars(differ, errors="ignore") for item in samples)
     ratios = xr.apply_ufunc(
@@ -124,7 +125,7 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
 
 
 def table_of(result: xr.Dataset) -> pd.DataFrame:
-    """One row a place, the values that vary first; of a design those of its points, and not their
+    """One row a point, the values that vary first; of a design those of its points, and not their
     numbers."""
     frame = result.to_dataframe().reset_index().drop(columns=designs_of(result))
     return frame.rename(columns={name: heading(result[name]) for name in frame})

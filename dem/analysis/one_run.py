@@ -7,7 +7,6 @@ of a sweep, whose runs are in the store.
 from __future__ import annotations
 
 import json
-from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,7 +17,7 @@ from dem.base.messages import did_you_mean
 from dem.experiment.config import Replicate, by_path, of_values
 from dem.io.dataset import LABELS, content_of
 from dem.io.lazily import open_lazily
-from dem.sweep.listing import as_number, is_written
+from dem.sweep.listing import is_written
 from dem.sweep.store import Store
 
 if TYPE_CHECKING:
@@ -135,10 +134,8 @@ def selected(runs: pd.DataFrame, select: list[str]) -> str:
 
 def _like(values: pd.Series, text: str) -> np.ndarray:
     """Which values a text means: those that are equal to it, else those that are printed so."""
-    number = as_number(text)
-    equal = np.array([number is not None and each == number for each in values])
-    printed = (is_written(v, text) if isinstance(v, Real) else str(v) == text for v in values)
-    return equal if equal.any() else np.array(list(printed))
+    equal = np.array([is_written(value, text, 0.0) for value in values])
+    return equal if equal.any() else np.array([is_written(value, text) for value in values])
 
 
 def _word(value) -> str:

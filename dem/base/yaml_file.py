@@ -1,9 +1,7 @@
 """YAML files: UTF-8 text in, plain values out, one sentence with its line for anything else."""
 
 import re
-from collections.abc import Iterator
 from contextlib import suppress
-from itertools import count
 from pathlib import Path
 
 import yaml
@@ -12,21 +10,15 @@ from dem.base.errors import InputError
 from dem.base.files import reason
 from dem.base.messages import did_you_mean
 
-LARGEST = 2_000_000  # bytes of a file
-DEEPEST = 20  # groups and lists within each other
-MOST = 200_000  # values, where aliases repeat them; ten aliases ten deep would be 10^10
 OTHER_BASE = re.compile(r"[-+]?0\w+|.*:.*")  # of a number in YAML 1.1: 8, 16, 2 or 60
-TOO_DEEP = f"values are nested more than {DEEPEST} deep, or an alias contains itself"
 
 
 def read(path: Path) -> dict:
     """Keys and values of a YAML file; raises InputError with the line of what is wrong."""
     try:
-        if Path(path).stat().st_size > LARGEST:
-            raise InputError(f"{path}: it must have at most {LARGEST:,} bytes.")
         loader = yaml.SafeLoader(Path(path).read_text(encoding="utf-8"))
         if node := loader.get_single_node():
-            _value(node, loader, count())
+            _value(node, loader)
         data = loader.construct_document(node) if node else None
     except (OSError, UnicodeDecodeError) as error:
         names = [each.name for each in Path(path).parent.glob("*")]
@@ -35,7 +27,9 @@ def read(path: Path) -> dict:
         )
         raise InputError(f"{path}: cannot read it ({reason(error)}){hint}.") from None
     except RecursionError:
-        raise InputError(f"{path}: {TOO_DEEP}.") from None
+        raise InputError(
+            f"{path}: values are nested too deep, or an alias contains itself."
+        ) from None
     except yaml.reader.ReaderError as error:
         raise InputError(f"{path}: it holds the character {chr(error.character)!r}.") from None
     except yaml.MarkedYAMLError as error:
@@ -55,22 +49,18 @@ class _Refused(yaml.MarkedYAMLError):
         super().__init__(problem=words, problem_mark=node.start_mark)
 
 
-def _value(node: yaml.Node, loader: yaml.SafeLoader, number: Iterator[int], depth: int = 0):
-    """Value of a scalar node, None of a list or a group. number: counts nodes."""
-    if depth >= DEEPEST:
-        raise _Refused(node, TOO_DEEP)
-    if next(number) >= MOST:
-        raise _Refused(node, f"aliases repeat more than {MOST:,} values; write them out")
+def _value(node: yaml.Node, loader: yaml.SafeLoader):
+    """Value of a scalar node, None of a list or a group."""
     if isinstance(node, yaml.ScalarNode):
         return _scalar(node, loader)
     if isinstance(node, yaml.SequenceNode):
         for item in node.value:
-            _value(item, loader, number, depth + 1)
+            _value(item, loader)
         return None
     lines = {}  # of keys: YAML would let the last of equal ones win
     for key_node, value_node in node.value:
-        key = _value(key_node, loader, number, depth + 1)
-        _value(value_node, loader, number, depth + 1)
+        key = _value(key_node, loader)
+        _value(value_node, loader)
         if isinstance(key, bool):
             words = f"YAML reads the key {key_node.value} as a truth value"
             raise _Refused(key_node, f"{words}; use another name, or quotes")

@@ -31,7 +31,7 @@ def means(
         Path | None, "Table to write (.csv or .nc); the terminal if absent.", *OUTPUT, writes=""
     ) = None,
 ):
-    """Means of the runs of a file, one row a place; or of two files, with their ratio.
+    """Means of the runs of a file, one row a point; or of two files, with their ratio.
 
     Example: dem means results/drag.nc -o means.csv
     """

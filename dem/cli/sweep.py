@@ -81,7 +81,7 @@ def status(
     file: FileArgument = PAPER,
     watch: option(bool, "Look again every few seconds.", "--watch") = False,
 ):
-    """Show how far a sweep is, place by place, while it runs or after it stopped. It only reads.
+    """Show how far a sweep is, point by point, while it runs or after it stopped. It only reads.
 
     Example: dem status config/smoke.yaml --watch
     """

@@ -53,7 +53,7 @@ class CylinderSection(Section):
     velocity: Speed
     """velocity of the cylinder, upwards"""
     start: Share
-    """height of the cylinder's axis over the height of the box"""
+    """height of the cylinder's axis as a fraction of that of the box"""
     stroke: Length
     """distance over which the cylinder is drawn"""
 
@@ -106,7 +106,7 @@ class FrictionSection(Section):
     cylinder: Coefficient
     """friction at the cylinder"""
     stiffness: Ratio = Friction.stiffness
-    """stiffness of tangential springs over Mindlin's"""
+    """stiffness of tangential springs relative to Mindlin's"""
 
 
 class ShearSection(Section):
@@ -152,13 +152,13 @@ class RecordSection(Section):
 
 class NumericsSection(Section):
     step_fraction: StepFraction = STEP_FRACTION
-    """time step over the critical one"""
+    """fraction of the critical time step of stiffness alone; damping may shorten it more"""
     allow_unstable: bool = False
     """whether steps beyond the critical one are taken"""
     time_step: Time | None = None
     """time step; none: from the bed's stiffness"""
     max_overlap: MaxOverlap = MAX_OVERLAP
-    """overlap over the smaller radius that stops"""
+    """overlap relative to the smaller radius at which a run ends"""
 
     @model_validator(mode="after")
     def _check(self):

@@ -47,17 +47,17 @@ OF_RUN = {
     "packing_coordination_number": (
         (),
         "1",
-        "contacts between granules, twice, over the number of granules, before the cylinder moves",
+        "mean number of contacts of a granule with others, before the cylinder moves",
     ),
     "packing_net_force": (
         (),
         "1",
-        "greatest net force on a granule in the bed at rest over E* R^2",
+        "greatest net force on a granule in the bed at rest divided by E* R^2",
     ),
     "packing_max_overlap": (
         (),
         "1",
-        "greatest overlap over the smaller granule radius, before the cylinder moves",
+        "greatest overlap relative to the smaller granule radius, before the cylinder moves",
     ),
 }
 OF_STORE = {  # of a run in a file of many

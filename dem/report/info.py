@@ -19,8 +19,8 @@ from dem.sweep.axis import seed_words
 
 LEGEND = """\
 mean: of the drag within the window; ±: half its 95 % interval by Student's t over the runs;
-over run and between runs: standard deviations over the mean; overlap: the greatest, over the
-smaller granule radius"""
+over run and between runs: standard deviations, divided by the mean; overlap: the greatest,
+divided by the smaller granule radius"""
 ORIGIN = ("title", "history", "git_revision", "source_hash", "versions")
 VARIED = 4  # values more that runs of a file differ in, at most
 MEANS = 5  # quantities of a file without drag that are shown
@@ -69,7 +69,7 @@ def _shown(attrs: dict, about: dict, table: pd.DataFrame, legend: str = "") -> G
 
 
 def drag_table(dataset: xr.Dataset) -> pd.DataFrame:
-    """Mean drag and scatter, one row per place on the axes."""
+    """Mean drag and scatter, one row per point of the axes."""
     result = summarise(dataset)
     mean, size = result["mean"], abs(result["mean"])
     columns = {

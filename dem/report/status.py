@@ -1,4 +1,4 @@
-"""How far a sweep is: place by place what is done, running, waiting and failed, and how well its
+"""How far a sweep is: point by point what is done, running, waiting and failed, and how well its
 mean is known. It only reads, so any terminal may ask while the sweep runs."""
 
 import time
@@ -63,19 +63,19 @@ def _usual(block: Block) -> Until:
 
 
 def _table(block: Block, until: Until, results: dict, under_way: dict, failed: dict):
-    """One row a place: its values, its runs, its mean."""
+    """One row a point: its values, its runs, its mean."""
     axes = block.beside_seed
     shown = [axis for axis in axes if len(axis.points) > 1] or axes[:1]
     configuration = block.first.configuration
     units = "" if until.reference else configuration.module.layout(configuration)[until.variable][1]
     values = {
-        place: [results[run.id] for run in runs if run.id in results]
-        for place, runs in block.replicates.items()
+        point: [results[run.id] for run in runs if run.id in results]
+        for point, runs in block.replicates.items()
     }
     means, rows = estimates(until, values, block.partners), []
-    for place, runs in block.replicates.items():
+    for point, runs in block.replicates.items():
         row = {}
-        for at, axis in zip(place, axes, strict=True):
+        for at, axis in zip(point, axes, strict=True):
             if axis in shown and axis.entry.about == POINT:
                 row |= list(axis.points[at].items())[:VARIED]
             elif axis in shown:
@@ -89,7 +89,7 @@ def _table(block: Block, until: Until, results: dict, under_way: dict, failed: d
         row["running"] = f"{len(since)}, {span(time.time() - min(since))}" if since else 0
         row |= {"waiting": len(runs) - done - len(since), "failed": bad}
         heads = f"{until.of} {units}".strip(), "±", "within %", f"for {until.until}"
-        row |= zip(heads, _mean(means.get(place), moments(values[place])[0], until), strict=True)
+        row |= zip(heads, _mean(means.get(point), moments(values[point])[0], until), strict=True)
         rows.append(row)
     frame = pd.DataFrame(rows)
     empty = [name for name in ("running", "waiting", "failed") if not frame[name].any()]

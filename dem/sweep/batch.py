@@ -80,8 +80,8 @@ def is_whole(path: Path, replicates: list[Replicate]) -> bool:
 
 def _stored(store: Store, replicate: Replicate) -> dict | None:
     """The values of a run that is finished, or that is in another batch and did not fail there."""
-    if (found := store.kept(replicate.id)) is not None:
-        return found
+    if (row := store.kept(replicate.id)) is not None:
+        return row
     for batch in store.complete().values():
         if replicate.id in batch.runs:
             rows = rows_of(store.file_of(batch.id), [replicate])
@@ -110,20 +110,20 @@ def _row(store: Store, replicate: Replicate, progress) -> dict:
     """What a run gives, made and kept in the store."""
     started = time.process_time()
     try:
-        found = _run(store, replicate, progress) | {"failure": 0, "failure_reason": ""}
+        values = _run(store, replicate, progress) | {"failure": 0, "failure_reason": ""}
     except RunError as error:
-        found = _failure(str(error), type(error).__name__)
+        values = failed_row(str(error), type(error).__name__)
     except (Exception, SystemExit) as error:
         if (place := _place(error, replicate)) is None:
             raise
-        found = _failure(f"{place}: {type(error).__name__}: {error}")
-    found["spent"] = time.process_time() - started
-    store.keep(replicate.id, found)
+        values = failed_row(f"{place}: {type(error).__name__}: {error}")
+    values["spent"] = time.process_time() - started
+    store.keep(replicate.id, values)
     store.run_of(replicate.id, ".checkpoint.npz").unlink(missing_ok=True)
-    return found
+    return values
 
 
-def _failure(reason: str, name: str = "other") -> dict:
+def failed_row(reason: str, name: str = "other") -> dict:
     """What the row of a failed run says of it."""
     kind = FAILURES.index(name if name in FAILURES else "other")
     return {"failure": kind, "failure_reason": " ".join(reason.split())[:500]}
@@ -145,24 +145,14 @@ def _place(error: BaseException, replicate: Replicate) -> str | None:
     return last.get(True, last[False])
 
 
-def _gaps(replicate: Replicate) -> dict[str, np.ndarray]:
-    """What the variables of a run are where it failed."""
-    experiment = replicate.configuration.module
-    sizes = experiment.sizes(replicate)
-    return {
-        name: np.full([sizes[dim] for dim in dims], np.nan)
-        for name, (dims, *_) in experiment.layout(replicate.configuration).items()
-    }
-
-
 def _run(store: Store, replicate: Replicate, progress) -> dict:
     experiment = replicate.configuration.module
     if not experiment.observed:
         return experiment.run(replicate)
-    found = store.bed(replicate, make_bed)
-    numbers = [float(found[name]) for name in Bed._fields[2:-1]]
-    sides = periods(replicate, float(found["height"]))
-    bed = Bed(found["position"], found["angle"], *numbers, sides)
+    stored = store.bed(replicate, make_bed)
+    numbers = [float(stored[name]) for name in Bed._fields[2:-1]]
+    sides = periods(replicate, float(stored["height"]))
+    bed = Bed(stored["position"], stored["angle"], *numbers, sides)
     checkpoint = store.run_of(replicate.id, ".checkpoint.npz")
     resume.clear_way(checkpoint, replicate, bed, own=True)
     return experiment.run(replicate, bed, progress, checkpoint=checkpoint)
@@ -181,8 +171,9 @@ def write_batch(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
     """Write the runs of a batch; what a failed run lacks is NaN."""
     first = replicates[0]
     experiment, layout = first.configuration.module, layout_of(first)
-    values = experiment.axes(first.configuration)
-    for name, gap in _gaps(first).items():
+    values, sizes = experiment.axes(first.configuration), experiment.sizes(first)
+    for name, (dims, *_) in experiment.layout(first.configuration).items():
+        gap = np.full([sizes[dim] for dim in dims], np.nan)
         values[name] = np.stack([np.asarray(row.get(name, gap), float) for row in rows])
     labels = [replicate.labels() for replicate in replicates]
     values |= {name: np.array([label[name] for label in labels]) for name in LABELS}
@@ -210,12 +201,6 @@ def write_one(path: Path, replicate: Replicate, values: dict) -> None:
     """Write a file of a single run."""
     ran = {"failure": 0, "failure_reason": "", "spent": values["run_time"]}
     write_batch(path, [replicate], [values | ran])
-
-
-def write_failed(path: Path, replicate: Replicate, reason: str) -> None:
-    """Write a batch of one run that cannot be made."""
-    row = {"failure": FAILURES.index("other"), "failure_reason": reason, "spent": 0.0}
-    write_batch(path, [replicate], [row])
 
 
 def retry(store: Store, batch: str, replicates: list[Replicate]) -> int:

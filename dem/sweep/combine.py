@@ -11,13 +11,11 @@ from functools import reduce
 from itertools import groupby
 from pathlib import Path
 
-import netCDF4
 import numpy as np
 
 from dem.base.errors import InputError, RunError
 from dem.experiment.config import Entry
 from dem.io.dataset import (
-    AGAIN,
     LABELS,
     OF_STORE,
     OF_SWEEP,
@@ -68,10 +66,8 @@ def combine(
     provenance = {name: {} for name in PROVENANCE}
     with create(output) as file:
         for done, path in enumerate(sorted(paths, key=str)):
-            with content_of(path, AGAIN), netCDF4.Dataset(path) as batch:
-                present = [name for name in names if name in batch.variables]
-            values, batch_attrs = read(path, (*present, "run_id", "failure", "failure_reason"))
-            given = {name: values[name] for name in present}
+            values, batch_attrs = read(path, (*names, "run_id", "failure", "failure_reason"))
+            given = {name: values[name] for name in names}
             rows = {run: row for row, run in enumerate(values["run_id"].tolist()) if run in left}
             left -= rows.keys()
             if rows and not file.dimensions:
@@ -112,16 +108,17 @@ def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
     """Layout of the combined file, and the names of what its runs give."""
     configuration = block.first.configuration
     experiment = configuration.module
-    own = {
-        name: entry
-        for name, entry in experiment.variables(configuration, observable).items()
-        if observable == BEDS or "granule" not in entry[0]
-    }
+    recorded, variables = experiment.layout(configuration), {}
+    for name, entry in experiment.variables(configuration, observable).items():
+        if name in recorded and (observable == BEDS or "granule" not in entry[0]):
+            variables[name] = entry
     store = {name: OF_STORE[name] for name in ("run_id", "bed_family", "failure")}
-    layout = {name: ((*block.dims, *dims), *rest) for name, (dims, *rest) in (own | store).items()}
-    used = {dim for dims, *_ in own.values() for dim in dims}
+    layout = {
+        name: ((*block.dims, *dims), *rest) for name, (dims, *rest) in (variables | store).items()
+    }
+    used = {dim for dims, *_ in variables.values() for dim in dims}
     axes = experiment.along(configuration)
-    return layout | {n: entry for n, entry in axes.items() if set(entry[0]) & used}, list(own)
+    return layout | {n: entry for n, entry in axes.items() if set(entry[0]) & used}, list(variables)
 
 
 def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> None:
@@ -129,8 +126,8 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
     variable then has a value for."""
     first = block.first.configuration
     axes = first.module.axes(first)
-    for own in {id(run.configuration): run.configuration for run in block.runs.values()}.values():
-        for name, values in own.module.axes(own).items():
+    for run in {id(run.configuration): run for run in block.runs.values()}.values():
+        for name, values in run.configuration.module.axes(run.configuration).items():
             if not np.array_equal(values, axes[name]):
                 raise InputError(
                     f"the coordinate {name} must be the same in all runs of {block.name}; use "
@@ -170,7 +167,7 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
         ]
         sizes = (*[1] * (len(block.dims) - 1), min(BLOCK, block.shape[-1]), *shape)
         add_dimensions(file, dims, shape)
-        made = file.createVariable(
+        variable = file.createVariable(
             name,
             values.dtype,
             layout[name][0],
@@ -183,14 +180,16 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
         )
         # runs mostly come in order, and what is full is written and forgotten
         size = 2 * int(np.prod(sizes)) * values.dtype.itemsize
-        made.set_var_chunk_cache(
+        variable.set_var_chunk_cache(
             size=max(size, 4096, min(HELD, 64 * size)), nelems=1009, preemption=1.0
         )
-        made.setncatts(attributes(name, layout) | ({"coordinates": aside} if aside else {}))
+        variable.setncatts(attributes(name, layout) | ({"coordinates": aside} if aside else {}))
     if gaps:
-        made = file.createVariable("failure", "i1", block.dims, fletcher32=True, fill_value=False)
-        made.setncatts(attributes("failure", layout))
-        made[...] = 0
+        variable = file.createVariable(
+            "failure", "i1", block.dims, fletcher32=True, fill_value=False
+        )
+        variable.setncatts(attributes("failure", layout))
+        variable[...] = 0
 
 
 def _write(
@@ -199,30 +198,24 @@ def _write(
     """An axis or a label."""
     known = LABELS | OF_SWEEP | (layout or {})
     if entry is not None and entry.about:
-        about = {"long_name": entry.about, "units": entry.units}
-        about = {key: value for key, value in about.items() if value is not None}
-    else:
-        about = attributes(name, known)
+        known |= {name: (dims, entry.units, entry.about)}
     if values.dtype == bool:  # netCDF has no truth values
         values = values.astype("i1")
     if values.dtype == object:
         values = values.astype(str)
-    add(file, name, tuple(dims), values, about, fill_value=False)
+    add(file, name, tuple(dims), values, attributes(name, known), fill_value=False)
 
 
 def _fill(file, values: dict, places: list[tuple[tuple[int, ...], int]]) -> None:
     """Write rows at their places; what is side by side along the last axis at once."""
-    side_by_side = groupby(
-        enumerate(places), lambda each: (each[1][0][:-1], each[1][0][-1] - each[0])
-    )
-    for _, some in side_by_side:
-        some = [each for _, each in some]
-        *lead, first = some[0][0]
-        rows = [row for _, row in some]
-        there = (*lead, slice(first, first + len(rows)))
+    for _, some in groupby(
+        enumerate(places), lambda item: (item[1][0][:-1], item[1][0][-1] - item[0])
+    ):
+        points, rows = zip(*(place for _, place in some), strict=True)
+        there = (*points[0][:-1], slice(points[0][-1], points[0][-1] + len(rows)))
         for name in values.keys() & file.variables.keys():
             of_run = map(slice, values[name].shape[1:])  # some have fewer granules than others
-            file.variables[name][(*there, *of_run)] = values[name][rows]
+            file.variables[name][(*there, *of_run)] = values[name][list(rows)]
 
 
 def _check(sweep: Sweep, block: Block, failed) -> None:
@@ -250,11 +243,8 @@ def about(sweep: Sweep, block: Block, provenance: dict) -> dict:
     """Attributes of the file. The averaging window is among them, so that figures need nothing
     else, and the cylinder's velocity where all runs have the same. The configuration is that of
     the sweep with what the block sets for all its runs."""
-    configuration, drawn, paths = (
-        sweep.dump(),
-        {},
-        [path for path in block.paths if path not in OWN],
-    )
+    configuration, drawn = sweep.dump(), {}
+    paths = [path for path in block.paths if path not in OWN]
     values = shared(block, [*paths, "cylinder.velocity"])
     if sweep.record and sweep.cylinder:
         drawn["window_start"], drawn["window_stop"] = sweep.record.window

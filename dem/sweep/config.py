@@ -24,7 +24,6 @@ DISTRIBUTION = "granular-drag"
 FOLDERS = ("store", "figures", "logs", "rounds")  # of results
 CONFIG = "config.yaml"  # of results, as resolved
 LONGEST_CHAIN = 20  # files that extend one another
-REPLACED = ("sweep",)  # whole, by a file that extends another
 
 # systems take 255 characters for a name, some 260 for a whole path
 Folder = Annotated[
@@ -92,11 +91,11 @@ class Sweep(Configuration):
         for name in self.blocks:
             needed = self.needed(name)
             self.block(name)
-            for each in needed:
-                kind = self.block(each).first.configuration.experiment
+            for other in needed:
+                kind = self.block(other).first.configuration.experiment
                 if kind != "jamming":
                     raise InputError(
-                        f"sweep.blocks.{name}.needs is {each!r}, a block of the experiment {kind}; "
+                        f"sweep.blocks.{name}.needs is {other!r}, a block of the experiment {kind}; "
                         "it must be a block of the experiment jamming, whose results give values."
                     )
 
@@ -111,10 +110,10 @@ class Sweep(Configuration):
             return {"drag": self.sweep}
         if others := set(self.sweep) - {"blocks"}:
             raise InputError(f"sweep has blocks and {min(others)}; move that into a block.")
-        found = parsed(Blocks, self.sweep["blocks"], "sweep.blocks")
-        if taken := found.keys() & set(FOLDERS):
+        blocks = parsed(Blocks, self.sweep["blocks"], "sweep.blocks")
+        if taken := blocks.keys() & set(FOLDERS):
             raise InputError(f"sweep.blocks.{min(taken)} is a folder of results; rename the block.")
-        return found
+        return blocks
 
     def block(
         self, name: str, derived: Derived | None = None, counts: dict[GridPoint, int] | None = None
@@ -122,32 +121,31 @@ class Sweep(Configuration):
         """All runs of a block; raises InputError for impossible runs.
 
         derived: gives the values that follow from another block's result; without it, a run has
-        the values in the file. counts: replicates of each place after some rounds, of the
+        the values in the file. counts: replicates of each point after some rounds, of the
         first if absent.
         """
         if derived is not None or counts is not None:
-            return expand(self, name, self._spec(name), derived, counts)
+            return expand(self, name, self.blocks[name], derived, counts)
         if name not in self._expanded:
-            self._expanded[name] = expand(self, name, self._spec(name), None)
+            self._expanded[name] = expand(self, name, self.blocks[name], None)
         return self._expanded[name]
 
-    def _spec(self, name: str) -> dict:
-        """What a file says of a block; raises InputError where there is no such block."""
+    def needed(self, name: str) -> tuple[str, ...]:
+        """The blocks, among those before it, whose results a block needs first.
+
+        Raises InputError where there is no such block.
+        """
         if name not in self.blocks:
             raise InputError(
                 f"block is {name!r}; the sweep has no such block{did_you_mean(name, self.blocks)}."
             )
-        return self.blocks[name]
-
-    def needed(self, name: str) -> tuple[str, ...]:
-        """The blocks, among those before it, whose results a block needs first."""
-        wanted = self._spec(name).get("needs", ())
+        wanted = self.blocks[name].get("needs", ())
         names = tuple(wanted) if isinstance(wanted, list | tuple) else (wanted,)
         before = list(self.blocks)[: list(self.blocks).index(name)]
-        for each in names:
-            if each not in before:
+        for other in names:
+            if other not in before:
                 raise InputError(
-                    f"sweep.blocks.{name}.needs is {each!r}; it must be a block before it: "
+                    f"sweep.blocks.{name}.needs is {other!r}; it must be a block before it: "
                     f"{', '.join(before) or 'there is none'}."
                 )
         return names
@@ -177,7 +175,7 @@ def parse(data, source: str = "configuration") -> Sweep:
         sweep.check()
     except InputError as error:
         raise InputError(
-            "\n".join(f"{source}: {each}" for each in str(error).splitlines())
+            "\n".join(f"{source}: {line}" for line in str(error).splitlines())
         ) from None
     return sweep
 
@@ -186,23 +184,23 @@ def extended(data, source: str, depth: int = 0):
     """A file's content merged over the file that it extends; raises InputError."""
     data = with_folder(data, _folder_of(source))
     if isinstance(data, dict):  # keys for anchors of YAML, as Docker Compose has them
-        data = {key: each for key, each in data.items() if not str(key).startswith("x-")}
+        data = {key: value for key, value in data.items() if not str(key).startswith("x-")}
     if not isinstance(data, dict) or "extends" not in data:
         return data
     name = parsed(FileName, data["extends"], "extends", source)
-    own = {key: each for key, each in data.items() if key != "extends"}
+    changes = {key: value for key, value in data.items() if key != "extends"}
     if depth >= LONGEST_CHAIN:
         raise InputError(
             f"{source}: extends is {name!r}; {LONGEST_CHAIN} files extend each other already, "
             "write fewer."
         )
-    if "results" not in own:
+    if "results" not in changes:
         raise InputError(
-            f"{source}: results is missing{did_you_mean('results', own, '')}; a file that extends "
+            f"{source}: results is missing{did_you_mean('results', changes, '')}; a file that extends "
             "another needs a folder of its own."
         )
-    base = found(name, Path(source).parent)
-    return merged(extended(read(base), str(base), depth + 1), own)
+    base = find_file(name, Path(source).parent)
+    return merged(extended(read(base), str(base), depth + 1), changes)
 
 
 def _folder_of(source: str) -> Path:
@@ -211,30 +209,30 @@ def _folder_of(source: str) -> Path:
     return path.parent if path.is_file() else Path(source.partition(", ")[0]).parent
 
 
-def merged(base: dict, own: dict, top: bool = True) -> dict:
-    """Groups of values over others, key by key."""
-    found = dict(base)
-    for key, new in own.items():
-        old = found.get(key)
-        deep = isinstance(old, dict) and isinstance(new, dict) and not (top and key in REPLACED)
-        found[key] = merged(old, new, False) if deep else new
-    return found
+def merged(base: dict, changes: dict, top: bool = True) -> dict:
+    """Groups of values with some changed, key by key."""
+    values = dict(base)
+    for key, new in changes.items():
+        old = values.get(key)
+        deep = isinstance(old, dict) and isinstance(new, dict) and not (top and key == "sweep")
+        values[key] = merged(old, new, False) if deep else new
+    return values
 
 
-def found(name: str | Path, beside: Path = Path()) -> Path:
-    """The file of that name: here, beside another, in the checkout, or of the package."""
+def find_file(name: str | Path, beside: Path = Path()) -> Path:
+    """The file of that name: in the working folder, beside another, in the checkout, or of the package."""
     choices = [Path(name), beside / name, ROOT / name]
-    if not any(each.is_file() for each in choices):
-        for each in installed_files(DISTRIBUTION) or ():
-            if each.as_posix().endswith(f"share/{DISTRIBUTION}/{name}"):
-                choices.append(Path(each.locate()))
-    return next((each for each in choices if each.is_file()), choices[0])
+    if not any(path.is_file() for path in choices):
+        for file in installed_files(DISTRIBUTION) or ():
+            if file.as_posix().endswith(f"share/{DISTRIBUTION}/{name}"):
+                choices.append(Path(file.locate()))
+    return next((path for path in choices if path.is_file()), choices[0])
 
 
 def load(path: Path) -> Sweep:
     """Sweep from a YAML file; raises InputError with one sentence per fault."""
     refresh()
-    path = found(path)
+    path = find_file(path)
     return parse(read(path), str(path))
 
 
@@ -246,8 +244,8 @@ def file_of(sweep: Sweep, path: Path) -> str:
 
     Of the resolved configuration in the sweep's own folder it is the one that this was made from.
     """
-    path, own = (Path(os.path.realpath(each)) for each in (path, Path(sweep.results) / CONFIG))
-    if path == own:
+    path = Path(path).resolve()
+    if path == (Path(sweep.results) / CONFIG).resolve():
         with path.open(encoding="utf-8") as file:
             first = file.readline().rstrip("\n")
         return first.removeprefix(FROM) if first.startswith(FROM) else ""

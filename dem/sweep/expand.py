@@ -17,7 +17,6 @@ from dem.sweep.axis import OWN, Axis, Derive, axis_of, changes, name_of
 from dem.sweep.precision import MOST_RUNS, GridPoint
 
 WORDS = ("needs", "values")  # of a block, beside what varies
-MOST_AXES = 24  # dimensions of a sweep; a variable of netCDF-4 has at most 32 with its own
 SAME = "cylinder.stroke", "shear.strain", "experiment"  # beside the sizes of runs
 
 # gives a value: what is asked for (a group with `derive`), values of the run so far
@@ -179,29 +178,24 @@ def expand(
     """
     where = "sweep" if name == "drag" else f"sweep.blocks.{name}"
     fixed = changes(block.get("values", {}), sweep, f"{where}.values")
-    specs = {key: spec for key, spec in block.items() if key not in WORDS}
     replicates = max(counts.values()) if counts else None
-    axes = [axis_of(key, spec, sweep, where, replicates) for key, spec in specs.items()]
+    axes = [
+        axis_of(key, spec, sweep, where, replicates)
+        for key, spec in block.items()
+        if key not in WORDS
+    ]
     if "shape" in fixed:
         axes.insert(0, axis_of("shape", [fixed.pop("shape")], sweep, where))
-    given = {path for axis in axes for path in axis.paths}
-    if "seed" not in given:
+    if not any("seed" in axis.paths for axis in axes):
         axes.append(axis_of("seed", [fixed.pop("seed", 1)], sweep, where))
-    if len(axes) > MOST_AXES:
-        raise InputError(
-            f"{where} has {len(axes)} dimensions; it must have at most {MOST_AXES}: what has one "
-            "value belongs under values, and values that go together under one name."
-        )
-    given |= set(fixed)
-    shaped = (
-        axis for axis in axes if axis.points and all("shape" in point for point in axis.points)
-    )
-    if len(sweep.shapes) > 1 and not any(shaped):
+    ways = Counter([*fixed, *(path for axis in axes for path in axis.paths)])
+    shaped = any(axis.points and all("shape" in p for p in axis.points) for axis in axes)
+    if len(sweep.shapes) > 1 and not shaped:
         raise InputError(
             f"{where} must give all runs a shape or a case; there are {', '.join(sweep.shapes)}."
         )
     same = (*SAME, *sweep.module.said(sweep, "SIZES").values())
-    if same := [path for path in same if path in given - set(fixed)]:
+    if same := [path for path in same if path in ways.keys() - fixed.keys()]:
         raise InputError(f"{where} varies {same[0]}, which runs of one block share; use blocks.")
     points = [fixed, *(point for axis in axes for point in axis.points)]
     if "needs" not in block and any(
@@ -210,28 +204,27 @@ def expand(
         raise InputError(
             f"{where} derives values; needs must name the blocks that it takes them from."
         )
-    ways = Counter([*fixed, *(path for axis in axes for path in axis.paths)])
     if twice := [path for path, count in ways.items() if count > 1]:
         raise InputError(f"{where} varies {min(twice)} in two ways; name it once.")
     most = prod(max(len(axis.points), axis.until.most if axis.until else 0) for axis in axes)
     if most > MOST_RUNS:
         raise InputError(f"{where} has {most:,} runs; it must have at most {MOST_RUNS:,}.")
-    found = Block(name, axes, _runs(sweep, where, fixed, axes, derived, counts), fixed)
-    first = found.first.configuration
-    names = [*found.dims, *map(name_of, given - {axis.entry.path for axis in axes})]
+    grid = Block(name, axes, _runs(sweep, where, fixed, axes, derived, counts), fixed)
+    first = grid.first.configuration
+    names = [*grid.dims, *map(name_of, ways.keys() - {axis.entry.path for axis in axes})]
     recorded = first.module.names(first)
     lengths = {f"{name}_length" for name in (*names, *recorded, *LABELS, *OF_STORE)}  # of texts
     if twice := [name for name in names if names.count(name) > 1 or name in recorded | lengths]:
         raise InputError(f"{where} gives files of results two things named {twice[0]}; rename one.")
-    if found.until:
+    if grid.until:
         if "needs" in block:
             raise InputError(
                 f"{where}.seed has until, and needs {block['needs']}; list the seeds of a block "
                 "whose values follow from another."
             )
         labels = (axis.coordinate for axis in axes if axis.name in ("case", "shape"))
-        found.until.check(f"{where}.seed", first, next(labels, ()))
-    return found
+        grid.until.check(f"{where}.seed", first, next(labels, ()))
+    return grid
 
 
 def _runs(sweep, where, fixed, axes, derived, counts) -> dict[GridPoint, Replicate]:

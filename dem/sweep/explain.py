@@ -21,17 +21,17 @@ FEW = 3  # names of files in a sentence
 def reasons(store: Store, runs: Iterable[Replicate]) -> Counter:
     """Reasons, in words, why runs are not in the store, with how many runs have each."""
     files = sorted((store.folder / "batches").glob("*.nc"), key=lambda path: path.stat().st_mtime)
-    stored, found = {}, Counter()  # attributes of the file of a run, by its values
+    stored, counts = {}, Counter()  # attributes of the file of a run, by its values
     for path in files[-SAMPLE:]:
         try:
             _, attrs = read(path, ())
-            stored |= {of_values(each).run_key(): attrs for each in json.loads(attrs["values"])}
+            stored |= {of_values(run).run_key(): attrs for run in json.loads(attrs["values"])}
         except (InputError, KeyError, ValueError):  # of a version with other values
             continue
     for run in list(runs)[:SAMPLE]:
         if attrs := stored.get(run.run_key()):
-            found[_reason(run, attrs)] += 1
-    return found
+            counts[_reason(run, attrs)] += 1
+    return counts
 
 
 def _reason(run: Replicate, attrs: dict) -> str:

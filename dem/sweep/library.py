@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 
 from dem.base import plugins
@@ -83,19 +82,18 @@ def run_sweep(path: str | Path, executor=None, block: str | None = None) -> xr.D
     Examples
     --------
     >>> import dem
-    >>> found = dem.run_sweep("config/smoke.yaml")  # doctest: +SKIP
-    >>> found["drag"].dims  # doctest: +SKIP
+    >>> data = dem.run_sweep("config/smoke.yaml")  # doctest: +SKIP
+    >>> data["drag"].dims  # doctest: +SKIP
     ('case', 'seed', 'displacement')
     """
     state = SweepState.of(Path(path))
     state.check()
     blocks = list(state.sweep.blocks)
-    if block is not None and block not in blocks:
-        raise InputError(f"block is {block!r}; {path} has {', '.join(blocks)}.")
+    output = state.combined(block or blocks[0])[0]
     workers = workers_of(executor, state.store)
     if executor is None:
         for name in blocks:
-            for file in {each for run in state.block(name).unique() for each in run.files}:
+            for file in {file for run in state.block(name).unique() for file in run.files}:
                 plugins.load(file)  # what cannot be is said before anything is written
     lock, _ = prepare(state.results, state.store.folder)
     try:
@@ -103,7 +101,7 @@ def run_sweep(path: str | Path, executor=None, block: str | None = None) -> xr.D
             state.make(workers)
     finally:
         lock.release()
-    return open_results(state.combined(block or blocks[0])[0])
+    return open_results(output)
 
 
 def run_experiment(values: dict) -> xr.Dataset:
@@ -133,8 +131,8 @@ def run_experiment(values: dict) -> xr.Dataset:
     --------
     >>> import dem
     >>> values = {"extends": "config/smoke.yaml", "shape": "c1", "friction": {"granule": 0.1}}
-    >>> found = dem.run_experiment(values)
-    >>> found["drag"].dims, found["drag"].attrs["units"]
+    >>> data = dem.run_experiment(values)
+    >>> data["drag"].dims, data["drag"].attrs["units"]
     (('displacement',), 'N')
     """
     plugins.refresh()
@@ -142,18 +140,18 @@ def run_experiment(values: dict) -> xr.Dataset:
     own = replicate.configuration
     own.check_files()
     experiment = own.module
-    found = experiment.run(replicate)
+    values = experiment.run(replicate)
     layout = experiment.layout(own) | experiment.along(own) | LABELS
     coordinates = experiment.axes(own) | replicate.labels()
-    used = {dim for name in found for dim in layout[name][0]}
-    dataset = xr.Dataset({name: (layout[name][0], value) for name, value in found.items()})
-    for name, value in coordinates.items():
-        if set(layout[name][0]) <= used | {"bound"}:
-            dataset = dataset.assign_coords({name: (layout[name][0], np.asarray(value))})
-    for name in dataset.variables:
-        dataset[name].attrs = attributes(name, layout)
+    used = {"bound", *(dim for name in values for dim in layout[name][0])}
+    variables = {
+        name: (layout[name][0], value, attributes(name, layout))
+        for name, value in (coordinates | values).items()
+        if used.issuperset(layout[name][0])
+    }
     title = f"{own.experiment}: {replicate.words()}"
-    return dataset.assign_attrs(global_attributes(title, "dem.run_experiment", run_id=replicate.id))
+    attrs = global_attributes(title, "dem.run_experiment", run_id=replicate.id)
+    return xr.Dataset(variables, attrs=attrs).set_coords(coordinates.keys() & variables.keys())
 
 
 def _whole(values: dict) -> dict:

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterable
 from contextlib import suppress
-from numbers import Integral
 
 from rich.table import Column, Table
 
@@ -34,7 +33,7 @@ def listing(store: Store, wanted: dict[str, str]) -> Table:
             runs = [
                 run
                 for run in store.replicates(batch.id)
-                if all(has_value(run, *item) for item in wanted.items())
+                if all(is_written(run.at(path), text) for path, text in wanted.items())
             ]
             values = differing(runs) if runs else ""
         except InputError:
@@ -65,42 +64,23 @@ def wanted_values(words: Iterable[str]) -> dict[str, str]:
     """Values by path from words such as friction.granule=0.3; raises InputError."""
     wanted = {}
     for word in words:
-        path, equal, value = word.partition("=")
-        shape = path.split(".")[1:2] if path.startswith("shapes.") else ()
-        values = entries(shape)
-        known = [*values, *OWN]
+        path, equal, wanted[path] = word.partition("=")
+        known = [*entries(path.split(".")[1:2]), *OWN]  # of the shape that it may name
         if not equal or path not in known:
             hint = did_you_mean(path, known, ", such as shape=c1 or friction.granule=0.3")
             raise InputError(f"{word!r} names no value of a run; write PATH=VALUE{hint}.")
-        text = path == "shape" or (path in values and values[path].units is None)
-        if not (text or value.lower() in ("none", "true", "false") or as_number(value) is not None):
-            raise InputError(f"{word!r}: {path} is a number; write it as the list of runs does.")
-        wanted[path] = value
     return wanted
 
 
-def has_value(run: Replicate, path: str, text: str) -> bool:
-    """Whether a run has the value at a path that a text says."""
-    value = run.at(path)
-    if isinstance(value, str | bool) or value is None:
-        return text.lower() == str(value).lower()
-    return is_written(value, text)
+def is_written(value, text: str, tolerance: float = 5e-5) -> bool:
+    """Whether a value is what a text says; a real number also as tables print it, with five digits.
 
-
-def as_number(text: str) -> float | None:
-    """The finite number that a text says, if any."""
-    with suppress(ValueError):
-        if math.isfinite(said := float(text)):
-            return said
-    return None
-
-
-def is_written(value: float, text: str) -> bool:
-    """Whether a number is what a text says, exactly or as tables print it, with five digits."""
-    said = as_number(text)
-    if said is None or isinstance(value, Integral):
-        return said == value
-    return math.isclose(value, said, rel_tol=5e-5)
+    tolerance: of real numbers, relative to their size.
+    """
+    try:
+        return math.isclose(value, float(text), rel_tol=tolerance * isinstance(value, float))
+    except (TypeError, ValueError):
+        return text in (str(value), str(value).lower())  # files have true and none
 
 
 def differing(runs: list[Replicate]) -> str:

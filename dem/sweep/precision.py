@@ -1,6 +1,6 @@
-"""How many replicates each place of a sweep gets: as many as it takes to know its mean so well.
+"""How many replicates each point of a sweep gets: as many as it takes to know its mean so well.
 
-A place begins with `least` replicates. While its interval is wider than asked for, another round
+A point begins with `least` replicates. While its interval is wider than asked for, another round
 makes as many as the scatter so far says that it takes, but at most twice what there are: looking
 often would stop by chance, and the scatter of ten runs is not known well. So an interval is also
 taken a little wider. Decisions need whole rounds only, from the first on, so they are the same in
@@ -24,7 +24,7 @@ from dem.base.messages import did_you_mean
 from dem.base.types import SEEDS, Count, Section, Seed, must
 from dem.io.dataset import AXES, OF_RUN, OF_STORE, read
 
-GROWTH = 2  # a round at most doubles the replicates of a place
+GROWTH = 2  # a round at most doubles the replicates of a point
 SAFETY = 1.05  # on the interval, because who looks and stops finds it too narrow
 NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 MOST_RUNS = 1_000_000  # of a block
@@ -53,7 +53,7 @@ Replicates = Annotated[Count, Field(ge=3, le=MOST_RUNS)]
 
 
 class Until(Section):
-    """Seeds without an end: replicates are added, place by place, until a mean is known well
+    """Seeds without an end: replicates are added, point by point, until a mean is known well
     enough."""
 
     until: Quantity
@@ -67,7 +67,7 @@ class Until(Section):
     least: Replicates = 10
     """replicates of the first round"""
     most: Replicates = 100
-    """replicates of a place at most"""
+    """replicates of a point at most"""
 
     @model_validator(mode="after")
     def _check(self):
@@ -155,42 +155,42 @@ def is_near_zero(estimate: Estimate, until: Until) -> bool:
 def estimates(
     until: Until, values: dict[GridPoint, np.ndarray], partners: dict[GridPoint, GridPoint | None]
 ) -> dict[GridPoint, Estimate]:
-    """The mean, or ratio of means, of every place, by what its runs gave so far."""
+    """The mean, or ratio of means, of every point, by what its runs gave so far."""
     return {
-        place: ratio_interval(values[place], values[other], until.level)
+        point: ratio_interval(values[point], values[other], until.level)
         if other
-        else mean_interval(values[place], until.level)
-        for place, other in partners.items()
-        if other != place
+        else mean_interval(values[point], until.level)
+        for point, other in partners.items()
+        if other != point
     }
 
 
 def short_of(block, values: dict[GridPoint, np.ndarray]) -> list[str]:
-    """A sentence where the cap left places less well known than was asked for; raises RunError
+    """A sentence where the cap left points less well known than was asked for; raises RunError
     where a share of a mean means nothing."""
     until, wide = block.until, []
-    for place, estimate in estimates(until, values, block.partners).items():
-        words, number = block.words(place), f"{estimate.value:.3g} ± {estimate.half:.3g}"
+    for point, estimate in estimates(until, values, block.partners).items():
+        words, number = block.words(point), f"{estimate.value:.3g} ± {estimate.half:.3g}"
         if is_near_zero(estimate, until):
             raise RunError(
-                f"{words}: {until.of} of {len(values[place])} replicates is {number}, which "
+                f"{words}: {until.of} of {len(values[point])} replicates is {number}, which "
                 f"may be zero, so {until.until} of it means nothing; ask for a number with a unit, such as "
-                "until: 50 N, or take the place out."
+                "until: 50 N, or take the point out."
             )
         if (over := excess(estimate, until)) > 1.0:
             number = number if over < math.inf else "not known"
-            wide.append((over, f"{words}, is {number} after {len(values[place])}"))
+            wide.append((over, f"{words}, is {number} after {len(values[point])}"))
     if not wide:
         return []
     _, worst = max(wide)
     return [
-        f"{len(wide)} of {len(values)} places are not as well known as asked for, {until.words()}: the worst, "
+        f"{len(wide)} of {len(values)} points are not as well known as asked for, {until.words()}: the worst, "
         f"{worst} replicates; raise most, {until.most}."
     ]
 
 
 def replicates_needed(estimate: Estimate, runs: int, until: Until) -> float:
-    """How many replicates a place takes by the scatter of its runs so far."""
+    """How many replicates a point takes by the scatter of its runs so far."""
     return runs * (SAFETY * excess(estimate, until)) ** 2 if runs else math.inf
 
 
@@ -200,23 +200,23 @@ def counts(
     partners: dict[GridPoint, GridPoint | None],
     rounds: float,
 ) -> dict[GridPoint, int]:
-    """How many replicates each place has after as many rounds as its runs so far allow.
+    """How many replicates each point has after as many rounds as its runs so far allow.
 
-    values: one value a run that there is, in the order of the seeds, by place; partners: the place
+    values: one value a run that there is, in the order of the seeds, by point; partners: the point
     that each is divided by, None for itself; rounds: after the first, at most.
     """
     groups, estimate = {}, {}
-    for place in values:
-        groups.setdefault(partners[place] or place, []).append(place)
+    for point in values:
+        groups.setdefault(partners[point] or point, []).append(point)
     for group in groups.values():
         now, number = dict.fromkeys(group, until.least), 0
-        while number < rounds and all(len(values[place]) >= n for place, n in now.items()):
-            after, so_far = dict(now), {place: values[place][:n] for place, n in now.items()}
-            for place, mean in estimates(
+        while number < rounds and all(len(values[point]) >= n for point, n in now.items()):
+            after, so_far = dict(now), {point: values[point][:n] for point, n in now.items()}
+            for point, mean in estimates(
                 until, so_far, {each: partners[each] for each in group}
             ).items():
                 over = SAFETY * excess(mean, until)
-                for each in {place, partners[place] or place} if over > 1.0 else ():
+                for each in {point, partners[point] or point} if over > 1.0 else ():
                     wanted = min(now[each] * over**2, GROWTH * now[each], until.most)
                     after[each] = max(after[each], math.ceil(wanted))
             if after == now:

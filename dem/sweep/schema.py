@@ -19,7 +19,10 @@ LIMITS = {"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exc
 
 def schema() -> dict:
     """The schema as plain groups."""
-    found = _plain(Sweep.model_json_schema())
+    text = json.dumps(Sweep.model_json_schema())
+    for word, limit in LIMITS.items():
+        text = text.replace(f'"{word}": ', f'"{limit}": ')
+    tree = json.loads(text)
     values = {
         name: {"description": f"{entry.field.description} ({entry.units or 'text'})"}
         for name, entry in (entries(()) | RUNS).items()
@@ -27,19 +30,10 @@ def schema() -> dict:
     blocks = {"type": "object", "additionalProperties": {"$ref": "#/$defs/Block"}}
     shared = {"type": "object", "properties": values}
     properties = values | {"needs": {}, "values": shared, "blocks": blocks}
-    found["$defs"]["Block"] = {"type": "object", "properties": properties}
-    found["additionalProperties"] = {"type": "object"}  # values of an experiment of the user's own
-    found["properties"] |= {"sweep": {"$ref": "#/$defs/Block"}, "extends": {"type": "string"}}
-    found["patternProperties"] = {"^x-": {}}  # for anchors
-    return found
-
-
-def _plain(tree):
-    """A schema with its words for limits."""
-    if isinstance(tree, list):
-        return [_plain(each) for each in tree]
-    if isinstance(tree, dict):
-        return {LIMITS.get(key, key): _plain(each) for key, each in tree.items()}
+    tree["$defs"]["Block"] = {"type": "object", "properties": properties}
+    tree["additionalProperties"] = {"type": "object"}  # values of an experiment of the user's own
+    tree["properties"] |= {"sweep": {"$ref": "#/$defs/Block"}, "extends": {"type": "string"}}
+    tree["patternProperties"] = {"^x-": {}}  # for anchors
     return tree
 
 

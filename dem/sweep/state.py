@@ -149,7 +149,7 @@ class SweepState:
         if block.until is None:
             return False
         values = self.values(block)
-        if any(len(values[place]) < count for place, count in block.counts.items()):
+        if any(len(values[point]) < count for point, count in block.counts.items()):
             return False
         every = np.concatenate(list(values.values()))
         if np.isnan(every).sum() > self.sweep.failures * every.size:
@@ -169,12 +169,12 @@ class SweepState:
                     self.grow(name)
 
     def values(self, block: Block) -> dict[GridPoint, np.ndarray]:
-        """What is wanted of the existing runs of a block, by place: one value a run, in the order
+        """What is wanted of the existing runs of a block, by point: one value a run, in the order
         of the seeds, up to the first that does not exist."""
         known = self.numbers(block.until.variable).of(block)
         return {
-            place: np.array([known[run.id] for run in takewhile(lambda run: run.id in known, runs)])
-            for place, runs in block.replicates.items()
+            point: np.array([known[run.id] for run in takewhile(lambda run: run.id in known, runs)])
+            for point, runs in block.replicates.items()
         }
 
     def numbers(self, variable: str) -> Numbers:

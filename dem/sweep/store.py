@@ -91,11 +91,8 @@ class Store:
     def _runs_in(self, batch: str) -> tuple[str, ...]:
         """The runs of a batch, as its plan says, or else its file."""
         if batch not in self._runs:
-            path = self.plan_of(batch)
             try:
-                if not path.is_file():
-                    raise ValueError
-                with path.open(encoding="utf-8") as file:
+                with self.plan_of(batch).open(encoding="utf-8") as file:
                     results, *runs = json.loads(file.readline())
                 if batch_id(results, *runs) != batch:
                     raise ValueError

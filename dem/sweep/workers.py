@@ -102,7 +102,7 @@ def make_task(
 
 def _store_of(task: Task, beside: str | None) -> Store:
     """A store of this machine that has the plan of a batch."""
-    store, (head, body) = Store(_folder(task.store)), task.text.splitlines()
+    store, (head, body) = Store(cache_folder() / "stores" / task.store), task.text.splitlines()
     if beside is not None:
         values, runs = json.loads(body)
         body = json.dumps([[each | {"beside": beside} for each in values], runs])
@@ -111,13 +111,9 @@ def _store_of(task: Task, beside: str | None) -> Store:
     return store
 
 
-def _folder(name: str) -> Path:
-    return cache_folder() / "stores" / name
-
-
 def forget(name: str) -> None:
     """Delete the store of this machine for a client's, which has all of its runs now."""
-    shutil.rmtree(_folder(name), ignore_errors=True)
+    shutil.rmtree(cache_folder() / "stores" / name, ignore_errors=True)
 
 
 def marks_of(path: Path) -> tuple[int, int] | None:
@@ -273,11 +269,12 @@ def make_batches(store: Store, batches: list[Batch], workers: Workers, progress)
 
 def _split(store: Store, batch: Batch, reason: str) -> list[Batch]:
     """The runs of a batch in batches of one run; a run that is alone is written as a failed one."""
-    from dem.sweep.batch import write_failed
+    from dem.sweep.batch import failed_row, write_batch
 
     replicates, plan = store.replicates(batch.id), store.plan_of(batch.id)
     if len(replicates) == 1:
-        write_failed(store.file_of(batch.id), replicates[0], reason)
+        row = failed_row(reason) | {"spent": 0.0}
+        write_batch(store.file_of(batch.id), replicates, [row])
         store.forget(batch.runs)
         return []
     results = json.loads(plan.read_text(encoding="utf-8").splitlines()[0])[0]

@@ -19,9 +19,13 @@ VARIABLES = {
     "coordination_number": (
         D,
         "1",
-        "contacts between granules, twice, over the number of granules, end of the bin",
+        "mean number of contacts of a granule with others, end of the bin",
     ),
-    "max_overlap": (D, "1", "greatest overlap over the smaller granule radius, end of the bin"),
+    "max_overlap": (
+        D,
+        "1",
+        "greatest overlap relative to the smaller granule radius, end of the bin",
+    ),
     "time_step": (D, "s", "shortest time step in the bin"),
 }
 

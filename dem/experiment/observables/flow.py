@@ -13,13 +13,13 @@ VARIABLES = {
     "non_affine": (
         S,
         "1",
-        "mean over the granules of D2min over the lag, over the squared diameter",
+        "mean over the granules of D2min over the lag divided by the squared diameter",
     ),
     "fluctuation": (
         S,
         "1",
-        "mean distance of a granule from the motion of its neighbours over the lag, over that "
-        "of the cylinder",
+        "mean distance of a granule from the motion of its neighbours over the lag divided by "
+        "the distance that the cylinder moves",
     ),
     "mixing": (
         S,
