@@ -41,7 +41,7 @@ AGAIN = {  # file: what is added, or what is put in place of what
 KEPT = {
     "contacts/loops.py": "\n# a comment\n",
     "experiment/scene.py": ('"""The scene of the run."""', '"""Another word."""'),
-    "experiment/kinds/drag.py": ("threads: int = 1,", "threads: float = 1,"),
+    "experiment/kinds/drag.py": ("checkpoint: Path | None", "checkpoint: str | None"),
     "base/files.py": LINE,
     "io/dataset.py": LINE,
     "experiment/config.py": LINE,
