@@ -5,6 +5,7 @@ SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Annotated, Any
 
 import numpy as np
@@ -506,6 +507,12 @@ class State:
         InputError
             If an array is not for n granules, or a number is not finite.
         """
-        types = {name: Annotated[Any, finite(granules, *axes)] for name, axes in ARRAYS.items()}
+        types = _types_of_state(granules)
         arrays = {name: parsed(types[name], getattr(self, name), name).copy() for name in ARRAYS}
         return State(**arrays, boundaries=self.boundaries)
+
+
+@cache
+def _types_of_state(granules: int) -> dict[str, Any]:
+    """Types of the arrays of n granules."""
+    return {name: Annotated[Any, finite(granules, *axes)] for name, axes in ARRAYS.items()}

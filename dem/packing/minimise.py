@@ -367,8 +367,9 @@ def minimise(
     iterations. Raises PackingError if a position becomes infinite.
     """
     job = job or Job()
-    order = job.order(lambda: order_of(scene, state))
-    scene, state = ordered(scene, state.checked(scene.granules), order)
+    order, state = job.order(lambda: order_of(scene, state)), state.checked(scene.granules)
+    if scene.granules > PATCH:
+        scene, state = ordered(scene, state, order)
     table = granule_table(scene, SKIN_OF_PACKING)
     world, memory, left = job.take_up(assemble(scene, state, table), np.zeros(4), iterations)
     radius, modulus = table.radius.mean(), effective_modulus(scene.material, scene.material)

@@ -35,6 +35,7 @@ from dem.experiment.observables import OBSERVABLES, file_of, variables_of
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
 
 EXPERIMENTS = described(Path(__file__).parent, "SECTIONS")
+FILES = {name: Path(__file__).with_name(f"{name}.py") for name in EXPERIMENTS}
 TYPES = {bool: bool, int: Count, float: Number, str: str}  # of values, by those of their defaults
 
 
@@ -83,7 +84,7 @@ class Experiment:
     def file(self) -> Path:
         """Its file; raises InputError where it cannot be used."""
         if self.name in EXPERIMENTS:
-            return Path(__file__).with_name(f"{self.name}.py")
+            return FILES[self.name]
         known = *EXPERIMENTS, *OBSERVABLES  # whose files of results have these names
         return find_module("experiment", self.name, self.beside, known, "run")
 

@@ -16,6 +16,7 @@ from dem.base.plugins import find_module, load
 
 # Found and not listed, so that a new one does not change the code of runs without it.
 OBSERVABLES = tuple(sorted(module.name for module in iter_modules(__path__)))
+FILES = {name: Path(__file__).with_name(f"{name}.py") for name in OBSERVABLES}
 KINDS = tuple(
     sorted(path.stem for path in (Path(__file__).parent.parent / "kinds").glob("[a-z]*.py"))
 )
@@ -24,7 +25,7 @@ KINDS = tuple(
 def file_of(name: str, beside: str | None = None) -> Path:
     """The file of an observable; raises InputError where it cannot be used."""
     if name in OBSERVABLES:
-        return Path(__file__).with_name(f"{name}.py")
+        return FILES[name]
     known = OBSERVABLES + KINDS  # whose files of results have these names
     return find_module("record.observables", name, beside, known, "measure", "look")
 
