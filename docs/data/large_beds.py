@@ -93,11 +93,16 @@ def draw() -> None:
     discs = table[(table.kind == "disc") & (table.threads == 1)]
     figure, axes = plt.subplots(figsize=(5.0, 3.4), layout="constrained")
     line = np.geomspace(1e3, 1e5, 40)
-    for number, fraction in enumerate(FRACTIONS):
+    looks = "o:", "s--", "D-", "^-.", "v-"  # told apart in grey too
+    for number, (fraction, look) in enumerate(zip(FRACTIONS, looks, strict=True)):
         some, color = discs[discs.fraction == fraction], f"C{number}"
-        axes.loglog(some.granules, some.iterations, "o", ms=3, color=color, label=f"{fraction:.2f}")
-        axes.loglog(line, [expected_iterations(n, fraction) for n in line], color=color)
-    axes.set(xlabel="granules", ylabel="iterations")
+        axes.loglog(line, [expected_iterations(n, fraction) for n in line], look[1:], color=color)
+        axes.loglog(some.granules, some.iterations, look[0], ms=4, color=color)
+        axes.plot([], [], look, ms=4, color=color, label=f"{fraction:.2f}")
+    axes.set(xlabel="Number of discs", ylabel="Iterations of the minimiser")
+    axes.set_title(
+        "Below jamming, iterations do not grow with the bed", fontsize="medium"
+    )
     axes.legend(title="packing fraction")
     figure.savefig(FIGURE, metadata={"Date": None})
 
