@@ -100,9 +100,7 @@ def draw() -> None:
         axes.loglog(some.granules, some.iterations, look[0], ms=4, color=color)
         axes.plot([], [], look, ms=4, color=color, label=f"{fraction:.2f}")
     axes.set(xlabel="Number of discs", ylabel="Iterations of the minimiser")
-    axes.set_title(
-        "Below jamming, iterations do not grow with the bed", fontsize="medium"
-    )
+    axes.set_title("Below jamming, iterations do not grow with the bed", fontsize="medium")
     axes.legend(title="packing fraction")
     figure.savefig(FIGURE, metadata={"Date": None})
 
