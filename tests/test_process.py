@@ -301,3 +301,14 @@ def test_workers_end_with_the_process_that_started_them(tmp_path, compiles):
         finally:
             with suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGKILL)
+
+
+def test_folders_that_a_user_has_on_the_path_stay_there(tmp_path, monkeypatch):
+    """Also after files of other folders were imported: a notebook imports its own modules later."""
+    folders = [tmp_path / name for name in ("one", "two")]
+    monkeypatch.setattr(sys, "path", [*sys.path, str(folders[0])])
+    for number, folder in enumerate(folders):
+        folder.mkdir()
+        write(folder, f"shape_{number}.py", "")
+        plugins.load(folder / f"shape_{number}.py")
+    assert str(folders[0]) in sys.path
