@@ -27,11 +27,13 @@ KERNELS = (
     "contacts",
     "dynamics",
     "jit",
+    "material.py",
     "motion.py",
     "packing",
     "periodic.py",
     "scene.py",
     "shapes",
+    "solids.py",
 )
 # What makes every run. base/types.py makes the arrays that the rooms compute with.
 RUNS = (

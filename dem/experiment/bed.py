@@ -14,8 +14,8 @@ from dem.packing.job import Job, ignored
 from dem.packing.random import Bed, Room, relaxed
 from dem.packing.swelling import grown
 from dem.periodic import Periods, periods_of
-from dem.scene import Cylinder
 from dem.shapes import of_size
+from dem.solids import Cylinder, Solid
 
 PREPARATIONS = {"relaxed": relaxed, "grown": grown}  # by packing.preparation
 
@@ -35,7 +35,7 @@ def diameters(replicate: Replicate) -> np.ndarray:
     return sample_diameters(replicate.shape, spread, replicate.seed)
 
 
-def cylinder(replicate: Replicate, height: float) -> Cylinder | None:
+def cylinder(replicate: Replicate, height: float) -> Solid | None:
     """The cylinder at its start in a box of the given height (m), None if there is none.
 
     Where packing.pressure is given, this is the height of a box at the packing fraction NOMINAL
@@ -66,7 +66,7 @@ def room_of(replicate: Replicate) -> tuple:
     own, sizes = replicate.configuration, diameters(replicate)
     height = height_of_box(own, sizes)
     at = cylinder(replicate, height)
-    room = Room(own.box_width, height, at, replicate.seed, own.periodic)
+    room = Room(own.box_width, height, () if at is None else (at,), replicate.seed, own.periodic)
     return shaped(replicate, sizes), room
 
 
@@ -95,7 +95,7 @@ def make_bed(replicate: Replicate, checkpoint: Path | None = None, report=ignore
     loose = room._replace(height=room.height * NOMINAL / START)
     load = own.packing.pressure * thickness(replicate) / effective_modulus(*2 * [own.material])
     bed = pack_under(shape, loose, load, job)
-    top = room.cylinder.position[1] + own.cylinder.stroke + 0.5 * room.cylinder.diameter
+    top = room.solids[0].position[1] + own.cylinder.stroke + 0.5 * own.cylinder.diameter
     if top > bed.height:
         raise PackingError(
             f"under {own.packing.pressure:g} Pa the box is {bed.height:.4g} m high, and the cylinder "

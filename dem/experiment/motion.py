@@ -57,6 +57,7 @@ class Motion(NamedTuple):
             self.periodic,
         )
         scene = make_scene(replicate, bed)
-        axis = scene.cylinder.position[0], float(self.cylinder_y[snapshot])
-        scene = replace(scene, cylinder=replace(scene.cylinder, position=axis))
+        (drawn,) = scene.solids
+        axis = drawn.position[0], float(self.cylinder_y[snapshot])
+        scene = replace(scene, solids=replace(drawn, position=axis))
         return Simulation(scene, bed.state).contacts()

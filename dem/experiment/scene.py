@@ -5,9 +5,11 @@ import math
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import cylinder, diameters, shaped, thickness
 from dem.experiment.config import Replicate
+from dem.material import Friction, Material
 from dem.motion import Drive
 from dem.packing.random import Bed
-from dem.scene import Friction, Material, Scene
+from dem.scene import Scene
+from dem.solids import Wall
 
 
 def granules(replicate: Replicate):
@@ -20,38 +22,38 @@ def granules(replicate: Replicate):
 def make_scene(replicate: Replicate, bed: Bed) -> Scene:
     """The scene of the run."""
     own = replicate.configuration
-    material = own.material
+    material, rough = own.material, own.friction
     return Scene(
         shape=granules(replicate),
         material=Material(
             replicate.density, material.young_modulus, material.poisson_ratio, material.restitution
         ),
-        friction=Friction(**own.friction.model_dump()),
-        walls=bed.walls,
-        cylinder=cylinder(replicate, bed.height),
+        friction=Friction(rough.granule, rough.wall, rough.cylinder, rough.stiffness),
+        walls=_walls(replicate, bed),
+        solids=cylinder(replicate, bed.height),
         gravity=(0.0, -own.gravity) if own.gravity > 0.0 else None,
         thickness=thickness(replicate),
         periodic=bed.periodic,
-        wall_motion=_wall_motion(replicate, bed),
     )
 
 
-def _wall_motion(replicate: Replicate, bed: Bed) -> list[Drive | None] | None:
-    """The top wall is pressed down where there is a pressure P; all others are at rest.
+def _walls(replicate: Replicate, bed: Bed) -> list | None:
+    """Walls of the bed. The top one is pressed down where there is a pressure P; all others are at rest.
 
     It has the mass of a row of granules, and yields at v with a damping of v sqrt(density P) per area:
     that part of P that v is of sqrt(P / density), ninety metres a second at 30 MPa.
     """
     pressure = replicate.configuration.packing.pressure
     if pressure is None or bed.walls is None:
-        return None
+        return bed.walls
     area = bed.width * thickness(replicate)
     lid = Drive(
         force=(None, -pressure * area),
         mass=replicate.density * area * replicate.shape.diameter,
         damping=math.sqrt(replicate.density * pressure) * area,
     )
-    return [None] * (len(bed.walls) - 1) + [lid]
+    *others, top = bed.walls
+    return [*others, Wall(top, lid)]
 
 
 def start(replicate: Replicate, bed: Bed, **options) -> Simulation:

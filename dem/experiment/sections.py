@@ -29,7 +29,7 @@ from dem.dynamics.numerics import (
     check_stable,
 )
 from dem.experiment.observables import OBSERVABLES
-from dem.scene import Friction
+from dem.material import Friction
 from dem.shapes import KINDS
 
 Share = Annotated[Ratio, Field(lt=1)]

@@ -6,7 +6,6 @@ import meshio
 import numpy as np
 
 from dem.base.files import atomic
-from dem.dynamics.contact_list import CYLINDER
 from dem.experiment.motion import Motion
 from dem.figures.bed import placed
 from dem.figures.frames import mean_velocity
@@ -55,7 +54,7 @@ def _mesh(motion: Motion, snapshot: int) -> meshio.Mesh:
     points = np.concatenate([polygons.reshape(-1, 2), first, first + contacts.branch])
     cells = np.arange(polygons.size // 2).reshape(len(polygons), corners)
     ends = polygons.size // 2 + np.arange(2 * len(first)).reshape(2, -1).T
-    force, bodies = np.zeros(count + 1), contacts.partner >= CYLINDER  # the last polygon
+    force, bodies = np.zeros(count + 1), contacts.partner >= -1  # the cylinder is the last polygon
     np.add.at(force, contacts.granule, contacts.force)
     np.add.at(force, contacts.partner[bodies], contacts.force[bodies])
     velocity = np.vstack([mean_velocity(motion, snapshot), [0.0, configuration.cylinder.velocity]])

@@ -34,7 +34,7 @@ class Frames(NamedTuple):
     position, angle, rings: of granules (f, n, 2), (f, n) and outlines at angle zero
     walls:    planes (f, w, 3) as of dem.Scene
     view:     as of bed.Drawing
-    cylinder: its places (f, 2), None without one, and its diameter
+    solids:   outlines of k solids at angle zero; their places (f, k, 2) and angles (f, k)
     velocity, contacts: functions of a frame, called when it is drawn
     fastest:  top of the scale of speeds
     paints:   colours (n,) that stay, by what they show
@@ -51,8 +51,9 @@ class Frames(NamedTuple):
     rings: np.ndarray
     walls: np.ndarray
     view: np.ndarray
-    cylinder: np.ndarray | None
-    diameter: float | None
+    solids: list[np.ndarray]
+    place: np.ndarray
+    turn: np.ndarray
     velocity: Callable[[int], np.ndarray]
     contacts: Callable[[int], ContactList]
     fastest: float
@@ -92,8 +93,9 @@ def of_motion(motion: Motion) -> Frames:
         rings=motion.outlines,
         walls=np.array([bed.box_walls(width, each, motion.periodic) for each in motion.height]),
         view=bed.box_view(width, motion.height.max()),
-        cylinder=axis,
-        diameter=size,
+        solids=[bed.circle(size)],
+        place=axis[:, None],
+        turn=np.zeros((len(axis), 1)),
         velocity=partial(mean_velocity, motion),
         contacts=motion.contacts,
         fastest=values.cylinder.velocity,
@@ -119,8 +121,8 @@ def mean_velocity(motion: Motion, snapshot: int) -> np.ndarray:
 
 @checked
 def of_result(result: InstanceOf[Result]) -> Frames:
-    """Frames of a result: its granules, walls and cylinder, and the forces on them against time."""
-    scene, cylinder = result.scene, result.cylinder_position
+    """Frames of a result: its granules, walls and solids, and the forces on them against time."""
+    scene = result.scene
     low, high = np.quantile(result.position[0, :, 1], [0.0, 1.0])
     time, unit = in_units(result.time)
     groups = forces_of(result)
@@ -131,8 +133,9 @@ def of_result(result: InstanceOf[Result]) -> Frames:
         rings=scene.shape.polygons(),
         walls=result.walls,
         view=_view(result),
-        cylinder=cylinder,
-        diameter=None if scene.cylinder is None else scene.cylinder.diameter,
+        solids=[solid.ring() for solid in scene.solids],
+        place=result.solid_position,
+        turn=result.solid_angle,
         velocity=result.velocity.__getitem__,
         contacts=result.contacts,
         fastest=float(np.linalg.norm(result.velocity, axis=-1).max()) or 1.0,
@@ -150,9 +153,9 @@ def _view(result: Result) -> np.ndarray:
     near."""
     reach = result.scene.shape.bounding_radius[:, None]
     ends = [result.position - reach, result.position + reach]
-    if result.cylinder_position is not None:
-        radius = 0.5 * result.scene.cylinder.diameter
-        ends += [result.cylinder_position - radius, result.cylinder_position + radius]
+    for k, solid in enumerate(result.scene.solids):
+        place = result.solid_position[:, k]
+        ends += [place - solid.radius, place + solid.radius]
     periods = np.array(result.scene.periodic or (None, None), float)  # NaN: none
     once = [0.0 * periods, periods]  # a period is shown once
     low, high = np.where(np.isfinite(periods), once, _corners(ends))
@@ -179,13 +182,14 @@ def in_units(time) -> tuple[np.ndarray, str]:
 
 
 def forces_of(result: Result) -> list[tuple[str, dict[str, np.ndarray]]]:
-    """Forces (f,) in N by what they are on and by name; nothing on a cylinder or walls without."""
-    groups = []
-    if result.scene.cylinder is not None:
-        x, y = result.cylinder_force.T
-        groups.append(("Force on the cylinder (N)", {"horizontal": x, "vertical": y}))
-    if result.scene.walls is not None:
-        walls = enumerate(zip(result.scene.walls, result.wall_force.T, strict=True))
+    """Forces (f,) in N by what they are on and by name, of solids and walls that there are."""
+    groups, several = [], len(result.scene.solids) > 1
+    for k in range(len(result.scene.solids)):
+        x, y = result.solid_force[:, k].T
+        words = f"Force on solid {k} (N)" if several else "Force on the solid (N)"
+        groups.append((words, {"horizontal": x, "vertical": y}))
+    if result.scene.walls:
+        walls = enumerate(zip(result.scene.planes, result.wall_force.T, strict=True))
         forces = {f"wall {at}{SIDES.get((x, y), '')}": force for at, ((x, y, _), force) in walls}
         groups.append(("Normal force on walls (N)", forces))
     return groups

@@ -33,13 +33,14 @@ VARIABLES = {
 def measure(seen) -> dict:
     """Values of VARIABLES by name."""
     record = seen.record
-    total = record.normal_force + record.tangential_force
+    normal, tangential = record.normal_force[:, 0], record.tangential_force[:, 0]
+    total = normal + tangential
     on_walls = np.full((4, len(total)), np.nan)
     on_walls[walled(seen.bed.periodic)] = record.wall_force.T
     return {
         "drag": -total[:, 1],
-        "drag_normal": -record.normal_force[:, 1],
-        "drag_tangential": -record.tangential_force[:, 1],
+        "drag_normal": -normal[:, 1],
+        "drag_tangential": -tangential[:, 1],
         "transverse_force": total[:, 0],
         "wall_force": on_walls,
         "kinetic_energy": record.kinetic_energy,
