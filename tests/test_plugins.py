@@ -438,8 +438,8 @@ def look(simulation):
     return {"contact_force": force, "contact_number": len(force)}
 
 
-def measure(seen):
-    turned = seen.motion.angle[-1] % (2 * np.pi)
+def measure(run):
+    turned = run.snapshots.angle[-1] % (2 * np.pi)
     return {"sector_granules": np.histogram(turned, 4, (0, 2 * np.pi))[0]}
 '''
 

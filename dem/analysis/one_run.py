@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from dem.experiment.motion import Motion
+    from dem.experiment.snapshots import Snapshots
 
 SHOWN = 8  # values of an axis that a sentence lists
 
@@ -143,18 +143,20 @@ def _word(value) -> str:
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
-def read_motion(path: Path, select: list[str] = (), shapes: Path | str | None = None) -> Motion:
+def read_snapshots(
+    path: Path, select: list[str] = (), shapes: Path | str | None = None
+) -> Snapshots:
     """The snapshots of one run, with its drag; raises InputError where it has none.
 
     shapes: folder of the files of shapes of a user's own, which may then run.
     """
     replicate, values = open_run(path, list(select))
-    return motion_of(path, replicate.with_shapes(shapes), values)
+    return snapshots_of(path, replicate.with_shapes(shapes), values)
 
 
-def motion_of(path: Path, replicate: Replicate, values: dict) -> Motion:
+def snapshots_of(path: Path, replicate: Replicate, values: dict) -> Snapshots:
     """The snapshots of a run from its variables."""
-    from dem.experiment.motion import Motion  # with the kernels
+    from dem.experiment.snapshots import Snapshots  # with the kernels
 
     if "granule_x" not in values:
         raise InputError(
@@ -164,7 +166,7 @@ def motion_of(path: Path, replicate: Replicate, values: dict) -> Motion:
     moved = values["snapshot_displacement"]
     position = np.stack([values["granule_x"], values["granule_y"]], axis=-1)
     height = values.get("top_y", np.full(len(moved), float(values["box_height"])))
-    return Motion(
+    return Snapshots(
         replicate,
         height,
         moved,

@@ -154,7 +154,7 @@ def _run(store: Store, replicate: Replicate, progress) -> dict:
     sides = periods(replicate, float(stored["height"]))
     bed = Bed(stored["position"], stored["angle"], *numbers, sides)
     checkpoint = store.run_of(replicate.id, ".checkpoint.npz")
-    resume.clear_way(checkpoint, replicate, bed, own=True)
+    resume.remove_stale(checkpoint, replicate, bed)
     return experiment.run(replicate, bed, progress, checkpoint=checkpoint)
 
 

@@ -30,12 +30,12 @@ VARIABLES = {
 }
 
 
-def measure(seen) -> dict:
+def measure(run) -> dict:
     """Values of VARIABLES by name."""
-    record = seen.record
+    record = run.record
     total = record.normal_force + record.tangential_force
     on_walls = np.full((4, len(total)), np.nan)
-    on_walls[walled(seen.bed.periodic)] = record.wall_force.T
+    on_walls[walled(run.bed.periodic)] = record.wall_force.T
     return {
         "drag": -total[:, 1],
         "drag_normal": -record.normal_force[:, 1],
