@@ -8,11 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from dem.base import provenance
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.base.messages import say
-from dem.base.sources import digest
 from dem.dynamics.result import Record
 from dem.dynamics.simulation import Simulation
 from dem.experiment.config import Replicate
@@ -68,13 +66,12 @@ class PartialRun:
 
 
 def mark_of(replicate: Replicate, bed: Bed | None) -> bytes:
-    """First line of a checkpoint: the run with versions of packages and, last, its bed, without which the
-    line has no end."""
-    mark = HEAD + f"{digest(replicate.id, provenance.versions())} ".encode()
+    """First line of a checkpoint: the run and, last, its bed, without which the line has no end."""
+    mark = HEAD + f"{replicate.id} ".encode()
     if bed is None:
         return mark
-    granules = hashlib.sha256(bed.position.tobytes() + bed.angle.tobytes()).hexdigest()
-    return mark + f"{granules}\n".encode()
+    granules = hashlib.sha256(bed.position.tobytes() + bed.angle.tobytes())
+    return mark + f"{granules.hexdigest()}\n".encode()
 
 
 def is_resumable(path: Path, replicate: Replicate, bed: Bed | None = None) -> bool:
@@ -97,15 +94,6 @@ def is_resumable(path: Path, replicate: Replicate, bed: Bed | None = None) -> bo
         return True
     fault = "a checkpoint of another run" if head.startswith(HEAD) else "no checkpoint"
     raise InputError(f"{path}: it is {fault}; delete it or name another file as checkpoint.")
-
-
-def remove_stale(path: Path, replicate: Replicate, bed: Bed) -> None:
-    """Delete a file of the store that is no checkpoint of this run, and say so."""
-    try:
-        is_resumable(path, replicate, bed)
-    except InputError:
-        path.unlink()
-        say(f"{path}: it was no checkpoint of this run, and is deleted; the run begins again.")
 
 
 def resumed(
