@@ -247,31 +247,30 @@ def test_a_long_chain_of_files_is_refused(tmp_path):
 
 
 NO_CONFIGURATION = {
-    "a: [1": "line 1: it is not valid YAML",
-    "\t- x: {": "line 1: it is not valid YAML",
+    "a: [1": "line 1: expected ',' or ']'",
+    "\t- x: {": "line 1: found character '\\t' that cannot start any token.",
     "a: b\n\0": "it holds the character '\\x00'.",
     "just words": "it must hold keys with values",
     "": "it must hold keys with values",
-    "a: 1\n---\nb: 2": "line 2: it is not valid YAML",
-    "a: !!python/object:os.system x": "line 1: it is not valid YAML",
+    "a: 1\n---\nb: 2": "line 2: but found another document.",
+    "a: !!python/object:os.system x": "line 1: could not determine a constructor for the tag",
     "title: 2026-01-01": "line 1: YAML reads '2026-01-01' as a date; put it in quotes.",
     "a: !!timestamp x": "line 1: YAML reads 'x' as a date; put it in quotes.",
-    "2001-01-01 99:99:99: 1": "line 1: YAML reads '2001-01-01 99:99:99' as a date; put it in quotes.",
-    "density: [3900,\n 02500]": "line 2: YAML reads 02500 as 1344; write 2500, or quotes.",
-    "gravity: -010": "line 1: YAML reads -010 as -8; write -10, or quotes.",
-    "granules: 0_100": "line 1: YAML reads 0_100 as 64; write 100, or quotes.",
-    "granules: !!int 0100": "line 1: YAML reads 0100 as 64; write 100, or quotes.",
-    "granules: 0x40": "line 1: YAML reads 0x40 as 64; write 64, or quotes.",
-    "granules: 0b100": "line 1: YAML reads 0b100 as 4; write 4, or quotes.",
-    "velocity: 1:30.5": "line 1: YAML reads 1:30.5 as 90.5; write 90.5, or quotes.",
-    "seed: 1:10": "line 1: YAML reads 1:10 as 70; write 70, or quotes.",
-    "box: {010: {}}": "line 1: YAML reads 010 as 8; write 10, or quotes.",
-    "seeds: [" + "9" * 5000 + "]": "is no valid int.",
+    "density: [3900,\n 02500]": "line 2: YAML reads 02500 as 1344; write a decimal number, or quotes.",
+    "gravity: -010": "line 1: YAML reads -010 as -8; write a decimal number, or quotes.",
+    "granules: 0_100": "line 1: YAML reads 0_100 as 64;",
+    "granules: !!int 0100": "line 1: YAML reads 0100 as 64;",
+    "granules: 0x40": "line 1: YAML reads 0x40 as 64;",
+    "granules: 0b100": "line 1: YAML reads 0b100 as 4;",
+    "velocity: 1:30.5": "line 1: YAML reads 1:30.5 as 90.5;",
+    "seed: 1:10": "line 1: YAML reads 1:10 as 70;",
+    "box: {010: {}}": "line 1: YAML reads 010 as 8;",
+    "granules: !!int few": "cannot read it (invalid literal",
+    "seeds: [" + "9" * 5000 + "]": "cannot read it (exceeds the limit",
     "[" * 5000: "values are nested too deep",
     "- " * 5000: "values are nested too deep",
     "a: 1\nb: &b [*b]": "values are nested too deep, or an alias contains itself.",
     "a: 1\nb: 2\n'a': 3": "line 3: 'a' is a key here and in line 1; remove one.",
-    "a: {0.1: 1,\n 1.0e-1: 2}": "line 2: 0.1 is a key here and in line 1; remove one.",
     "seed: {until: 5 %,\n off: drag}": "line 2: YAML reads the key off as a truth value; use another name, or quotes.",
     PAPER + "\ncases: {}": "'cases' is a key here and in line ",
 }
@@ -314,7 +313,7 @@ def test_snakemake_gets_the_numbers_that_its_files_show(tmp_path):
     first.write_text(PAPER)
     second.write_text("batch: 010\n")
     values = yaml.safe_load(PAPER) | yaml.safe_load(second.read_text())
-    with pytest.raises(InputError, match=r"second\.yaml, line 1: YAML reads 010 as 8; write 10"):
+    with pytest.raises(InputError, match=r"second\.yaml, line 1: YAML reads 010 as 8;"):
         SweepState.of_values(values, [str(first), str(second)])
 
 
