@@ -19,7 +19,6 @@ from dem.packing.compaction import Press
 from dem.packing.random import Room
 from dem.shapes import KINDS
 from dem.sweep.config import load
-from dem.sweep.config import parse as parse_sweep
 
 ROOT = Path(__file__).parent.parent
 SWEEP = ROOT / "studies/onset/sweep.yaml"
@@ -113,15 +112,6 @@ def test_the_onset_is_that_of_beds_without_friction():
         InputError, match=r"packing\.friction is 0\.3; the experiment onset needs 0"
     ):
         parse(values(packing=packing))
-
-
-def test_a_cylinder_that_is_not_there_cannot_vary():
-    data = SWEEP.dump()
-    data["sweep"] = {"shape": "e", "cylinder.diameter": [1e-3, 2e-3]}
-    with pytest.raises(
-        InputError, match=r"cylinder\.diameter cannot vary; the experiment onset has no cylinder"
-    ):
-        parse_sweep(data)
 
 
 # Lines over the size
