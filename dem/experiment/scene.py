@@ -59,7 +59,5 @@ def _walls(replicate: Replicate, bed: Bed) -> list | None:
 def start(replicate: Replicate, bed: Bed, **options) -> Simulation:
     """The bed at rest with the cylinder at its start; options of the Simulation count before those
     of the configuration. Raises RunError where that cannot be."""
-    numerics = replicate.configuration.numerics
-    names = "time_step", "step_fraction", "max_overlap", "allow_unstable"
-    usual = {name: getattr(numerics, name) for name in names}
-    return Simulation(make_scene(replicate, bed), bed.state, **usual | options)
+    numerics = replicate.configuration.numerics.model_dump()
+    return Simulation(make_scene(replicate, bed), bed.state, **numerics | options)

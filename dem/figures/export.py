@@ -6,7 +6,7 @@ import meshio
 import numpy as np
 
 from dem.base.files import atomic
-from dem.experiment.motion import Motion
+from dem.experiment.snapshots import Snapshots
 from dem.figures.bed import placed
 from dem.figures.frames import mean_velocity
 from dem.periodic import wrapped
@@ -18,7 +18,7 @@ PVD = """<?xml version="1.0"?>
 """
 
 
-def export(motion: Motion, path: Path, progress=lambda done: None) -> None:
+def export(motion: Snapshots, path: Path, progress=lambda done: None) -> None:
     """Write the snapshots beside a .pvd file, the one to open, with its name and a number.
 
     Granules are polygons with their true outline, a dumbbell two; data of each: number, volume
@@ -38,7 +38,7 @@ def export(motion: Motion, path: Path, progress=lambda done: None) -> None:
         part.write_text(PVD.format(lines="\n".join(lines)))
 
 
-def _mesh(motion: Motion, snapshot: int) -> meshio.Mesh:
+def _mesh(motion: Snapshots, snapshot: int) -> meshio.Mesh:
     rings = motion.outlines[:, :, :-1]  # the last point is the first
     count, parts, corners, _ = rings.shape
     place = wrapped(motion.position[snapshot], motion.periodic)

@@ -11,7 +11,7 @@ from pydantic import InstanceOf
 from dem.base.types import checked
 from dem.dynamics.contact_list import ContactList
 from dem.dynamics.result import Result
-from dem.experiment.motion import Motion
+from dem.experiment.snapshots import Snapshots
 from dem.figures import bed, style
 from dem.periodic import Periods
 
@@ -65,12 +65,12 @@ class Frames(NamedTuple):
     periodic: Periods
 
 
-def frames_of(source: Result | Motion) -> Frames:
+def frames_of(source: Result | Snapshots) -> Frames:
     """Frames of a result or of a run of the paper; raises InputError for anything else."""
-    return of_motion(source) if isinstance(source, Motion) else of_result(source)
+    return of_motion(source) if isinstance(source, Snapshots) else of_result(source)
 
 
-def of_motion(motion: Motion) -> Frames:
+def of_motion(motion: Snapshots) -> Frames:
     """Frames of a run of the paper: the bed in its box, and the drag along the stroke."""
     run, values = motion.replicate, motion.replicate.configuration
     width, size = values.box_width, values.cylinder.diameter
@@ -111,7 +111,7 @@ def of_motion(motion: Motion) -> Frames:
     )
 
 
-def mean_velocity(motion: Motion, snapshot: int) -> np.ndarray:
+def mean_velocity(motion: Snapshots, snapshot: int) -> np.ndarray:
     """Of granules (n, 2) in m/s, since the snapshot before, or until the next for the first."""
     first = max(snapshot - 1, 0)
     way = motion.position[first + 1] - motion.position[first]

@@ -30,13 +30,13 @@ VARIABLES = {
 }
 
 
-def measure(seen) -> dict:
+def measure(run) -> dict:
     """Values of VARIABLES by name."""
-    record = seen.record
+    record = run.record
     normal, tangential = record.normal_force[:, 0], record.tangential_force[:, 0]
     total = normal + tangential
     on_walls = np.full((4, len(total)), np.nan)
-    on_walls[walled(seen.bed.periodic)] = record.wall_force.T
+    on_walls[walled(run.bed.periodic)] = record.wall_force.T
     return {
         "drag": -total[:, 1],
         "drag_normal": -normal[:, 1],

@@ -18,16 +18,16 @@ VARIABLES = {
 }
 
 
-def measure(seen) -> dict:
+def measure(run) -> dict:
     """Values of VARIABLES by name."""
-    motion = seen.motion
-    found = {
-        "cylinder_y": motion.cylinder_y,
-        "granule_x": motion.position[:, :, 0],
-        "granule_y": motion.position[:, :, 1],
-        "granule_angle": motion.angle,
-        "granule_diameter": motion.diameters,
+    snapshots = run.snapshots
+    values = {
+        "cylinder_y": snapshots.cylinder_y,
+        "granule_x": snapshots.position[:, :, 0],
+        "granule_y": snapshots.position[:, :, 1],
+        "granule_angle": snapshots.angle,
+        "granule_diameter": snapshots.diameters,
     }
-    if seen.replicate.configuration.packing.pressure is not None:
-        found["top_y"] = motion.height
-    return found
+    if run.replicate.configuration.packing.pressure is not None:
+        values["top_y"] = snapshots.height
+    return values

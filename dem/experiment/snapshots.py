@@ -14,7 +14,7 @@ from dem.packing.random import Bed
 from dem.periodic import Periods
 
 
-class Motion(NamedTuple):
+class Snapshots(NamedTuple):
     """Snapshots s of granules n. SI units.
 
     height (s,): of the box, up to its top wall; displacement, cylinder_y (s,); position (s, n, 2), not wrapped at periodic sides; angle (s, n); diameters (n,); drag (bins,)
