@@ -156,4 +156,5 @@ def snapshots_of(path: Path, replicate: Replicate, values: dict) -> Snapshots:
         values["granule_diameter"],
         values.get("displacement"),
         values.get("drag"),
+        values.get("cylinder_orientation"),
     )

@@ -43,8 +43,10 @@ from dem.experiment.sections import (
     PackingSection,
     RecordSection,
     RunSection,
+    SecondSection,
     ShapeSection,
     ShearSection,
+    WallsSection,
     or_file,
 )
 from dem.periodic import Sides
@@ -64,6 +66,13 @@ BED_KEYS = (
     "periodic",
     "cylinder.diameter",
     "cylinder.start",
+    "cylinder.outline",
+    "cylinder.aspect_ratio",
+    "cylinder.angle",
+    "cylinder.direction",
+    "second.diameter",
+    "second.gap",
+    "second.bearing",
     "packing.size_spread",
     "packing.preparation",
 )
@@ -88,9 +97,13 @@ class Configuration(Section):
     """sides along which the box repeats itself"""
     cylinder: CylinderSection | None = None
     """the cylinder; null: there is none"""
+    second: SecondSection | None = None
+    """a second cylinder beside the first; both are centred in the box"""
     packing: PackingSection
     material: MaterialSection
     friction: FrictionSection
+    walls: WallsSection | None = None
+    """friction and material of single walls"""
     gravity: Annotated[NotNegative, Unit("m s-2")] = 0.0
     """gravity, downwards"""
     ellipse: EllipseSection = EllipseSection()
@@ -128,6 +141,8 @@ class Configuration(Section):
     @model_validator(mode="after")
     def _check_together(self):
         record, cylinder, pressure = self.record, self.cylinder, self.packing.pressure
+        if self.second is not None and cylinder is None:
+            raise ValueError("second is a cylinder beside another; give cylinder too")
         if pressure is not None and "y" in self.periodic:
             raise ValueError(
                 f"packing.pressure is {pressure:g} Pa and periodic {self.periodic}; a pressure "
@@ -157,6 +172,11 @@ class Configuration(Section):
         """Which bins (bins,) of a run have their middle in the averaging window."""
         middle = (np.arange(self.record.bins) + 0.5) / self.record.bins * self.cylinder.stroke
         return (middle >= self.record.window[0]) & (middle <= self.record.window[1])
+
+    @property
+    def solids(self) -> int:
+        """Number of solids that are drawn through the bed."""
+        return (self.cylinder is not None) + (self.second is not None)
 
     @property
     def observables(self) -> tuple[str, ...]:

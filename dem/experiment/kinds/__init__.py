@@ -152,8 +152,12 @@ class Experiment:
                     "rename that in your file."
                 )
             layout |= variables
-        if configuration.packing.pressure is None:  # all walls are at rest
-            layout.pop("top_y", None)
+        for name, path in (
+            ("top_y", "packing.pressure"),
+            ("cylinder_orientation", "cylinder.spin"),
+        ):
+            if configuration.at(path) is None:  # it does not move, or turn
+                layout.pop(name, None)
         return layout
 
     def variables(self, configuration, observable: str) -> dict:
@@ -214,12 +218,15 @@ class Experiment:
 
     def motions(self, replicate) -> set:
         """What selects the machine code of what it moves: has that friction, damping, gravity, a ledger;
-        does a wall hold a pressure; how are contacts of ellipses found?"""
+        does a wall hold a pressure; how are contacts of ellipses found; the outline of the cylinder."""
         if self.constants.get("BED_ALONE"):
             return set()
         c = replicate.configuration
-        rough = any((c.friction.granule, c.friction.wall, c.friction.cylinder))
+        walls = (c.at(f"walls.{name}.friction") for name in ("left", "right", "bottom", "top"))
+        rough = any((c.friction.granule, c.friction.wall, c.friction.cylinder, *walls))
+        rough |= bool(c.at("second.friction"))
+        outline = c.at("cylinder.outline") or "circle"
         ellipse = c.ellipse if replicate.shape.kind == "ellipse" else type(c.ellipse)()
         has = c.gravity > 0, "ledger" in c.observables, c.packing.pressure is not None
         name = () if self.observed else (self.name,)
-        return {(rough, c.material.restitution < 1, *has, str(ellipse), *name)}
+        return {(rough, c.material.restitution < 1, *has, str(ellipse), outline, *name)}

@@ -1,4 +1,4 @@
-"""The paper's experiment: draw a cylinder upwards through a bed at rest and record it."""
+"""The paper's experiment: draw a cylinder through a bed at rest and record it."""
 
 import time
 from pathlib import Path
@@ -8,7 +8,8 @@ import numpy as np
 
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.result import Record
-from dem.experiment.bed import cylinder, diameters, make_bed, thickness
+from dem.experiment.bed import diameters, make_bed, solids, thickness
+from dem.experiment.box import ahead_of
 from dem.experiment.config import Configuration, Replicate
 from dem.experiment.observables import module_of
 from dem.experiment.resume import PartialRun, resumed, stacked
@@ -40,18 +41,22 @@ class RunData(NamedTuple):
     def snapshots(self) -> Snapshots:
         """The states as arrays, with all that is needed to draw and to measure them."""
         own, height = self.replicate.configuration, np.full(len(self.states), self.bed.height)
+        every = len(self.record.time_step) // (len(height) - 1)
         if own.packing.pressure is not None:
-            every = len(self.record.wall_offset) // (len(height) - 1)
             height[1:] = self.record.wall_offset[every - 1 :: every, -1]
+        cylinder, *_ = solids(self.replicate, self.bed.height)
+        angle = np.full(len(height), cylinder.angle)
+        angle[1:] = self.record.solid_angle[every - 1 :: every, 0]
         displacement = np.linspace(0.0, own.cylinder.stroke, own.record.snapshots)
         return Snapshots(
             self.replicate,
             height,
             displacement,
-            cylinder(self.replicate, self.bed.height).position[1] + displacement,
+            cylinder.position[1] + ahead_of(own.cylinder)[1] * displacement,
             np.stack([state.position for state in self.states]),
             np.stack([state.angle for state in self.states]),
             diameters(self.replicate),
+            cylinder_orientation=angle if own.cylinder.spin is not None else None,
         )
 
 

@@ -2,6 +2,7 @@
 
 VARIABLES = {
     "cylinder_y": (("snapshot",), "m", "height of the axis of the cylinder above the floor"),
+    "cylinder_orientation": (("snapshot",), "rad", "angle of a cylinder that has a spin"),
     "top_y": (
         ("snapshot",),
         "m",
@@ -30,4 +31,6 @@ def measure(run) -> dict:
     }
     if run.replicate.configuration.packing.pressure is not None:
         values["top_y"] = snapshots.height
+    if snapshots.cylinder_orientation is not None:
+        values["cylinder_orientation"] = snapshots.cylinder_orientation
     return values

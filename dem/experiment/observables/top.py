@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from dem.experiment.bed import diameters
+from dem.experiment.box import area_of_solids
 from dem.periodic import walled
 
 D = ("displacement",)
@@ -24,5 +25,5 @@ def measure(run) -> dict:
         run.record.wall_offset[:, -1] if walled(periodic)[-1] else np.nan * run.record.time_step
     )
     granules = 0.25 * math.pi * np.sum(np.square(diameters(run.replicate)))
-    room = own.box_width * height - 0.25 * math.pi * own.cylinder.diameter**2
+    room = own.box_width * height - area_of_solids(own)
     return {"top_height": height, "bed_fraction": granules / room}
