@@ -8,6 +8,7 @@ from dem.base.errors import InputError
 from dem.periodic import ROOM
 
 RATIOS = {"ellipse": 2.0, "plate": 6.0}  # length over width, where cylinder.aspect_ratio is none
+ROUNDED = 1.0 / 12.0  # of the diameter: radius of the corners of a square or a wedge
 NOMINAL = 0.84  # packing fraction that tells where a bed under a pressure has its cylinder
 
 
@@ -30,10 +31,25 @@ def height_of_box(configuration, diameters: np.ndarray | float, count: int = 1) 
 
 
 def width_of(cylinder) -> float:
-    """Width (m) of the outline of the cylinder, whose length is the diameter."""
-    if cylinder.outline not in RATIOS:
-        return cylinder.diameter
+    """Width (m) of an ellipse or a plate, whose length is the diameter."""
     return cylinder.diameter / (cylinder.aspect_ratio or RATIOS[cylinder.outline])
+
+
+def polygon_of(cylinder) -> tuple[list[tuple[float, float]], float] | None:
+    """Corners (m), anticlockwise, and radius (m) of the outline of the cylinder; None if it is no
+    polygon."""
+    if cylinder.outline == "plate":
+        radius = 0.5 * width_of(cylinder)
+        half = 0.5 * cylinder.diameter - radius
+        return [(-half, 0.0), (half, 0.0)], radius
+    radius = ROUNDED * cylinder.diameter
+    half = 0.5 * cylinder.diameter - radius
+    if cylinder.outline == "square":
+        return [(-half, -half), (half, -half), (half, half), (-half, half)], radius
+    if cylinder.outline == "wedge":
+        low, high = -half / math.sqrt(3.0), 2.0 * half / math.sqrt(3.0)
+        return [(-half, low), (half, low), (0.0, high)], radius
+    return None
 
 
 def area_of_solids(configuration) -> float:
@@ -41,14 +57,24 @@ def area_of_solids(configuration) -> float:
     one, second = configuration.cylinder, configuration.second
     if one is None:
         return 0.0
-    length, width = one.diameter, width_of(one)
-    if one.outline is None or one.outline == "circle":
-        area = 0.25 * math.pi * length**2
-    elif one.outline == "plate":
-        area = (length - width) * width + 0.25 * math.pi * width**2
+    if polygon := polygon_of(one):
+        corners, radius = polygon
+        edges = list(zip(corners, [*corners[1:], corners[0]], strict=True))
+        area = 0.5 * sum(a * d - b * c for (a, b), (c, d) in edges)
+        area += radius * sum(math.dist(*edge) for edge in edges) + math.pi * radius**2
+    elif one.outline == "ellipse":
+        area = 0.25 * math.pi * one.diameter * width_of(one)
     else:
-        area = 0.25 * math.pi * length * width
+        area = 0.25 * math.pi * one.diameter**2
     return area + 0.25 * math.pi * second.diameter**2 if second else area
+
+
+def radius_of(cylinder) -> float:
+    """Radius (m) of the circle that holds the outline of the cylinder."""
+    if polygon := polygon_of(cylinder):
+        corners, radius = polygon
+        return radius + max(math.hypot(*corner) for corner in corners)
+    return 0.5 * cylinder.diameter
 
 
 def ahead_of(cylinder) -> tuple[float, float]:
@@ -64,12 +90,12 @@ def circles_of(configuration, height: float) -> list[tuple[float, float, float]]
     one, second = configuration.cylinder, configuration.second
     x, y = 0.5 * configuration.box_width, one.start * height
     if second is None:
-        return [(x, y, 0.5 * one.diameter)]
+        return [(x, y, radius_of(one))]
     (ahead_x, ahead_y), apart = ahead_of(one), second.gap + 0.5 * (one.diameter + second.diameter)
     beside, along = apart * math.cos(second.bearing), apart * math.sin(second.bearing)
     dx, dy = beside * ahead_y + along * ahead_x, along * ahead_y - beside * ahead_x
     return [
-        (x - 0.5 * dx, y - 0.5 * dy, 0.5 * one.diameter),
+        (x - 0.5 * dx, y - 0.5 * dy, radius_of(one)),
         (x + 0.5 * dx, y + 0.5 * dy, 0.5 * second.diameter),
     ]
 

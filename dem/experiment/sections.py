@@ -77,12 +77,12 @@ class CylinderSection(Section):
     """height of the cylinder's axis as a fraction of that of the box"""
     stroke: Length
     """distance over which the cylinder is drawn"""
-    outline: Literal["circle", "ellipse", "plate"] | None = None
-    """outline; none: circle"""
+    outline: Literal["circle", "ellipse", "plate", "square", "wedge"] | None = None
+    """outline, as wide as the diameter; none: circle"""
     aspect_ratio: Annotated[AspectRatio, Field(gt=1)] | None = None
     """length over width of an ellipse or a plate; none: 2 or 6"""
     angle: Angle | None = None
-    """angle of an ellipse or a plate at the start, anticlockwise; none: 0, across the motion"""
+    """angle at the start, anticlockwise; none: 0, its length from left to right, its tip upwards"""
     direction: Angle | None = None
     """direction of the motion, anticlockwise from the right; none: upwards"""
     spin: Spin | None = None
@@ -92,12 +92,12 @@ class CylinderSection(Section):
 
     @model_validator(mode="after")
     def _check(self):
-        for name in ("aspect_ratio", "angle"):
-            if getattr(self, name) is not None and self.outline in (None, "circle"):
-                raise ValueError(
-                    f"{name} is {getattr(self, name):g} and the outline a circle, which has none; "
-                    "leave it out, or let outline be ellipse or plate"
-                )
+        long = self.outline in ("ellipse", "plate")
+        if self.aspect_ratio is not None and not long:
+            raise ValueError(
+                f"aspect_ratio is {self.aspect_ratio:g} and outline {self.outline or 'circle'}; "
+                "leave it out, or let outline be ellipse or plate"
+            )
         return self
 
 

@@ -1,20 +1,20 @@
 """What is drawn through the bed of a run: the cylinder, and a second one beside it."""
 
-from dem.experiment.box import ahead_of, circles_of, width_of
+from dem.experiment.box import ahead_of, circles_of, polygon_of, width_of
 from dem.experiment.config import Replicate
 from dem.experiment.sections import SolidMaterialSection
 from dem.material import Material
 from dem.motion import Turn
 from dem.shapes.disc import Disc
 from dem.shapes.ellipse import Ellipse
-from dem.solids import Solid, plate
+from dem.solids import Polygon, Solid
 
 
 def outline_of(section):
-    """Outline of a cylinder, with its length along x."""
+    """Outline of a cylinder, with its length along x, and a tip upwards."""
     half = 0.5 * section.diameter
-    if section.outline == "plate":
-        return plate(section.diameter, width_of(section))
+    if polygon := polygon_of(section):
+        return Polygon(*polygon)
     if section.outline == "ellipse":
         return Ellipse([half], [0.5 * width_of(section)])
     return Disc([half])
