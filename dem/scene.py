@@ -1,4 +1,4 @@
-"""What is simulated: granules, material, walls, cylinder, and the state they start from.
+"""What is simulated: granules, materials, walls, solids, and the state they start from.
 
 SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 """
@@ -10,225 +10,22 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import AfterValidator, InstanceOf, PlainValidator, WrapValidator
+from pydantic import AfterValidator, Field, InstanceOf, PlainValidator, WrapValidator
 
 from dem.base.errors import InputError
-from dem.base.types import (
-    Acceleration,
-    Coefficient,
-    Density,
-    Length,
-    Number,
-    PoissonRatio,
-    Position,
-    Pressure,
-    Ratio,
-    Restitution,
-    Unit,
-    array,
-    checked,
-    must,
-    parsed,
-)
-from dem.motion import (
-    Held,
-    Kept,
-    Motion,
-    PrescribedMotion,
-    Sliding,
-    finite,
-    fixed,
-    numbered,
-)
-from dem.periodic import ROOM, Periods, walled
+from dem.base.types import Acceleration, Length, array, checked, must, parsed
+from dem.material import Friction, Material
+from dem.motion import Held, Kept, finite, fixed, numbered
+from dem.periodic import ROOM, Periods, nearest_image
+from dem.shapes.protocol import is_of_discs, is_shape, resized, sizes_of
+from dem.solids import Polygon, Solid, Solids, Walls
 
-ROUNDED, EXACT = 1e-3, 1e-8  # off 1: the length of a normal that is rounded, and of a unit vector
-DIGITS = 12  # in which two walls are one
-
-
-@checked
-@dataclass(frozen=True)
-class Material:
-    """Elastic material with a coefficient of restitution.
-
-    The defaults are the density of the paper and the elasticity of glass.
-
-    Parameters
-    ----------
-    density : float
-        Density (kg/m3).
-    young_modulus : float
-        Young's modulus E (Pa).
-    poisson_ratio : float
-        Poisson's ratio, without unit, above -1 and up to 0.5.
-    restitution : float
-        Coefficient of restitution of a head-on collision, without unit, from 0.001 to 1. It does
-        not depend on the speed. With 1 the kernels are compiled without damping.
-
-    Raises
-    ------
-    InputError
-        If a value is not a number in its range.
-
-    Notes
-    -----
-    The normal force follows Hertz (1882; Johnson, "Contact Mechanics", 1985, chapter 4) for
-    spheres, ``F = 4/3 E* sqrt(R*) delta^1.5``, for an overlap ``delta``. The dashpot in parallel
-    has the form of Tsuji, Tanaka and Ishida (1992), ``alpha sqrt(m* k) delta^0.25`` with
-    ``k = 4/3 E* sqrt(R*)``. The constant ``alpha`` follows from the restitution exactly for a
-    contact that never pulls (Schwager and Poeschel 2007).
-
-    Examples
-    --------
-    >>> import dem
-    >>> steel = dem.Material(density=7.8e3, young_modulus=2.1e11, poisson_ratio=0.3)
-    >>> steel.restitution
-    0.5
-    """
-
-    density: Density = 3.9e3
-    young_modulus: Pressure = 70e9
-    poisson_ratio: PoissonRatio = 0.22
-    restitution: Restitution = 0.5
-
-
-@checked
-@dataclass(frozen=True)
-class Friction:
-    """Coulomb friction of granules with each other, with walls and with the cylinder.
-
-    Parameters
-    ----------
-    granule : float
-        Coefficient of friction between granules, without unit.
-    wall : float
-        Coefficient of friction between granules and walls, without unit.
-    cylinder : float
-        Coefficient of friction between granules and the cylinder, without unit.
-    stiffness : float
-        Stiffness of the tangential springs over Mindlin's, without unit.
-
-    Raises
-    ------
-    InputError
-        If a coefficient is negative or `stiffness` is not positive.
-
-    Notes
-    -----
-    The tangential spring has the stiffness of a contact that sticks, ``8 G* sqrt(R* delta)``
-    (Mindlin and Deresiewicz 1953; Johnson, "Contact Mechanics", 1985, chapter 7). When a contact
-    unloads, its spring force shrinks with the contact radius (Thornton, Cummins and Cleary 2013).
-    A dashpot acts in parallel. Coulomb's law caps the force at the coefficient times the normal
-    force. The law has no rolling friction.
-
-    Examples
-    --------
-    >>> import dem
-    >>> dem.Friction(granule=0.5, cylinder=0.0)
-    Friction(granule=0.5, wall=0.3, cylinder=0.0, stiffness=1.0)
-    """
-
-    granule: Coefficient = 0.3
-    wall: Coefficient = 0.3
-    cylinder: Coefficient = 0.3
-    stiffness: Ratio = 1.0
-
-
-@checked
-@dataclass(frozen=True)
-class Cylinder:
-    """Cylinder that moves as it is told, or as the forces on it say.
-
-    Parameters
-    ----------
-    diameter : float
-        Diameter (m).
-    position : tuple of float
-        Position (x, y) of the axis at the start (m).
-    velocity : tuple of float, PrescribedMotion or Drive
-        Velocity (x, y) in m/s, or what it follows; at rest by default.
-    spin : float
-        Angular velocity (rad/s), anticlockwise; that of a `PrescribedMotion` if it has one.
-
-    Raises
-    ------
-    InputError
-        If `diameter` is not positive, a vector does not hold two finite numbers, or both the
-        cylinder and its path have a spin.
-
-    See Also
-    --------
-    Simulation.set_cylinder_velocity : Change the velocity during a run.
-
-    Examples
-    --------
-    The cylinder of the paper is 3.175 mm wide and moves upwards at 2 m/s:
-
-    >>> import dem
-    >>> cylinder = dem.Cylinder(3.175e-3, position=(10e-3, 4e-3), velocity=(0.0, 2.0))
-    >>> cylinder.velocity
-    (0.0, 2.0)
-    """
-
-    diameter: Length
-    position: Position
-    velocity: Motion = (0.0, 0.0)
-    spin: Annotated[Number, Unit("rad s-1")] = 0.0
-
-    def __post_init__(self) -> None:
-        if (
-            self.spin
-            and isinstance(self.velocity, PrescribedMotion)
-            and self.velocity.spin is not None
-        ):
-            raise InputError(
-                f"Cylinder.spin is {self.spin:g} rad/s; it must be left out, because its path has one."
-            )
-
-
-@checked
-def box(width: Length, height: Length) -> np.ndarray:
-    """Four walls of a box with its lower left corner at the origin.
-
-    Parameters
-    ----------
-    width : float
-        Width (m), along x.
-    height : float
-        Height (m), along y.
-
-    Returns
-    -------
-    ndarray of shape (4, 3)
-        One row (nx, ny, offset) per wall: left, right, bottom, top. The unit normal (nx, ny)
-        points into the wall. The wall is solid where ``nx x + ny y > offset`` (m).
-
-    Raises
-    ------
-    InputError
-        If `width` or `height` is not positive.
-
-    Examples
-    --------
-    >>> import dem
-    >>> left, right, bottom, top = dem.box(width=20e-3, height=30e-3)
-    >>> right.tolist()
-    [1.0, 0.0, 0.02]
-    """
-    return np.array([[-1, 0, 0], [1, 0, width], [0, -1, 0], [0, 1, height]], float)
-
-
-def walls_of(width: float, height: float, periodic: Periods) -> np.ndarray | None:
-    """Walls (w, 3) of a box but for those at periodic sides, as `box` returns them; None if there
-    are none."""
-    stay = walled(periodic)
-    return box(width, height)[stay] if stay.any() else None
+THINNEST = 0.2  # of the radius of a granule: more than its overlap can exceed it
+TOUCHING = 1e-9  # of the size of solids: less is no overlap
 
 
 def granules(value: Any) -> Any:
     """Granules of one shape, with sizes of their own that cannot be written; raises ValueError."""
-    from dem.shapes.protocol import is_shape, resized, sizes_of
-
     if not is_shape(type(value)):
         raise ValueError("it must be granules of a shape, such as dem.Disc")
     value = resized(type(value)(*value), fixed)  # its own checks, also after _replace
@@ -244,30 +41,20 @@ def granules(value: Any) -> Any:
 Granules = Annotated[Any, PlainValidator(granules)]
 
 
-def planes(rows: np.ndarray) -> np.ndarray:
-    """Walls, as box returns them, as a copy that cannot be written; raises ValueError."""
-    length = np.hypot(rows[:, :1], rows[:, 1:2])
-    off = np.abs(length - 1.0)
-    if off.max() > ROUNDED:
-        row = off.argmax()
-        raise ValueError(
-            f"the normal (nx, ny) of row {row} must have length 1, not {length[row, 0]:.6g}"
-        )
-    rows = np.where(off > EXACT, rows / length, rows)
-    if len(np.unique(rows.round(DIGITS) + 0.0, axis=0)) < len(rows):  # without negative zeros
-        raise ValueError("it must have each wall once, because both would push")
-    return fixed(rows)
-
-
-Walls = Annotated[np.ndarray, finite(None, 3), AfterValidator(planes)]
 OR_NONE = WrapValidator(lambda value, take: None if value is None else take(value))
-WallMotion = Annotated[
-    Sequence[Sliding | None],
-    AfterValidator(tuple),
-    must(
-        "hold for each wall a velocity (x, y), a dem.PrescribedMotion without spin, a dem.Drive, "
-        "or None for one at rest"
-    ),
+
+
+def numbers(rows: np.ndarray) -> np.ndarray:
+    """Numbers of materials, as a copy that cannot be written; raises ValueError."""
+    if not (rows == np.floor(rows)).all() or rows.min() < 0:
+        raise ValueError("it must be numbers of materials, from 0")
+    return fixed(rows.astype(np.int64))
+
+
+Species = Annotated[np.ndarray, finite(None), AfterValidator(numbers)]
+Materials = Annotated[
+    InstanceOf[Material] | Annotated[tuple[InstanceOf[Material], ...], Field(min_length=1)],
+    must("be a dem.Material, or a list of them"),
 ]
 
 
@@ -282,45 +69,45 @@ class Scene(Kept):
     ----------
     shape : Disc, Dumbbell, Ellipse or Superellipse
         Shape and sizes (m) of all n granules.
-    material : Material
-        Material of the granules.
+    material : Material or sequence of Material
+        Material of all granules, or the s materials that `species` numbers.
     friction : Friction, optional
-        Friction of all contacts; None for smooth ones.
-    walls : array_like of shape (w, 3), optional
-        One row (nx, ny, offset) per wall, offset in m, as `box` returns them. A normal whose length is
-        1 within a thousandth is rounded, and its row is divided by its length.
-    cylinder : Cylinder, optional
-        Cylinder that moves through the granules.
+        Friction of all contacts; None for smooth ones, but for those of walls and solids that have
+        a coefficient of their own.
+    walls : array_like of shape (w, 3), or sequence, optional
+        One row (nx, ny, offset) per wall, offset in m, as `box` returns them, or a `Wall`.
+    solids : Solid or sequence of Solid, optional
+        What else granules meet.
     gravity : tuple of float, optional
         Acceleration (x, y) in m/s2.
     thickness : float, optional
         Thickness of the granules out of the plane (m). It enters only their mass and inertia. None
         for the mean diameter of discs of the same areas.
     boundary : Material, optional
-        Material of walls and cylinder; None for rigid ones. Only its elasticity counts.
+        Material of walls and solids that have none of their own; None for rigid ones.
     periodic : tuple of float or None, optional
         Periods (x, y) in m with which the scene repeats itself; None for a side without. Positions
         are not wrapped: a granule that leaves through one side goes on, and meets the images of the
         others.
-    wall_motion : sequence, optional
-        For each of the w walls its velocity (x, y) in m/s, a `PrescribedMotion`, a `Drive`, or None if it is at
-        rest. A wall is a straight line: it moves along its normal, and its velocity along itself only
-        drags the granules that touch it.
     held : sequence of Held
         Groups of granules that are a boundary.
+    species : array_like of int of shape (n,), optional
+        Number of the material of each granule, from 0; None if there is one.
 
     Raises
     ------
     InputError
         If a value cannot be used, for instance if a wall's normal is not a unit vector, if a wall
-        is given twice or crosses a periodic side, or if a period is so short that a granule could touch two images
-        of one body.
+        is given twice or crosses a periodic side, if a period is so short that a granule could
+        touch two images of one body, if solids overlap each other or a wall, or if a granule could
+        pass through a thin one.
 
     Notes
     -----
     Motion follows equations (1) and (2) of the paper. The paper measures the size of a granule by
-    its volume diameter (section 3.1); the default thickness is the mean of it. Sizes and walls are
-    read-only copies of what is given.
+    its volume diameter (section 3.1); the default thickness is the mean of it. The coefficient of
+    restitution of two materials is the geometric mean of both; that of a rigid wall or solid is
+    that of the granule. Sizes and walls are read-only copies of what is given.
 
     Examples
     --------
@@ -344,7 +131,7 @@ class Scene(Kept):
     >>> scene = dem.Scene(
     ...     dem.Disc([1e-3, 1e-3]),
     ...     friction=dem.Friction(),
-    ...     cylinder=dem.Cylinder(diameter=3e-3, position=(10e-3, 10e-3)),
+    ...     solids=dem.Cylinder(diameter=3e-3, position=(10e-3, 10e-3)),
     ...     periodic=(20e-3, 20e-3),
     ... )
     >>> state = dem.State([[19.5e-3, 2e-3], [1.49e-3, 2e-3]])
@@ -353,36 +140,51 @@ class Scene(Kept):
     """
 
     shape: Granules
-    material: InstanceOf[Material] = field(default_factory=Material)
+    material: Materials = field(default_factory=Material)
     friction: InstanceOf[Friction] | None = None
-    walls: Walls | None = None
-    cylinder: InstanceOf[Cylinder] | None = None
+    walls: Walls = ()
+    solids: Solids = ()
     gravity: Acceleration | None = None
     # a number once the scene is made
     thickness: Annotated[Length, OR_NONE] = None  # type: ignore[assignment]
     boundary: InstanceOf[Material] | None = None
     periodic: Periods = None
-    wall_motion: WallMotion | None = None
     held: Annotated[
         Sequence[InstanceOf[Held]], AfterValidator(tuple), must("be a list of dem.Held")
     ] = ()
+    species: Species | None = None
 
     def __post_init__(self) -> None:
+        self._check_materials()
         for axis, period in enumerate(self.periodic or ()):
             if period is not None:
                 self._check_period(axis, period)
         if self.thickness is None:
             mean = float(np.mean(2.0 * np.sqrt(self.shape.area / np.pi)))
             object.__setattr__(self, "thickness", mean)
-        if self.wall_motion is not None:
-            walls = 0 if self.walls is None else len(self.walls)
-            if len(self.wall_motion) != walls:
-                raise InputError(
-                    f"wall_motion has {len(self.wall_motion)} entries; it must have one for each of "
-                    f"the {walls} walls, None for one at rest."
-                )
         if self.held:
             object.__setattr__(self, "held", numbered(self.held, self.granules))
+        for number, solid in enumerate(self.solids):
+            self._check_solid(number, solid)
+
+    def _check_materials(self) -> None:
+        count, table = len(self.materials), self.friction and np.asarray(self.friction.granule)
+        if self.species is None and count > 1:
+            raise InputError(
+                f"material has {count} materials; species must tell which granule is of which."
+            )
+        if self.species is None or (count == 1 and not self.species.any()):
+            object.__setattr__(self, "species", fixed(np.zeros(self.granules, np.int64)))
+        elif len(self.species) != self.granules or self.species.max() >= count:
+            raise InputError(
+                f"species has {len(self.species)} numbers up to {self.species.max()}; it must have "
+                f"{self.granules}, one for each granule, below {count}, the number of materials."
+            )
+        if table is not None and table.ndim and len(table) != count:
+            raise InputError(
+                f"Friction.granule has {len(table)} rows; it must have one for each of the {count} "
+                "materials."
+            )
 
     def _check_period(self, axis: int, period: float) -> None:
         name, least = "xy"[axis], ROOM * reach(self)
@@ -391,13 +193,59 @@ class Scene(Kept):
                 f"periodic along {name} is {period:g} m; it must be at least {least:.4g} m, {ROOM:g} "
                 "times the greatest distance at which two bodies touch."
             )
-        walls = np.empty((0, 3)) if self.walls is None else self.walls
-        for wall, slope in enumerate(walls[:, axis]):
+        for number, slope in enumerate(self.planes[:, axis]):
             if abs(slope) > 1e-9:
                 raise InputError(
-                    f"walls of row {wall} has n{name} = {slope:g}; it must be 0, because the scene "
+                    f"walls of row {number} has n{name} = {slope:g}; it must be 0, because the scene "
                     f"repeats itself along {name}."
                 )
+
+    def _check_solid(self, number: int, solid: Solid) -> None:
+        name, ring = f"solids[{number}]", solid.placed(solid.position, solid.angle)
+        if isinstance(solid.outline, Polygon):
+            least = THINNEST * float(self.shape.constituent_radius.max())
+            if not solid.outline.radius > least:
+                raise InputError(
+                    f"{name} has a radius of {solid.outline.radius:g} m; it must be more than "
+                    f"{least:.4g} m, {THINNEST:g} of the radius of the largest granule, or a granule "
+                    "could pass through it unseen."
+                )
+        elif not (
+            solid.is_round or type(solid.outline) is type(self.shape) or is_of_discs(self.shape)
+        ):
+            raise InputError(
+                f"{name} is a {type(solid.outline).__name__}; among granules of "
+                f"{type(self.shape).__name__} it must be round, one of those, or a dem.Polygon."
+            )
+        beyond = ring @ self.planes[:, :2].T - self.planes[:, 2]
+        if (beyond > TOUCHING * solid.radius).any():
+            wall = int(beyond.max(axis=0).argmax())
+            raise InputError(
+                f"{name} is {beyond.max():.3g} m inside wall {wall}; put it at the wall or away from it."
+            )
+        for other in range(number):
+            first = self.solids[other]
+            away = nearest_image(np.subtract(solid.position, first.position), self.periodic)
+            if first.is_round and solid.is_round:
+                depth = first.radius + solid.radius - float(np.hypot(*away))
+            else:
+                ring = solid.placed(away, solid.angle)
+                depth = overlap_of(first.placed((0.0, 0.0), first.angle), ring)
+            if depth > TOUCHING * (first.radius + solid.radius):
+                raise InputError(
+                    f"{name} is {depth:.3g} m inside solids[{other}]; put them beside each other, or "
+                    "make one convex outline of both."
+                )
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """Materials (s,) of granules."""
+        return (self.material,) if isinstance(self.material, Material) else self.material
+
+    @property
+    def planes(self) -> np.ndarray:
+        """Rows (w, 3) of the walls: nx, ny, offset (m)."""
+        return np.array([wall.plane for wall in self.walls]).reshape(-1, 3)
 
     @property
     def granules(self) -> int:
@@ -415,7 +263,8 @@ class Scene(Kept):
     @property
     def mass(self) -> np.ndarray:
         """Mass (n,) in kg."""
-        return self.material.density * self.shape.area * self.thickness
+        density = np.array([material.density for material in self.materials])[self.species]
+        return density * self.shape.area * self.thickness
 
     @property
     def inertia(self) -> np.ndarray:
@@ -426,7 +275,20 @@ class Scene(Kept):
 def reach(scene: Scene) -> float:
     """Greatest distance (m) between the centres of two bodies that can touch."""
     radius = float(scene.shape.bounding_radius.max())
-    return radius + max(radius, 0.5 * scene.cylinder.diameter if scene.cylinder else 0.0)
+    return radius + max([radius, *(solid.radius for solid in scene.solids)])
+
+
+def overlap_of(one: np.ndarray, other: np.ndarray) -> float:
+    """How far two closed convex outlines (points, 2) in m overlap; negative if they do not."""
+    depth = np.inf
+    for first, second in ((one, other), (other, one)):
+        edges = np.diff(first, axis=0)
+        length = np.hypot(*edges.T)
+        normal = np.column_stack([edges[:, 1], -edges[:, 0]])[length > 0.0]
+        normal /= length[length > 0.0, None]
+        gaps = (second @ normal.T).min(axis=0) - (first @ normal.T).max(axis=0)
+        depth = min(depth, -float(gaps.max()))
+    return depth
 
 
 ARRAYS = {"position": (2,), "velocity": (2,), "angle": (), "angular_velocity": ()}  # of a granule
@@ -447,9 +309,10 @@ class State:
     angular_velocity : array_like of shape (n,), optional
         Angular velocities (rad/s), anticlockwise.
     boundaries : array_like, optional
-        Of a state that a run has reached: offsets (m) of walls, place (m) of the cylinder and velocities (m/s,
-        rad/s) of all boundaries, if they are not those of the start. Only a scene where they are the same
-        goes on from it. None for a state that any scene may start from.
+        Of a state that a run has reached: offsets (m) of walls, positions (m) and angles (rad) of
+        solids and velocities (m/s, rad/s) of all boundaries, if they are not those of the start.
+        Only a scene where they are the same goes on from it. None for a state that any scene may
+        start from.
 
     Raises
     ------

@@ -34,7 +34,7 @@ class PackingError(RunError):
     --------
     >>> import dem
     >>> cylinder = dem.Cylinder(diameter=1e-3, position=(3e-3, 2e-3), velocity=(0.0, 1.0))
-    >>> dem.pack(dem.Disc([1e-3] * 12), width=6e-3, height=6.2e-3, cylinder=cylinder, seed=1)
+    >>> dem.pack(dem.Disc([1e-3] * 12), width=6e-3, height=6.2e-3, solids=cylinder, seed=1)
     Traceback (most recent call last):
     ...
     dem.base.errors.PackingError: the bed at packing fraction 1.035 (seed 1) cannot be made: ...

@@ -27,11 +27,13 @@ KERNELS = (
     "contacts",
     "dynamics",
     "jit",
+    "material.py",
     "motion.py",
     "packing",
     "periodic.py",
     "scene.py",
     "shapes",
+    "solids.py",
 )
 # What makes every run. base/types.py makes the arrays that the rooms compute with.
 RUNS = (
@@ -39,8 +41,9 @@ RUNS = (
     "base/types.py",
     "experiment/bed.py",
     "experiment/box.py",
-    "experiment/motion.py",
     "experiment/scene.py",
+    "experiment/solids.py",
+    "experiment/snapshots.py",
 )
 PLUGINS = "experiment/kinds", "experiment/observables"  # a run depends on the files that it uses
 UNREADABLE = (OSError, SyntaxError, ValueError)  # errors of reading and parsing a file

@@ -40,12 +40,14 @@ from dem.jit.optional import (
     times,
     unless,
 )
+from dem.shapes.polygon import polygon_contact
 from dem.shapes.protocol import (
     ContactGeometry,
     circle,
     find_contact,
     local_radius,
     outline,
+    outline_among,
     refine_normal,
     support,
     tangential_lever,
@@ -72,7 +74,7 @@ def copy_rates(rates, rows, i, motion, k, first):
 @optional
 def look_ahead(boundary, rows, j, motion, at):
     """Where nothing turns and contacts have dashpots, rows of granules have the velocity of the
-    full step; those of walls and cylinder have that of the half step and its change."""
+    full step; those of boundaries have that of the half step and its change."""
     motion[at + lane.VX2] += rows[j + FIVE]
     motion[at + lane.VY2] += rows[j + SIX]
 
@@ -130,15 +132,44 @@ def gather_pairs(shape, orientation, contacts, start, stop, values):
 
 @optional
 def find_circle_contacts(radius, shape, orientation, turns, contacts, start, stop, lanes):
-    """Outlines and geometry of contacts with the cylinder."""
+    """Outlines and geometry of contacts with round solids."""
     values = lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         store_outline(
             outline(shape, contacts.constituent[p], orientation), values, lane.OUTLINE_1 + k
         )
-        store_outline(circle(shape, radius), values, lane.OUTLINE_2 + k)
+        store_outline(circle(shape, radius[contacts.partner[p]]), values, lane.OUTLINE_2 + k)
     find_contacts(shape, turns, contacts, start, stop, lanes)
+
+
+@optional
+def find_outline_contacts(
+    outlines, shape, orientation, frames, turns, contacts, start, stop, lanes
+):
+    """Outlines and geometry of contacts with solids that have the outline of a granule.
+
+    frames: Boundaries.orientation.
+    """
+    values = lanes.values
+    for q in range(stop - start):
+        k, p = np.uint64(q), np.uint64(start + q)
+        one = outline_among(outlines, shape, contacts.constituent[p], orientation)
+        store_outline(one, values, lane.OUTLINE_1 + k)
+        store_outline(outline(outlines, contacts.partner[p], frames), values, lane.OUTLINE_2 + k)
+    find_contacts(outlines, turns, contacts, start, stop, lanes)
+
+
+@optional
+def find_polygon_contacts(faces, shape, orientation, frames, turns, contacts, start, stop, lanes):
+    """Geometry of contacts with polygons, one by one; frames: Boundaries.orientation."""
+    for q in range(stop - start):
+        k, p = np.uint64(q), np.uint64(start + q)
+        one, b = outline(shape, contacts.constituent[p], orientation), contacts.partner[p]
+        dx, dy = spacing(lanes.motion, k)
+        guess = remembered(contacts.normal_x, contacts.normal_y, p)
+        geometry = polygon_contact(faces, b, frames, shape, one, dx, dy, guess)
+        store_geometry(turns, geometry, contacts, p, lanes, k)
 
 
 @optional
@@ -283,17 +314,18 @@ def store_geometry(turns, geometry, contacts, p, lanes, k):
 
 
 @inlined
-def load_geometry(shape, values, k):
+def load_geometry(shape, levers, values, k):
     """The geometry of lane k; n2 and t2 mean nothing for walls, and no lever does where nothing
-    turns: none is then asked for."""
+    turns: none is then asked for. levers: of `contact_forces`."""
+    levers = either(tangential_lever(shape), levers)
     return ContactGeometry(
         values[lane.OVERLAP + k],
         values[lane.NX + k],
         values[lane.NY + k],
         values[lane.N1 + k],
-        take(tangential_lever(shape), values, lane.T1 + k),
+        take(levers, values, lane.T1 + k),
         values[lane.N2 + k],
-        take(tangential_lever(shape), values, lane.T2 + k),
+        take(levers, values, lane.T2 + k),
         take(local_radius(shape), values, lane.RADIUS + k),
     )
 
@@ -367,12 +399,16 @@ def mean_overlap_quarters(damping, values, count, dt):
 
 
 @rolled_without_first
-def contact_forces(friction, shape, turns, contacts, start, stop, dt, lanes):
+def contact_forces(friction, shape, levers, turns, contacts, start, stop, dt, lanes):
+    """Forces and torques of a block.
+
+    levers: not None where normal forces may exert torques, although granules are discs.
+    """
     values = lanes.values
     mean_overlap_quarters(contacts.damping, values, stop - start, dt)
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        geometry = load_geometry(shape, values, k)
+        geometry = load_geometry(shape, levers, values, k)
         velocity = values[lane.V_NORMAL + k], values[lane.V_TANGENT + k]
         change = either(change_of_lane(turns, values, k), (None, None))
         overlap_quarter = take(contacts.damping, values, lane.OVERLAP_QUARTER + k)
@@ -384,8 +420,11 @@ def contact_forces(friction, shape, turns, contacts, start, stop, dt, lanes):
         _, nx, ny, n1, t1, n2, t2, _ = geometry
         values[lane.FORCE_X + k] = minus(n * nx, times(t, ny))
         values[lane.FORCE_Y + k] = plus(n * ny, times(t, nx))
-        put(minus(times(t1, n), times(n1, t)), values, lane.TORQUE_1 + k)
-        put(minus(minus(None, times(n2, t)), times(t2, n)), values, lane.TORQUE_2 + k)
+        # zero where a list has none, because other lists of the same lanes have some
+        none = given(turns, 0.0)
+        put(either(minus(times(t1, n), times(n1, t)), none), values, lane.TORQUE_1 + k)
+        two = minus(minus(None, times(n2, t)), times(t2, n))
+        put(either(two, none), values, lane.TORQUE_2 + k)
 
 
 @optional

@@ -9,6 +9,8 @@ from dem.contacts.blocks import (
     contact_forces,
     find_circle_contacts,
     find_contacts,
+    find_outline_contacts,
+    find_polygon_contacts,
     find_wall_contacts,
     gather,
     gather_pairs,
@@ -16,10 +18,10 @@ from dem.contacts.blocks import (
 )
 from dem.jit.address import local
 from dem.jit.block_memory import BLOCK, EIGHT, FORCE_X, FORCE_Y, NX, NY, TORQUE_2
-from dem.jit.columns import FX, FY
+from dem.jit.columns import FX, FY, TAU
 from dem.jit.compilation import compiled
 from dem.jit.instructions import prefetch
-from dem.jit.optional import given, optional
+from dem.jit.optional import either, given, optional, unless
 
 
 @optional
@@ -42,14 +44,14 @@ def pair_contacts(world, dt, begin, end):
         gather_pairs(shape, frame, contacts, start, stop, lanes.values)
         fetch_partners(patches, rows, contacts, start, end)
         find_contacts(shape, turns, contacts, start, stop, lanes)
-        contact_forces(contacts.friction, shape, turns, contacts, start, stop, dt, lanes)
+        contact_forces(contacts.friction, shape, None, turns, contacts, start, stop, dt, lanes)
         add_losses(lanes.account, contacts, start, stop, lanes.values)
         accumulate(contacts, start, stop, lanes.values, turns, flat)
 
 
 @compiled
 def boundary_contacts(surface, world, dt):
-    """Add the forces of the contacts with walls, or with the cylinder, and sum up those on them."""
+    """Add the forces of the contacts with walls, or with solids, and sum up those on them."""
     shape, frame, contacts, lanes = (
         world.shape,
         world.orientation,
@@ -57,6 +59,9 @@ def boundary_contacts(surface, world, dt):
         world.lanes,
     )
     turns, planes, radius = world.inverse_inertia, surface.planes, surface.radius
+    outlines, faces, frames = surface.outlines, surface.faces, world.boundaries.orientation
+    levers = either(given(outlines, True), given(faces, True))
+    solid = unless(planes, True)
     on, loads = world.boundaries.force, world.boundaries.contact_forces
     rows, others = world.constituents.reshape(-1), world.boundaries.motion.reshape(-1)
     flat, count = world.constituent_force.reshape(-1), contacts.constituent.shape[0]
@@ -65,18 +70,20 @@ def boundary_contacts(surface, world, dt):
         gather(turns, rows, others, contacts, start, stop, lanes)
         find_wall_contacts(planes, shape, frame, turns, contacts, start, stop, lanes)
         find_circle_contacts(radius, shape, frame, turns, contacts, start, stop, lanes)
-        contact_forces(contacts.friction, shape, turns, contacts, start, stop, dt, lanes)
+        find_outline_contacts(outlines, shape, frame, frames, turns, contacts, start, stop, lanes)
+        find_polygon_contacts(faces, shape, frame, frames, turns, contacts, start, stop, lanes)
+        contact_forces(contacts.friction, shape, levers, turns, contacts, start, stop, dt, lanes)
         add_losses(lanes.account, contacts, start, stop, lanes.values)
         for p in range(start, stop):
             k, b = np.uint64(p - start), contacts.partner[p]
             normal, shares = boundary_reaction(contacts, p, k, lanes.values, turns, flat)
-            torque = given(radius, take(turns, lanes.values, TORQUE_2 + k))
+            torque = given(solid, take(turns, lanes.values, TORQUE_2 + k))
             on[b, FX] += shares[0] + shares[2]
             on[b, FY] += shares[1] + shares[3]
             load_wall(planes, loads, b, normal)
             shear_wall(given(planes, contacts.friction), loads, b, lanes.values, k)
-            load_circle(radius, loads, b, shares)
-            turn_circle(torque, loads, b)
+            load_solid(solid, loads, b, shares)
+            turn_solid(torque, on, loads, b)
 
 
 @optional
@@ -92,11 +99,12 @@ def shear_wall(friction, loads, b, values, k):
 
 
 @optional
-def load_circle(radius, loads, b, shares):
+def load_solid(solid, loads, b, shares):
     for c in range(4):
         loads[b, c] += shares[c]
 
 
 @optional
-def turn_circle(torque, loads, b):
+def turn_solid(torque, on, loads, b):
+    on[b, TAU] += torque
     loads[b, 4] += torque

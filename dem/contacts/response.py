@@ -1,6 +1,6 @@
 """The response of one contact: from its geometry and its slip to the forces N and T.
 
-A contact acts from constituent 1 to body 2 (a constituent, a wall or the cylinder) with N n + T t
+A contact acts from constituent 1 to body 2 (a constituent, a wall or a solid) with N n + T t
 on body 2, n and t as in dem.shapes.protocol; N >= 0 pushes them apart, T opposes the slip.
 """
 
@@ -48,14 +48,14 @@ def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
     """
     stiffness, sqrt_overlap, damping, overlap_quarter = elastic
     distance, rate = slip
-    limit = friction.coefficient * normal
-    stiffness = friction.stiffness_ratio * stiffness
+    limit = friction[0, p] * normal  # see dem.dynamics.world.COEFFICIENT
+    stiffness = friction[1, p] * stiffness
     before, last = contacts.tangential_force[p], contacts.sqrt_overlap[p]
     force = mindlin(before, sqrt_overlap, last, stiffness, distance)
     force = capped(force, limit)
     contacts.tangential_force[p] = force
     contacts.sqrt_overlap[p] = sqrt_overlap
-    dashpot_force = dashpot(damping, friction.damping_ratio, overlap_quarter, rate)
+    dashpot_force = dashpot(damping, friction[2, p], overlap_quarter, rate)
     total = capped(minus(force, dashpot_force), limit)
     return (
         total,
@@ -74,6 +74,12 @@ def spring_energy(account, force, stiffness):
 def dissipated_power(account, force, rate):
     """Power (W) that a force takes: minus that on what moves at `rate` (m/s)."""
     return -force * rate
+
+
+@inlined
+def stiffness_of(contacts, p, radius):
+    """4/3 E* sqrt(R*) (N m^-1.5) of contact p; radius: R* (m) there, None where the pair has one."""
+    return either(local_stiffness(radius, contacts.stiffness[p]), contacts.stiffness[p])
 
 
 @inlined
@@ -103,8 +109,7 @@ def respond(contacts, p, geometry, velocity, change, overlap_quarter, dt, accoun
     """
     overlap = max(geometry.overlap, 0.0)
     sqrt_overlap = math.sqrt(overlap)
-    local = local_stiffness(geometry.radius, contacts.modulus)
-    stiffness = either(local, contacts.stiffness[p])
+    stiffness = stiffness_of(contacts, p, geometry.radius)
     elastic = hertz(overlap, sqrt_overlap, stiffness)
     rate = -plus(velocity[0], change[0])
     damping = dashpot_constant(contacts.damping, contacts.mass_ratio, p, geometry.nx, geometry.ny)
@@ -124,8 +129,3 @@ def respond(contacts, p, geometry, velocity, change, overlap_quarter, dt, accoun
         (None, None, None),
     )
     return normal, tangential, plus(damped_normal, damped_tangential), slid
-
-
-@inlined
-def stiffness_of(contacts, p, radius):
-    return either(local_stiffness(radius, contacts.modulus), contacts.stiffness[p])

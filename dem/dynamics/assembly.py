@@ -11,13 +11,17 @@ from dem.contacts.force_law import (
     effective_shear_modulus,
 )
 from dem.dynamics.world import (
+    ALPHA,
     DAMPING,
+    DRIVE,
     EXTERNAL_FORCE,
+    FRICTION,
     INVERSE_MASS,
+    LAW,
     PATCH,
     Boundaries,
     Contacts,
-    FrictionParameters,
+    Faces,
     HeldGroups,
     Patches,
     Surface,
@@ -25,11 +29,10 @@ from dem.dynamics.world import (
 )
 from dem.jit.block_memory import make_lanes
 from dem.jit.columns import VX, VY, W, X, Y, rows
-from dem.motion import Drive, PrescribedMotion
+from dem.motion import Drive, PrescribedMotion, Turn
 from dem.scene import Scene, State, reach
-from dem.shapes.protocol import resized
-
-CONTACT_KINDS = "granule", "wall", "cylinder"
+from dem.shapes.protocol import resized, sizes_of
+from dem.solids import Polygon
 
 
 class GranuleTable(NamedTuple):
@@ -60,10 +63,17 @@ class GranuleTable(NamedTuple):
         Time step over the critical one, without unit.
     period : tuple of float
         Period along x and y (m), 0 where the scene does not repeat itself.
+    laws : ndarray of shape (s + w + k, s, 5)
+        Constants of contacts of a granule of each of s materials (second axis) with one of each
+        material, then with each wall and solid: see dem.dynamics.world.MODULUS.
+    species : ndarray of shape (n,)
+        Number of the material of each granule.
+    solid_radius : ndarray of shape (w + k,)
+        Radius for Hertz's law (m) of solids with the outline of a granule.
     alpha : float
-        Dashpot constant, without unit.
+        Dashpot constant of granules, without unit; the greatest.
     modulus : float
-        E* of two granules (Pa).
+        E* of two granules (Pa); the greatest.
     mean_radius, mean_mass : float
         Means (m, kg).
     held : ndarray of shape (constituents,) or None
@@ -81,6 +91,9 @@ class GranuleTable(NamedTuple):
     skin: float
     fraction: float
     period: tuple[float, float]
+    laws: np.ndarray
+    species: np.ndarray
+    solid_radius: np.ndarray
     alpha: float
     modulus: float
     mean_radius: float
@@ -104,6 +117,7 @@ def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTa
     """GranuleTable of a scene; skin as a share of the mean bounding radius, fraction of the
     critical step."""
     shape, (inverse_mass, inverse_inertia) = writable(scene.shape), mobilities(scene)
+    laws, count = laws_of(scene), len(scene.materials)
     bounding = shape.constituent_bounding_radius
     per = len(bounding) // scene.granules
     x, y = scene.periodic or (None, None)
@@ -119,8 +133,11 @@ def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTa
         skin=min([float(skin * bounding.mean()), *widest_skins(scene)]),
         fraction=float(fraction),
         period=(x or 0.0, y or 0.0),
-        alpha=damping_from_restitution(scene.material.restitution),
-        modulus=effective_modulus(scene.material, scene.material),
+        laws=laws,
+        species=scene.species.copy(),
+        solid_radius=np.array([0.0] * len(scene.walls) + [hertz_radius(s) for s in scene.solids]),
+        alpha=float(laws[:count, :, ALPHA].max()),
+        modulus=max(effective_modulus(material, material) for material in scene.materials),
         mean_radius=float(shape.constituent_radius.mean()),
         mean_mass=float(scene.mass.mean()),
         held=np.repeat(scene.is_held, per) if scene.held else None,
@@ -136,38 +153,53 @@ def mobilities(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     return inverse_mass, inverse_inertia
 
 
-def partners(scene: Scene, boundary: bool):
-    """The elastic materials that meet at a contact between granules, or with the boundary."""
-    if not boundary:
-        return scene.material, scene.material
-    return (scene.material,) if scene.boundary is None else (scene.material, scene.boundary)
+def hertz_radius(solid) -> float:
+    """Radius for Hertz's law (m) of the outline of a solid; 0 of a polygon."""
+    outline = solid.outline
+    return 0.0 if isinstance(outline, Polygon) else float(outline.constituent_radius[0])
 
 
-def friction_parameters(scene: Scene, kind: str) -> FrictionParameters | None:
-    """Friction of the contacts of one kind: granule, wall or cylinder; None if no kind has any.
+def law(friction: float, stiffness: float, material, partner) -> list[float]:
+    """Row of GranuleTable.laws for a granule of a material and its partner, None if it is rigid."""
+    materials = (material,) if partner is None else (material, partner)
+    modulus = effective_modulus(*materials)
+    ratio = effective_shear_modulus(*materials) / modulus * stiffness
+    restitution = material.restitution
+    if partner is not None and partner.restitution != restitution:
+        restitution = math.sqrt(restitution * partner.restitution)
+    alpha = damping_from_restitution(restitution)
+    return [4.0 / 3.0 * modulus, alpha, friction, 6.0 * ratio, math.sqrt(4.0 * ratio)]
 
-    Where only some kinds have friction, the others have it with a coefficient of zero: all kinds
-    share the lanes of a block, and torques that one kind leaves there must not be read as those of
-    another.
-    """
-    friction = scene.friction
-    if friction is None or not any(getattr(friction, name) for name in CONTACT_KINDS):
-        return None
-    materials = partners(scene, boundary=kind != "granule")
-    ratio = effective_shear_modulus(*materials) / effective_modulus(*materials)
-    ratio *= friction.stiffness
-    coefficient = float(getattr(friction, kind))
-    return FrictionParameters(coefficient, 6.0 * ratio, math.sqrt(4.0 * ratio))
+
+def laws_of(scene: Scene) -> np.ndarray:
+    """GranuleTable.laws of a scene."""
+    materials, friction = scene.materials, scene.friction
+    table = np.zeros((len(materials), len(materials))) + (friction.granule if friction else 0.0)
+    stiffness = friction.stiffness if friction else 1.0
+    laws = [
+        [law(float(table[a, b]), stiffness, one, other) for b, one in enumerate(materials)]
+        for a, other in enumerate(materials)
+    ]
+    for bodies, name in ((scene.walls, "wall"), (scene.solids, "solid")):
+        for body in bodies:
+            coefficient, partner = body.friction, body.material or scene.boundary
+            if coefficient is None:
+                coefficient = getattr(friction, name) if friction else 0.0
+            laws.append([law(coefficient, stiffness, one, partner) for one in materials])
+    return np.array(laws).reshape(-1, len(materials), LAW)
+
+
+def has_friction(laws: np.ndarray) -> bool:
+    """Whether any contact has friction. If so, all have it, if need be with a coefficient of zero:
+    all lists share the lanes of a block."""
+    return bool((laws[..., FRICTION] > 0.0).any())
 
 
 def can_turn(scene: Scene) -> bool:
-    """Whether any contact turns a granule."""
-    rough = friction_parameters(scene, "granule") is not None
-    return rough or bool(np.any(scene.shape.normal_lever > 0.0))
-
-
-def number_of_walls(scene: Scene) -> int:
-    return 0 if scene.walls is None else len(scene.walls)
+    """Whether any contact turns a granule, or a solid that is not round."""
+    turns = any(not solid.is_round for solid in scene.solids)
+    turns |= bool(np.any(scene.shape.normal_lever > 0.0))
+    return turns or has_friction(laws_of(scene))
 
 
 def waypoints_of(motion) -> np.ndarray:
@@ -182,32 +214,47 @@ def waypoints_of(motion) -> np.ndarray:
 
 def boundaries(scene: Scene) -> Boundaries:
     """All that granules meet, as they move at the start."""
-    walls, cylinder = number_of_walls(scene), scene.cylinder
-    motions = [motion or (0.0, 0.0) for motion in scene.wall_motion or [None] * walls]
-    motions += [cylinder.velocity] if cylinder else []
+    walls, solids = len(scene.walls), scene.solids
+    motions = [wall.motion for wall in scene.walls]
+    motions += [solid.velocity for solid in solids]
     motions += [group.motion for group in scene.held]
     r = len(motions)
     paths = [waypoints_of(motion) for motion in motions]
-    moved, drive = rows(r, 8), np.zeros((r, 5))
-    if cylinder:
-        moved[walls, [X, Y]], moved[walls, W] = cylinder.position, cylinder.spin
-        paths[walls][:, 3] += cylinder.spin  # that of the path is then zero, see Cylinder
+    moved, drive, angle, reach = rows(r, 8), np.zeros((r, DRIVE)), np.zeros(r), np.zeros(r)
     for b, motion in enumerate(motions):
         if isinstance(motion, Drive):
-            moved[b, [VX, VY]], drive[b, DAMPING] = motion.velocity, motion.damping
+            moved[b, [VX, VY]] = motion.velocity
             for c, force in enumerate(motion.force):
+                drive[b, DAMPING + c] = motion.damping
                 if force is not None:
                     drive[b, [EXTERNAL_FORCE + c, INVERSE_MASS + c]] = force, 1.0 / motion.mass
+    for b, solid in enumerate(solids, walls):
+        moved[b, [X, Y]], angle[b] = solid.position, solid.angle
+        reach[b] = 0.0 if solid.is_round else solid.radius
+        turn = solid.spin
+        if isinstance(turn, Turn):
+            moved[b, W] = turn.spin
+            drive[b, EXTERNAL_FORCE + 2 :: 3] = turn.torque, 1.0 / turn.inertia, turn.damping
         else:
-            time, *columns = paths[b].T
+            moved[b, W] = turn
+            paths[b][:, 3] += turn  # that of the path is then zero, see Solid
+    for b, path in enumerate(paths):
+        if len(path):
+            time, *columns = path.T
+            spin = moved[b, W]
             moved[b, [VX, VY, W]] = [np.interp(0.0, time, column) for column in columns]
+            if drive[b, INVERSE_MASS + 2]:
+                moved[b, W] = spin
     return Boundaries(
         motion=moved,
-        reference=np.zeros((r, 2)),
+        angle=angle,
+        orientation=np.column_stack([np.cos(angle), np.sin(angle)]) if reach.any() else None,
+        reach=reach,
+        reference=np.zeros((r, 3)),
         force=rows(r, 4),
         contact_forces=np.zeros((r, 5)),
         impulses=np.zeros((r, 5)),
-        previous_acceleration=np.zeros((r, 2)),
+        previous_acceleration=np.zeros((r, 3)),
         time=np.zeros(1),
         first_waypoint=np.cumsum([0, *map(len, paths)]),
         waypoints=np.concatenate([np.empty((0, 4)), *paths]),
@@ -228,37 +275,79 @@ def held_groups(scene: Scene, bodies: np.ndarray, motion: np.ndarray) -> HeldGro
     return HeldGroups(first, group, member, bodies[np.ix_(member, [X, Y])])
 
 
-def contacts(scene: Scene, table: GranuleTable, kind: str, drive: np.ndarray) -> Contacts:
-    """The contacts of one kind (granule, wall or cylinder), none yet: see
+def contacts(
+    scene: Scene, table: GranuleTable, drive: np.ndarray, partner: str = "granule", shape=None
+) -> Contacts:
+    """The contacts of granules with granules, walls or solids, none yet: see
     dem.dynamics.neighbor_list.
 
-    drive: rows of Boundaries.drive of those that may be part of them.
+    drive: rows of Boundaries.drive of those that may be part of them; shape: of the contact search,
+    that of the granules if absent.
     """
     index, numbers = np.empty(0, np.uint32), np.empty(0)
-    friction = friction_parameters(scene, kind)
-    memory = numbers if friction else None
-    guesses = numbers if kind != "wall" and scene.shape.guesses else None
-    x, y = (0.0, 0.0) if kind == "wall" else table.period
+    damped, rough = bool(table.laws[..., ALPHA].any()), has_friction(table.laws)
+    memory = numbers if rough else None
+    remembers = (scene.shape if shape is None else shape).guesses
+    guesses = numbers if partner != "wall" and remembers else None
+    yields = drive[:, INVERSE_MASS : INVERSE_MASS + 2].any()
+    x, y = (0.0, 0.0) if partner == "wall" else table.period
     return Contacts(
-        first=np.zeros(len(table.radius) + 1, np.uint32) if kind == "granule" else None,
+        first=np.zeros(len(table.radius) + 1, np.uint32) if partner == "granule" else None,
         constituent=index,
         partner=index,
         force_row=index,
         stiffness=numbers,
-        modulus=4.0 / 3.0 * effective_modulus(*partners(scene, boundary=kind != "granule")),
-        damping=numbers if table.alpha > 0.0 else None,
-        mass_ratio=np.empty((2, 0))
-        if table.alpha > 0.0 and drive[:, INVERSE_MASS:DAMPING].any()
-        else None,
-        friction=friction,
+        damping=numbers if damped else None,
+        mass_ratio=np.empty((2, 0)) if damped and yields else None,
+        friction=np.empty((3, 0)) if rough else None,
         tangential_force=memory,
         sqrt_overlap=memory,
         normal_x=guesses,
         normal_y=guesses,
         shift_x=numbers if x else None,
         shift_y=numbers if y else None,
-        sizes=np.empty((0, 0)) if kind == "granule" and scene.shape.lists_sizes else None,
+        sizes=np.empty((0, 0)) if partner == "granule" and scene.shape.lists_sizes else None,
     )
+
+
+def surfaces(scene: Scene, table: GranuleTable, drive: np.ndarray) -> dict[str, Surface | None]:
+    """Walls, and solids by their outlines, as members of a World."""
+    walls, r = len(scene.walls), len(drive)
+    polygons = {b: s for b, s in enumerate(scene.solids, walls) if isinstance(s.outline, Polygon)}
+    circles = {b: s for b, s in enumerate(scene.solids, walls) if s.is_round}
+    others = {
+        b: s for b, s in enumerate(scene.solids, walls) if not (b in polygons or b in circles)
+    }
+
+    def surface(boundary, partner="solid", **outline) -> Surface:
+        listed = contacts(scene, table, drive, partner, outline.get("outlines"))
+        forms = dict.fromkeys(("planes", "radius", "outlines", "faces")) | outline
+        return Surface(boundary=np.array(boundary, np.int64), **forms, contacts=listed)
+
+    radius, rounding, first, faces = np.zeros(r), np.zeros(r), np.zeros(r + 1, np.int64), []
+    for b, solid in circles.items():
+        radius[b] = solid.radius
+    for b, solid in polygons.items():
+        rounding[b], first[b + 1] = solid.outline.radius, len(solid.outline.faces)
+        faces.append(solid.outline.faces)
+    outlines = None
+    if others:
+        one = next(iter(others.values())).outline
+        sizes = {name: np.ones(r) for name in sizes_of(one)}
+        for b, solid in others.items():
+            for name, size in sizes_of(solid.outline).items():
+                sizes[name][b] = size[0]
+        outlines = surface([*others], outlines=one._replace(**sizes))
+    return {
+        "walls": surface(range(walls), "wall", planes=scene.planes),
+        "circles": surface([*circles], radius=radius),
+        "outlines": outlines,
+        "polygons": surface(
+            [*polygons], faces=Faces(np.cumsum(first), np.concatenate(faces), rounding)
+        )
+        if faces
+        else None,
+    }
 
 
 def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = False) -> World:
@@ -270,7 +359,7 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
     inverse_mass, inverse_inertia = mobilities(scene)
     turned = np.column_stack([np.cos(state.angle), np.sin(state.angle)])
     moving, none = boundaries(scene), np.zeros(0, np.int64)
-    count, cylinder = number_of_walls(scene), scene.cylinder
+    held_drive = moving.drive[len(moving.drive) - len(scene.held) :]
     return World(
         shape=writable(scene.shape),
         bodies=bodies,
@@ -282,25 +371,10 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
         constituents=bodies if alone else rows(n * table.per, 8),
         constituent_force=force if alone else rows(n * table.per, 4),
         reference=np.zeros((n * table.per, 2)),
-        previous_acceleration=rows(n, 4) if table.alpha > 0.0 else None,
-        pairs=contacts(
-            scene, table, "granule", moving.drive[len(moving.drive) - len(scene.held) :]
-        ),
+        previous_acceleration=rows(n, 4) if table.laws[..., ALPHA].any() else None,
+        pairs=contacts(scene, table, held_drive),
         boundaries=moving,
-        walls=Surface(
-            first=0,
-            end=count,
-            planes=np.empty((0, 3)) if scene.walls is None else np.array(scene.walls),
-            radius=None,
-            contacts=contacts(scene, table, "wall", moving.drive),
-        ),
-        cylinder=Surface(
-            first=count,
-            end=count + bool(cylinder),
-            planes=None,
-            radius=0.5 * cylinder.diameter if cylinder else 0.0,
-            contacts=contacts(scene, table, "cylinder", moving.drive),
-        ),
+        **surfaces(scene, table, moving.drive),
         gravity=scene.gravity or (0.0, 0.0),
         lanes=make_lanes(accounted),
         patches=Patches(index, index, none, none) if n > PATCH else None,

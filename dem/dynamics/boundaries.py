@@ -7,6 +7,7 @@ from dem.dynamics.world import DAMPING, EXTERNAL_FORCE, INVERSE_MASS
 from dem.jit.block_memory import WORK
 from dem.jit.columns import DVX, DVY, FX, FY, TAU, VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
+from dem.shapes.rotation import rotate
 
 
 @inlined
@@ -37,41 +38,44 @@ def on_path(waypoints, first, last, after, time, c):
 def follow_path(boundaries, b, dt):
     """Velocity of boundary b on its path: the mean over the step, and the change to its end.
 
-    Corners and jumps within the step count from their time on.
+    Corners and jumps within the step count from their time on. What is driven stays as it is.
     """
     motion, waypoints, time = boundaries.motion, boundaries.waypoints, boundaries.time[0]
     first, last = boundaries.first_waypoint[b], boundaries.first_waypoint[b + 1]
     after, end, left = waypoint_after(waypoints, first, last, time), time + dt, 1.0
-    for c in range(3):
+    axes = 2 if boundaries.drive[b, INVERSE_MASS + 2] > 0.0 else 3
+    for c in range(axes):
         motion[b, VX + c] = 0.0
     while True:
         ends = after == last or not waypoints[after, 0] < end
         stop = end if ends else waypoints[after, 0]
         share = left if ends else (stop - time) / dt
-        for c in range(3):
+        for c in range(axes):
             middle = on_path(waypoints, first, last, after, 0.5 * (time + stop), c)
             motion[b, VX + c] += share * middle
         if ends:
             break
         time, after, left = stop, after + 1, left - share
-    for c in range(3):
+    for c in range(axes):
         motion[b, DVX + c] = on_path(waypoints, first, last, after, end, c) - motion[b, VX + c]
 
 
 @inlined
 def kick_driven(boundaries, b, kick, dt):
-    """Velocity of driven boundary b after a kick (s): as of a granule, with damping at its mean."""
+    """Velocity and spin of boundary b where it is driven, after a kick (s): as of a granule, with
+    damping at its mean."""
     motion, drive = boundaries.motion, boundaries.drive
     previous_acceleration = boundaries.previous_acceleration
-    for c in range(2):
+    for c in range(3):
         inverse_mass = drive[b, INVERSE_MASS + c]
-        drag, before = drive[b, DAMPING] * inverse_mass, motion[b, VX + c]
-        pushed = inverse_mass * (drive[b, EXTERNAL_FORCE + c] + boundaries.force[b, FX + c])
-        after = (before * (1.0 - 0.5 * kick * drag) + kick * pushed) / (1.0 + 0.5 * kick * drag)
-        motion[b, VX + c] = after
-        now = pushed - 0.5 * drag * (before + after)
-        motion[b, DVX + c] = 0.5 * dt * (2.0 * now - previous_acceleration[b, c])
-        previous_acceleration[b, c] = now
+        if inverse_mass > 0.0:
+            drag, before = drive[b, DAMPING + c] * inverse_mass, motion[b, VX + c]
+            pushed = inverse_mass * (drive[b, EXTERNAL_FORCE + c] + boundaries.force[b, FX + c])
+            after = (before * (1.0 - 0.5 * kick * drag) + kick * pushed) / (1.0 + 0.5 * kick * drag)
+            motion[b, VX + c] = after
+            now = pushed - 0.5 * drag * (before + after)
+            motion[b, DVX + c] = 0.5 * dt * (2.0 * now - previous_acceleration[b, c])
+            previous_acceleration[b, c] = now
 
 
 @inlined
@@ -106,11 +110,12 @@ def move_boundaries(world, kick, dt):
             impulses[b, c] += kick * contact_forces[b, c]
         if first[b] < first[b + 1]:
             follow_path(boundaries, b, dt)
-        else:
-            kick_driven(boundaries, b, kick, dt)
+        kick_driven(boundaries, b, kick, dt)
         add_work(world.lanes.account, boundaries, b, kick, before)
         motion[b, X] += dt * motion[b, VX]
         motion[b, Y] += dt * motion[b, VY]
+        boundaries.angle[b] += dt * motion[b, W]
+        rotate(boundaries.orientation, b, boundaries.angle[b], dt * motion[b, W])
     boundaries.time[0] += dt
     for k in range(planes.shape[0]):
         planes[k, 2] += dt * (motion[k, VX] * planes[k, 0] + motion[k, VY] * planes[k, 1])
@@ -118,17 +123,33 @@ def move_boundaries(world, kick, dt):
 
 @inlined
 def surface_moved(surface, boundaries):
-    """Largest squared displacement (m2) of walls, or of the cylinder, since the lists were made."""
-    farthest, planes = 0.0, surface.planes
-    motion, reference = boundaries.motion, boundaries.reference
-    for b in range(surface.first, surface.end):
-        dx, dy = motion[b, X] - reference[b, 0], motion[b, Y] - reference[b, 1]
-        if planes is not None:  # only the motion along the normal counts
-            apart = dx * planes[b, 0] + dy * planes[b, 1]
-            farthest = greater(farthest, apart * apart)
-        else:
-            farthest = greater(farthest, dx * dx + dy * dy)
+    """Largest squared displacement (m2) of the boundaries of a surface since the lists were
+    made."""
+    farthest = 0.0
+    if surface is not None:
+        planes, motion, reference = surface.planes, boundaries.motion, boundaries.reference
+        for q in range(surface.boundary.shape[0]):
+            b = surface.boundary[q]
+            dx, dy = motion[b, X] - reference[b, 0], motion[b, Y] - reference[b, 1]
+            if planes is not None:  # only the motion along the normal counts
+                apart = dx * planes[b, 0] + dy * planes[b, 1]
+                farthest = greater(farthest, apart * apart)
+            elif surface.radius is not None:
+                farthest = greater(farthest, dx * dx + dy * dy)
+            else:
+                turn = boundaries.reach[b] * abs(boundaries.angle[b] - reference[b, 2])
+                farthest = greater(farthest, (math.sqrt(dx * dx + dy * dy) + turn) ** 2)
     return farthest
+
+
+@inlined
+def boundaries_moved(world):
+    """Largest squared displacement (m2) of walls, and of solids, since the lists were made."""
+    boundaries = world.boundaries
+    solids = surface_moved(world.circles, boundaries)
+    solids = greater(solids, surface_moved(world.outlines, boundaries))
+    solids = greater(solids, surface_moved(world.polygons, boundaries))
+    return surface_moved(world.walls, boundaries), solids
 
 
 @inlined
@@ -173,31 +194,41 @@ def move_held(held, world, full, kick, low, high):
 
 @inlined
 def fastest(boundaries):
-    """Square of the greatest speed (m/s) that boundaries have now, or will have on their paths."""
+    """Square of the greatest speed (m/s) that a surface has now, or will have on its path."""
     motion, waypoints, squared = boundaries.motion, boundaries.waypoints, 0.0
     for b in range(motion.shape[0]):
-        squared = greater(squared, motion[b, VX] ** 2 + motion[b, VY] ** 2)
-        last = boundaries.first_waypoint[b + 1] - 1
+        along, spin = motion[b, VX] ** 2 + motion[b, VY] ** 2, abs(motion[b, W])
+        last, reach = boundaries.first_waypoint[b + 1] - 1, boundaries.reach[b]
         for q in range(boundaries.first_waypoint[b], last + 1):
             if q == last or waypoints[q + 1, 0] > boundaries.time[0]:
                 vx, vy = waypoints[q, 1], waypoints[q, 2]
-                squared = greater(squared, vx * vx + vy * vy)
+                along = greater(along, vx * vx + vy * vy)
+                spin = greater(spin, abs(waypoints[q, 3]))
+        if reach > 0.0:
+            along = (math.sqrt(along) + reach * spin) ** 2
+        squared = greater(squared, along)
     return squared
 
 
 @inlined
 def driven_acceleration(boundaries):
-    """Greatest acceleration (m/s2) of driven boundaries, without their damping."""
+    """Greatest acceleration (m/s2) of driven surfaces, without their damping."""
     drive, force, greatest = boundaries.drive, boundaries.force, 0.0
     for b in range(force.shape[0]):
         ax = drive[b, INVERSE_MASS] * (drive[b, EXTERNAL_FORCE] + force[b, FX])
         ay = drive[b, INVERSE_MASS + 1] * (drive[b, EXTERNAL_FORCE + 1] + force[b, FY])
-        greatest = greater(greatest, math.sqrt(ax * ax + ay * ay))
+        acceleration = math.sqrt(ax * ax + ay * ay)
+        if boundaries.reach[b] > 0.0:
+            torque = drive[b, EXTERNAL_FORCE + 2] + force[b, TAU]
+            acceleration += boundaries.reach[b] * drive[b, INVERSE_MASS + 2] * abs(torque)
+        greatest = greater(greatest, acceleration)
     return greatest
 
 
 @inlined
-def inverse_sqrt_mass(boundaries, b):
-    """1/sqrt(m) of boundary b (kg^-0.5), zero if it is not driven; and zero for its rotation."""
+def boundary_weight(boundaries, b, arm):
+    """Mass-weighted size of translation and of rotation of boundary b at a contact (kg^-0.5), zero
+    where it is not driven; arm: moment arm of the force (m)."""
     drive = boundaries.drive
-    return math.sqrt(max(drive[b, INVERSE_MASS], drive[b, INVERSE_MASS + 1])), 0.0
+    size = math.sqrt(max(drive[b, INVERSE_MASS], drive[b, INVERSE_MASS + 1]))
+    return size, arm * math.sqrt(drive[b, INVERSE_MASS + 2])

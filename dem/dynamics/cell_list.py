@@ -159,18 +159,48 @@ def near_planes(planes, constituents, radius, skin):
 
 
 @inlined
-def near_circle(size, there, constituents, radius, skin, period):
-    """The same for a circle of radius size (m); there: its row, or none."""
-    count, n = 0, constituents.shape[0] * there.shape[0]
-    constituent = np.empty(n, np.uint32)
-    for i in range(n):
-        dx = nearest(period[0], constituents[i, X] - there[0, X])
-        dy = nearest(period[1], constituents[i, Y] - there[0, Y])
-        reach = radius[i] + size + skin
-        if dx * dx + dy * dy < reach * reach:
-            constituent[count] = i
-            count += 1
-    return constituent[:count].copy(), np.zeros(count, np.uint32)
+def distance_from(faces, boundaries, b, x, y):
+    """Distance (m) from boundary b, a polygon, to a point x, y (m) from its position; inside it is
+    zero."""
+    orientation = boundaries.orientation
+    c, s = orientation[b, 0], orientation[b, 1]
+    px, py = c * x + s * y, c * y - s * x
+    nearest, inside = np.inf, True
+    for f in range(faces.first[b], faces.first[b + 1]):
+        dx, dy = px - faces.row[f, 0], py - faces.row[f, 1]
+        nx, ny, length = faces.row[f, 2], faces.row[f, 3], faces.row[f, 4]
+        along, above = dy * nx - dx * ny, dx * nx + dy * ny
+        inside = inside and above < 0.0
+        beside = max(-along, along - length, 0.0)
+        nearest = min(nearest, np.sqrt(beside * beside + above * above))
+    return 0.0 if inside else max(nearest - faces.radius[b], 0.0)
+
+
+@inlined
+def is_near(surface, boundaries, b, dx, dy, radius, skin):
+    """Whether a circle of a radius (m), dx, dy (m) from solid b, is closer to it than skin (m)."""
+    if surface.faces is not None:
+        return distance_from(surface.faces, boundaries, b, dx, dy) < radius + skin
+    size = boundaries.reach[b] if surface.radius is None else surface.radius[b]
+    reach = radius + size + skin
+    return dx * dx + dy * dy < reach * reach
+
+
+@inlined
+def near_solids(surface, boundaries, constituents, radius, skin, period):
+    """Constituents closer than skin (m) to a solid: sorted (constituent, partner) of Contacts."""
+    solids, motion = surface.boundary.shape[0], boundaries.motion
+    count, constituent = 0, np.empty(constituents.shape[0] * solids, np.uint32)
+    partner = np.empty_like(constituent)
+    for i in range(constituents.shape[0]):
+        for q in range(solids):
+            b = surface.boundary[q]
+            dx = nearest(period[0], constituents[i, X] - motion[b, X])
+            dy = nearest(period[1], constituents[i, Y] - motion[b, Y])
+            if is_near(surface, boundaries, b, dx, dy, radius[i], skin):
+                constituent[count], partner[count] = i, b
+                count += 1
+    return constituent[:count].copy(), partner[:count].copy()
 
 
 @compiled(allocates=True)

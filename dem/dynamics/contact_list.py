@@ -15,9 +15,16 @@ from dem.jit.address import by_address
 from dem.jit.columns import VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either, given
-from dem.shapes.protocol import ContactGeometry, circle, outline, solve_contact, support
+from dem.shapes.polygon import polygon_contact
+from dem.shapes.protocol import (
+    ContactGeometry,
+    circle,
+    outline,
+    outline_among,
+    solve_contact,
+    support,
+)
 
-CYLINDER, FIRST_WALL = -1, -2  # as partners
 # members of Contacts that a response does not read
 NOT_OF_RESPONSE = "first", "normal_x", "normal_y", "shift_x", "shift_y", "sizes"
 
@@ -46,12 +53,24 @@ def contact_with(two, shape, one, contacts, p, dx, dy):
     )
 
 
+@inlined
+def polygon_contact_of(surface, frames, shape, one, p, dx, dy):
+    """The same of a constituent and a polygon; frames: Boundaries.orientation."""
+    contacts = surface.contacts
+    dx, dy = shifted(contacts, p, dx, dy)
+    guess, b = last_normal(contacts, p), contacts.partner[p]
+    contact = polygon_contact(surface.faces, b, frames, shape, one, dx, dy, guess)
+    overlap, nx, ny, n1, t1, _, _, rho = contact
+    return overlap, nx, ny, n1, t1, rho
+
+
 @compiled(allocates=True)
-def geometries(shape, motion, orientation, others, surface):
+def geometries(shape, motion, orientation, others, frames, surface):
     """Rows (m, 6), one per listed contact with a surface, or between granules (`pairs_of`), seen
     from its constituent: overlap (m; negative: a gap), normal, arms n1 and t1 (m), and
-    stiffness (N m^-1.5). others: motion of the partners."""
+    stiffness (N m^-1.5). others: motion of the partners; frames: Boundaries.orientation."""
     contacts, planes, radius = surface.contacts, surface.planes, surface.radius
+    outlines, faces = surface.outlines, surface.faces
     rows = np.empty((contacts.constituent.shape[0], 6))
     for p in range(rows.shape[0]):
         i, j = contacts.constituent[p], contacts.partner[p]
@@ -60,7 +79,12 @@ def geometries(shape, motion, orientation, others, surface):
         if planes is not None:
             contact = wall_contact(planes, shape, one, x, y, j)
         elif radius is not None:
-            contact = contact_with(circle(shape, radius), shape, one, contacts, p, dx, dy)
+            contact = contact_with(circle(shape, radius[j]), shape, one, contacts, p, dx, dy)
+        elif outlines is not None:
+            one = outline_among(outlines, shape, i, orientation)
+            contact = contact_with(outline(outlines, j, frames), outlines, one, contacts, p, dx, dy)
+        elif faces is not None:
+            contact = polygon_contact_of(surface, frames, shape, one, p, dx, dy)
         else:
             contact = contact_with(outline(shape, j, orientation), shape, one, contacts, p, dx, dy)
         stiffness = stiffness_of(contacts, p, contact[5])
@@ -73,16 +97,28 @@ def geometries(shape, motion, orientation, others, surface):
 @inlined
 def pairs_of(world):
     """Contacts between granules as a Surface."""
-    return Surface(first=0, end=0, planes=None, radius=None, contacts=world.pairs)
+    none = world.boundaries.first_waypoint
+    return Surface(
+        boundary=none, planes=None, radius=None, outlines=None, faces=None, contacts=world.pairs
+    )
 
 
-def measured(world, *surfaces):
-    """Contacts between granules, then those with each of some surfaces that the scene has: the
-    Surface, motion of the partners, and the geometries."""
-    there = [surface for surface in surfaces if surface.first < surface.end]
-    partners = [(surface, world.boundaries.motion) for surface in there]
-    for surface, motion in [(pairs_of(world), world.constituents), *partners]:
-        rows = geometries(world.shape, world.constituents, world.orientation, motion, surface)
+def measured(world):
+    """Contacts between granules, then those with solids and walls: the Surface, motion of the
+    partners, and the geometries."""
+    partners = [(pairs_of(world), world.constituents)]
+    for surface in (world.circles, world.outlines, world.polygons, world.walls):
+        if surface is not None and len(surface.boundary):
+            partners.append((surface, world.boundaries.motion))
+    for surface, motion in partners:
+        rows = geometries(
+            world.shape,
+            world.constituents,
+            world.orientation,
+            motion,
+            world.boundaries.orientation,
+            surface,
+        )
         yield surface, motion, rows
 
 
@@ -97,9 +133,13 @@ def deeper(worst, overlap, i, size):
 
 @inlined
 def deepest_with(surface, world, table, worst):
-    """Greatest overlap over the smaller radius, and its constituent, with walls or cylinder too."""
-    motion, others = world.constituents, world.boundaries.motion
-    rows = geometries(world.shape, motion, world.orientation, others, surface)
+    """Greatest overlap over the smaller radius, and its constituent, with walls or solids too."""
+    if surface is None:
+        return worst
+    motion, others = world.constituents, world.boundaries
+    rows = geometries(
+        world.shape, motion, world.orientation, others.motion, others.orientation, surface
+    )
     for p in range(rows.shape[0]):
         if not rows[p, 0] <= 0.0:
             i = np.int64(surface.contacts.constituent[p])
@@ -113,14 +153,16 @@ def contact_summary(world, table):
     constituent."""
     view, touching, worst = by_address(world), 0, (0.0, 0)
     pairs, motion = view.pairs, view.constituents
-    rows = geometries(view.shape, motion, view.orientation, motion, pairs_of(view))
+    rows = geometries(view.shape, motion, view.orientation, motion, None, pairs_of(view))
     for p in range(rows.shape[0]):
         if not rows[p, 0] <= 0.0:
             i, j = np.int64(pairs.constituent[p]), np.int64(pairs.partner[p])
             touching += 1
             worst = deeper(worst, rows[p, 0], i, min(table.radius[i], table.radius[j]))
     worst = deepest_with(view.walls, view, table, worst)
-    worst = deepest_with(view.cylinder, view, table, worst)
+    worst = deepest_with(view.circles, view, table, worst)
+    worst = deepest_with(view.outlines, view, table, worst)
+    worst = deepest_with(view.polygons, view, table, worst)
     return touching, worst[0], worst[1]
 
 
@@ -132,15 +174,15 @@ class ContactList(NamedTuple):
     granule : ndarray of shape (m,)
         Numbers of the granules, without unit.
     partner : ndarray of shape (m,)
-        Numbers of the other granules, without unit; -1 for the cylinder, -2 for the first wall, -3
-        for the second, and so on.
+        Numbers of the other granules, without unit; -1 for the first of k solids, -2 for the second,
+        and so on, then -k - 1 for the first wall.
     point : ndarray of shape (m, 2)
         Points of contact (m).
     normal : ndarray of shape (m, 2)
         Unit normals (nx, ny) that point away from the granule, without unit.
     branch : ndarray of shape (m, 2)
         Branch vectors (m): from the centre of the granule to that of the other granule, of its
-        image beside a periodic side, or to the point of contact with cylinder or wall.
+        image beside a periodic side, or to the point of contact with a solid or a wall.
     overlap : ndarray of shape (m,)
         Overlaps (m).
     force : ndarray of shape (m,)
@@ -167,14 +209,17 @@ class ContactList(NamedTuple):
 def list_contacts(world, names: np.ndarray) -> ContactList:
     """All contacts of a bed; names (n,): the number of each granule of the World."""
     parts, per = [], len(world.constituents) // len(world.bodies)
-    for surface, motion, rows in measured(world, world.cylinder, world.walls):
+    solids = [world.circles, world.outlines, world.polygons]
+    numbers = sum(len(surface.boundary) for surface in solids if surface is not None)
+    walls = len(world.walls.boundary)
+    for surface, motion, rows in measured(world):
         partner = surface.contacts.partner.astype(np.int64)
         if surface.contacts is world.pairs:
             partner = partner // per
             second, partner = world.bodies[partner], names[partner]
         else:
-            second, walls = motion[partner], surface.radius is None
-            partner = FIRST_WALL - partner if walls else np.full_like(partner, CYLINDER)
+            second = motion[partner]
+            partner = -1 - partner + (walls if surface.planes is None else -numbers)
         parts.append(_columns(world, names, surface.contacts, rows, partner, second))
     return ContactList(*map(np.concatenate, zip(*parts, strict=True)))
 
@@ -226,6 +271,7 @@ def _copied(listed, touch, overlap, stiffness):
     if listed.mass_ratio is not None:
         kept["mass_ratio"] = listed.mass_ratio[:, touch]
     if listed.friction is not None:
+        kept["friction"] = np.ascontiguousarray(listed.friction[:, touch])
         kept["tangential_force"] = listed.tangential_force[touch]
         kept["sqrt_overlap"] = np.sqrt(overlap)
     return listed._replace(**kept)

@@ -106,15 +106,15 @@ def add_pair(rows, pair, k, c, direction, weights):
 def add_contact(rows, pair, friction, spring, normal, along, across):
     """Stiffness and damping of a contact; returns its normal stiffness (N/m).
 
-    spring: stiffness (N m^-1.5), sqrt_overlap (m^0.5), normal damping (N s/m, or None); along,
-    across: weights of both bodies for the normal and for the tangential force.
+    friction: tangential over normal stiffness and damping, or None; spring: stiffness (N m^-1.5),
+    sqrt_overlap (m^0.5), normal damping (N s/m, or None); along, across: weights of both bodies for the normal and for the tangential force.
     """
     stiffness, sqrt_overlap, damping = spring
     k = 1.5 * stiffness * sqrt_overlap
     add_pair(rows, pair, k, damping, normal, along)
     if friction is not None:
-        k_t = friction.stiffness_ratio * stiffness * sqrt_overlap
-        c_t = times(friction.damping_ratio, damping)
+        k_t = friction[0] * stiffness * sqrt_overlap
+        c_t = times(friction[1], damping)
         add_pair(rows, pair, k_t, c_t, (-normal[1], normal[0]), across)
     return k
 

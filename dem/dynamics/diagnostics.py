@@ -8,7 +8,7 @@ import numpy as np
 from dem.contacts.blocks import last_normal, shifted
 from dem.contacts.force_law import damping_ratio, impact_overlap
 from dem.contacts.response import dashpot_constant, stiffness_of
-from dem.dynamics.boundaries import driven_acceleration, fastest, inverse_sqrt_mass
+from dem.dynamics.boundaries import boundary_weight, driven_acceleration, fastest
 from dem.dynamics.contact_list import deeper, geometries
 from dem.dynamics.critical_step import (
     COLUMNS,
@@ -21,10 +21,11 @@ from dem.dynamics.critical_step import (
 )
 from dem.dynamics.energy import kinetic
 from dem.dynamics.forces import clear, greater
+from dem.dynamics.world import DAMPING_RATIO, INVERSE_MASS, STIFFNESS_RATIO
 from dem.jit.address import by_address, local
 from dem.jit.columns import FX, FY, TAU, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import either, times
+from dem.jit.optional import either, optional, times
 from dem.shapes.protocol import collect, outline, solve_contact
 
 
@@ -79,7 +80,7 @@ def body_of(world, table, g, arms):
     if held is not None:
         b = held.group[g]
         if b >= 0:
-            size = inverse_sqrt_mass(world.boundaries, b)
+            size = boundary_weight(world.boundaries, b, 0.0)
             return held.group.shape[0] + b, size, size
     return g, weight(table, g, arms[0]), weight(table, g, arms[1])
 
@@ -130,21 +131,37 @@ def scan_pairs(world, table, bounds, begin, end, spare):
             body_1, body_2 = body_of(view, table, g, arms_1), body_of(view, table, h, arms_2)
             pair = body_1[0] if i >= low else spare, body_2[0] if j < high else spare
             along, across = (body_1[1], body_2[1]), (body_1[2], body_2[2])
-            k = add_contact(rows, pair, contacts.friction, spring, (nx, ny), along, across)
+            friction = friction_of(contacts.friction, p)
+            k = add_contact(rows, pair, friction, spring, (nx, ny), along, across)
             add_force_stiffness(rows, pair[0], k, overlap, table.bend[g])
             add_force_stiffness(rows, pair[1], k, overlap, table.bend[h])
     return touching, worst
 
 
-@compiled(allocates=True)
+@optional
+def friction_of(friction, p):
+    """Tangential over normal stiffness and damping of contact p, without unit."""
+    return friction[STIFFNESS_RATIO, p], friction[DAMPING_RATIO, p]
+
+
+@inlined
 def scan_surface(surface, world, table, bounds, worst):
-    """Add what all contacts with walls, or with the cylinder, do to the rows of Bounds.
+    """Add what all contacts with walls, or with solids, do to the rows of Bounds.
 
     Returns the greatest relative overlap with its constituent; worst: that so far.
     """
+    if surface is None:
+        return worst
+    return scan_contacts(surface, world, table, bounds, worst)
+
+
+@compiled(allocates=True)
+def scan_contacts(surface, world, table, bounds, worst):
+    """`scan_surface` of a surface that the scene has."""
     boundaries, rows = world.boundaries, bounds.rows
     granules, motion = world.bodies, world.constituents
-    contact = geometries(world.shape, motion, world.orientation, boundaries.motion, surface)
+    moving, frames = boundaries.motion, boundaries.orientation
+    contact = geometries(world.shape, motion, world.orientation, moving, frames, surface)
     contacts, constants = local(surface.contacts), local(table)
     for p in range(contacts.constituent.shape[0]):
         i, b = np.int64(contacts.constituent[p]), np.int64(contacts.partner[p])
@@ -162,10 +179,19 @@ def scan_surface(surface, world, table, bounds, worst):
         )
         spring = stiffness, sqrt_overlap, damping
         row, along, across = body_of(world, constants, g, arms)
-        pair, other = (row, granules.shape[0] + b), inverse_sqrt_mass(boundaries, b)
-        along, across = (along, other), (across, other)
-        k = add_contact(rows, pair, contacts.friction, spring, (nx, ny), along, across)
+        pair, far = (row, granules.shape[0] + b), (0.0, 0.0)
+        if surface.planes is None:
+            dx, dy = shifted(contacts, p, moving[b, X] - motion[i, X], moving[b, Y] - motion[i, Y])
+            x, y = n1 * nx - t1 * ny - dx, n1 * ny + t1 * nx - dy
+            far = x * ny - y * nx, x * nx + y * ny
+        along = along, boundary_weight(boundaries, b, far[0])
+        across = across, boundary_weight(boundaries, b, far[1])
+        friction = friction_of(contacts.friction, p)
+        k = add_contact(rows, pair, friction, spring, (nx, ny), along, across)
         add_force_stiffness(rows, g, k, overlap, constants.bend[g])
+        if boundaries.reach[b] > 0.0:  # a flat side has no curvature: its size bounds the arm
+            bend = 2.0 / 3.0 * boundaries.reach[b] * boundaries.drive[b, INVERSE_MASS + 2]
+            add_force_stiffness(rows, pair[1], k, overlap, bend)
     return worst
 
 
@@ -212,12 +238,14 @@ def empty_bounds(world, least, spare):
 
 @inlined
 def scan_boundaries(world, table, bounds, worst):
-    """Add what contacts with walls and cylinder do to the rows of Bounds.
+    """Add what contacts with boundaries do to the rows of Bounds.
 
     Returns the greatest relative overlap with its constituent, and the bounds on the time step (s).
     """
     worst = scan_surface(world.walls, world, table, bounds, worst)
-    worst = scan_surface(world.cylinder, world, table, bounds, worst)
+    worst = scan_surface(world.circles, world, table, bounds, worst)
+    worst = scan_surface(world.outlines, world, table, bounds, worst)
+    worst = scan_surface(world.polygons, world, table, bounds, worst)
     bodies = world.bodies.shape[0] + world.boundaries.motion.shape[0]
     return worst, shortest(bounds.rows, bodies, table.fraction)
 

@@ -1,7 +1,7 @@
 """Kinetic energy, and the energy ledger: what a bed holds, gains and loses.
 
 The kernels sum two powers over time (dem.jit.block_memory): those that dashpots and tangential
-springs take. They sum the work of walls, cylinder and held granules as they kick them. Kinetic and
+springs take. They sum the work of walls, solids and held granules as they kick them. Kinetic and
 elastic energies follow from the state. What springs have taken and do not hold is lost by sliding;
 energy that a spring loses while the overlap shrinks is included. Powers count with the kicks of
 their forces, up to the time of the state: the trapezoidal rule, of second order in the time step.
@@ -15,7 +15,7 @@ import numpy as np
 from dem.contacts.force_law import TINY
 from dem.dynamics.contact_list import measured
 from dem.dynamics.forces import greater
-from dem.dynamics.world import at_full_steps
+from dem.dynamics.world import STIFFNESS_RATIO, at_full_steps
 from dem.jit.block_memory import ACCOUNTS, WORK
 from dem.jit.columns import DVX, FX, TAU, VX, W
 from dem.jit.compilation import compiled, inlined
@@ -38,7 +38,7 @@ class Ledger(NamedTuple):
     slid : float
         Energy lost by sliding since the start (J).
     work : float
-        Work of the boundaries on the granules since the start (J): of walls, cylinder and held
+        Work of the boundaries on the granules since the start (J): of walls, solids and held
         granules.
     fallen : float
         Work of gravity on the granules since the start (J).
@@ -116,14 +116,14 @@ def elastic(geometries, contacts):
         normal += stored_normal(overlap, stiffness)
         if friction is not None:
             force = contacts.tangential_force[p]
-            stiffness = friction.stiffness_ratio * stiffness * contacts.sqrt_overlap[p]
+            stiffness = friction[STIFFNESS_RATIO, p] * stiffness * contacts.sqrt_overlap[p]
             tangential += 0.5 * force * force / max(stiffness, TINY)
     return normal, tangential
 
 
 def balance(world) -> tuple[float, float, float]:
     """Kinetic, normal elastic and tangential elastic energy (J) of the bed."""
-    listed = measured(world, world.walls, world.cylinder)
+    listed = measured(world)
     stored = np.array([elastic(rows, surface.contacts) for surface, _, rows in listed])
     return kinetic(world, 0.0, (0.0, 0.0))[0], *stored.sum(axis=0).tolist()
 

@@ -105,12 +105,16 @@ def pair_forces(world, dt, patch):
 
 @compiled
 def boundary_forces(world, dt):
-    """Add the forces of walls and cylinder, and those on all boundaries."""
+    """Add the forces of walls and solids, and those on all boundaries."""
     boundaries = world.boundaries
     clear(boundaries.force, 0, boundaries.force.shape[0])
     clear(boundaries.contact_forces, 0, boundaries.contact_forces.shape[0])
     boundary_contacts(world.walls, world, dt)
-    boundary_contacts(world.cylinder, world, dt)
+    boundary_contacts(world.circles, world, dt)
+    if world.outlines is not None:
+        boundary_contacts(world.outlines, world, dt)
+    if world.polygons is not None:
+        boundary_contacts(world.polygons, world, dt)
     sum_held_forces(world)
 
 

@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from dem.dynamics.boundaries import move_boundaries, move_held, surface_moved
+from dem.dynamics.boundaries import boundaries_moved, move_boundaries, move_held
 from dem.dynamics.forces import (
     add_forces_across_patches,
     boundary_forces,
@@ -84,15 +84,6 @@ def drift(world, kick, dt, low, high):
 
 
 @inlined
-def boundaries_moved(world):
-    """Largest squared displacement (m2) of walls and cylinder since the lists were made."""
-    boundaries = world.boundaries
-    return greater(
-        surface_moved(world.walls, boundaries), surface_moved(world.cylinder, boundaries)
-    )
-
-
-@inlined
 def publish_displacement(thread, moved):
     """Let all threads know the largest squared displacement (m2) of this thread's granules."""
     if thread is not None:
@@ -139,7 +130,8 @@ def advance(world, kick, dt, steps, rebuild_at, thread):
         # Kick and drift: boundaries, then the patches that wait for them
         if leads(thread):
             move_boundaries(world, kick, dt)
-            further = greater(further, boundaries_moved(world))
+            walls, solids = boundaries_moved(world)
+            further = greater(further, greater(walls, solids))
         barrier(thread)
         for patch in range(begin, end):
             if done == 0 or not knows_forces(patches, patch, begin):

@@ -5,9 +5,13 @@ import math
 import numpy as np
 
 from dem.contacts.blocks import shifted, sizes_of
-from dem.dynamics.cell_list import image, match, near_circle, near_pairs, near_planes
+from dem.dynamics.cell_list import image, match, near_pairs, near_planes, near_solids
 from dem.dynamics.world import (
+    ALPHA,
+    FRICTION,
     INVERSE_MASS,
+    LAW,
+    MODULUS,
     PATCH,
     Contacts,
     Patches,
@@ -16,7 +20,7 @@ from dem.dynamics.world import (
 from dem.jit.address import as_before, by_address, changeable
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.shapes.protocol import circle, outline, place
+from dem.shapes.protocol import circle, local_radius, outline, place
 from dem.shapes.rotation import set_orientation
 
 
@@ -85,10 +89,9 @@ def renewed(old, first, constituent, partner, force_row, shape):
         partner=partner,
         force_row=force_row,
         stiffness=np.empty(count),
-        modulus=old.modulus,
         damping=zeros_like(old.damping, count),
         mass_ratio=zeros_like(old.mass_ratio, (2, count)),
-        friction=old.friction,
+        friction=zeros_like(old.friction, (3, count)),
         tangential_force=carried(old.tangential_force, source),
         sqrt_overlap=carried(old.sqrt_overlap, source),
         normal_x=carried(old.normal_x, source),
@@ -109,15 +112,19 @@ def inverse_mass_along(world, g, c):
 
 
 @inlined
-def set_constants(contacts, p, radius, mass, alpha, inverse_masses):
-    """Constants of contact p from its effective radius R* (m) and mass m* (kg).
+def set_constants(contacts, p, law, shape, radius, mass, inverse_masses):
+    """Constants of contact p from its row of GranuleTable.laws, its effective radius R* (m) and
+    mass m* (kg).
 
     inverse_masses: sums of those of both bodies along x and y (1/kg).
     """
-    stiffness = contacts.modulus * math.sqrt(radius)
-    contacts.stiffness[p] = stiffness
+    stiffness = law[MODULUS] * math.sqrt(radius)
+    contacts.stiffness[p] = stiffness if local_radius(shape) is None else law[MODULUS]
     if contacts.damping is not None:
-        contacts.damping[p] = alpha * math.sqrt(mass * stiffness)
+        contacts.damping[p] = law[ALPHA] * math.sqrt(mass * stiffness)
+    if contacts.friction is not None:
+        for c in range(LAW - FRICTION):
+            contacts.friction[c, p] = law[FRICTION + c]
     if contacts.mass_ratio is not None:
         for c in range(2):  # where neither body yields, the mass is m* itself
             ratio = mass * inverse_masses[c] if inverse_masses[c] > 0.0 else 1.0
@@ -219,7 +226,8 @@ def list_pairs(world, table):
         )
         reduced_radius = radius[i] * radius[j] / (radius[i] + radius[j])
         mass = effective_mass(held, table.mass, i, j)
-        set_constants(new, p, reduced_radius, mass, table.alpha, inverse_masses)
+        law = table.laws[table.species[h], table.species[g]]
+        set_constants(new, p, law, shape, reduced_radius, mass, inverse_masses)
         set_image(new, p, rows[j, X] - rows[i, X], rows[j, Y] - rows[i, Y], period)
         put_sizes(new.sizes, p, shape, orientation, i, j)
     world.pairs, world.patches = new, patches
@@ -227,17 +235,16 @@ def list_pairs(world, table):
 
 @inlined
 def list_surface(surface, world, table):
-    """Renew the list of contacts of walls, or of the cylinder."""
-    motion, drive, rows = world.boundaries.motion, world.boundaries.drive, world.constituents
-    radius, first, per = surface.radius, surface.first, table.per
+    """Renew the list of contacts of walls, or of solids."""
+    if surface is None:
+        return
+    boundaries, rows, per = world.boundaries, world.constituents, table.per
+    motion, drive, materials = boundaries.motion, boundaries.drive, table.laws.shape[1]
     bounding, skin, period = table.bounding, table.skin, table.period
-    if radius is None:
+    if surface.planes is not None:
         constituent, partner = near_planes(surface.planes, rows, bounding, skin)
     else:
-        there = motion[first : surface.end]
-        constituent, partner = near_circle(radius, there, rows, bounding, skin, period)
-    for p in range(partner.shape[0]):
-        partner[p] += first
+        constituent, partner = near_solids(surface, boundaries, rows, bounding, skin, period)
     new = renewed(surface.contacts, None, constituent, partner, partner, None)
     for p in range(constituent.shape[0]):
         i, b = constituent[p], partner[p]
@@ -246,9 +253,12 @@ def list_surface(surface, world, table):
             inverse_mass_along(world, i // per, 1) + drive[b, INVERSE_MASS + 1],
         )
         reduced = table.radius[i]
-        if radius is not None:
-            reduced = reduced * radius / (reduced + radius)
-        set_constants(new, p, reduced, table.mass[i], table.alpha, inverse_masses)
+        if surface.radius is not None:
+            reduced = reduced * surface.radius[b] / (reduced + surface.radius[b])
+        elif surface.outlines is not None:
+            reduced = reduced * table.solid_radius[b] / (reduced + table.solid_radius[b])
+        law = table.laws[materials + b, table.species[i // per]]
+        set_constants(new, p, law, world.shape, reduced, table.mass[i], inverse_masses)
         set_image(new, p, motion[b, X] - rows[i, X], motion[b, Y] - rows[i, Y], period)
     reach_patches(world.patches, constituent, per)
     surface.contacts = new
@@ -273,9 +283,14 @@ def rebuild_neighbor_list(world, table):
     place(view.shape, view.bodies, view.orientation, rows, 0, view.bodies.shape[0])
     set_reference(rows, reference)
     set_reference(view.boundaries.motion, view.boundaries.reference)
+    for b in range(view.boundaries.angle.shape[0]):
+        view.boundaries.reference[b, 2] = view.boundaries.angle[b]
+    set_orientation(view.boundaries.orientation, view.boundaries.angle)
     list_pairs(view, constants)
     list_surface(view.walls, view, constants)
-    list_surface(view.cylinder, view, constants)
+    list_surface(view.circles, view, constants)
+    list_surface(view.outlines, view, constants)
+    list_surface(view.polygons, view, constants)
     if held is not None:
         reach_patches(view.patches, held.member, 1)
     view.constituent_force = room_for_forces(view.patches, view.constituent_force, rows.shape[0])

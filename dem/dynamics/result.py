@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 
 
 class Record(NamedTuple):
-    """What `Simulation.record` measures: one row per interval, c in all, with w walls and g held
-    groups.
+    """What `Simulation.record` measures: one row per interval, c in all, with w walls, k solids and
+    g held groups.
 
     Attributes
     ----------
-    normal_force : ndarray of shape (c, 2)
-        Mean force (x, y) on the cylinder (N) of all normal forces at its contacts.
-    tangential_force : ndarray of shape (c, 2)
-        Mean force (x, y) on the cylinder (N) of all tangential forces at its contacts.
+    normal_force : ndarray of shape (c, k, 2)
+        Mean force (x, y) on each solid (N) of all normal forces at its contacts.
+    tangential_force : ndarray of shape (c, k, 2)
+        Mean force (x, y) on each solid (N) of all tangential forces at its contacts.
     wall_force : ndarray of shape (c, w)
         Mean normal force (N) on each of the w walls.
     kinetic_energy : ndarray of shape (c,)
@@ -39,10 +39,12 @@ class Record(NamedTuple):
         Largest overlap over the smaller radius, without unit, at the end of the interval.
     time_step : ndarray of shape (c,)
         Shortest time step (s) of the interval.
-    torque : ndarray of shape (c,)
-        Mean torque (N m) on the cylinder about its axis, anticlockwise.
-    cylinder_position : ndarray of shape (c, 2)
-        Axis of the cylinder (m) at the end of the interval; NaN without a cylinder.
+    torque : ndarray of shape (c, k)
+        Mean torque (N m) on each solid about its position, anticlockwise.
+    solid_position : ndarray of shape (c, k, 2)
+        Position of each solid (m) at the end of the interval.
+    solid_angle : ndarray of shape (c, k)
+        Angle of each solid (rad) at the end of the interval.
     wall_tangential_force : ndarray of shape (c, w)
         Mean tangential force (N) on each wall along (-ny, nx), with (nx, ny) the normal of the
         wall.
@@ -60,27 +62,26 @@ class Record(NamedTuple):
     max_overlap: np.ndarray
     time_step: np.ndarray
     torque: np.ndarray
-    cylinder_position: np.ndarray
+    solid_position: np.ndarray
+    solid_angle: np.ndarray
     wall_tangential_force: np.ndarray
     wall_offset: np.ndarray
     held_force: np.ndarray
 
 
 def shares(scene: Scene, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows (..., r, k) of Boundaries as those of walls (..., w, k), cylinder (..., k; zeros without
-    one) and held groups (..., g, k)."""
-    count = 0 if scene.walls is None else len(scene.walls)
-    walls, cylinder, held = np.split(rows, [count, rows.shape[-2] - len(scene.held)], axis=-2)
-    return walls, cylinder.sum(axis=-2), held  # the cylinder: of one row or none
+    """Rows (..., r, c) of Boundaries as those of walls (..., w, c), solids (..., k, c) and held
+    groups (..., g, c)."""
+    walls, held = len(scene.walls), rows.shape[-2] - len(scene.held)
+    return rows[..., :walls, :], rows[..., walls:held, :], rows[..., held:, :]
 
 
 def bearings(scene: Scene, world: World) -> np.ndarray:
-    """Offsets (m) of walls, place (x, y) in m of the cylinder, and velocities (m/s, rad/s) of all
-    boundaries."""
-    motion = world.boundaries.motion
-    offsets = world.walls.planes[:, 2]
-    place = shares(scene, motion)[1][[X, Y]]
-    return np.concatenate([offsets, place, motion[:, [VX, VY, W]].ravel()])
+    """Offsets (m) of walls, places (x, y) in m and angles (rad) of solids, and velocities (m/s,
+    rad/s) of all boundaries."""
+    motion, angle = world.boundaries.motion, world.boundaries.angle[:, None]
+    place = shares(scene, np.hstack([motion[:, [X, Y]], angle]))[1]
+    return np.concatenate([world.walls.planes[:, 2], place.ravel(), motion[:, [VX, VY, W]].ravel()])
 
 
 # of a Result as a dataset: name: (dimensions, units, long name)
@@ -90,14 +91,24 @@ RESULT = {
     "angle": (("time", "granule"), "rad", "angle of the granule, anticlockwise"),
     "velocity": (("time", "granule", "axis"), "m s-1", "velocity of the granule"),
     "angular_velocity": (("time", "granule"), "rad s-1", "angular velocity, anticlockwise"),
-    "cylinder_force": (("time", "axis"), "N", "mean force on the cylinder since the frame before"),
-    "cylinder_position": (("time", "axis"), "m", "position of the axis of the cylinder"),
-    "cylinder_torque": (
-        ("time",),
-        "N m",
-        "mean torque on the cylinder since the frame before, anticlockwise",
+    "solid_force": (
+        ("time", "solid", "axis"),
+        "N",
+        "mean force on the solid since the frame before",
     ),
-    "cylinder_diameter": ((), "m", "diameter of the cylinder"),
+    "solid_position": (("time", "solid", "axis"), "m", "position of the solid"),
+    "solid_angle": (("time", "solid"), "rad", "angle of the solid, anticlockwise"),
+    "solid_torque": (
+        ("time", "solid"),
+        "N m",
+        "mean torque on the solid since the frame before, anticlockwise",
+    ),
+    "solid_radius": (("solid",), "m", "radius of the circle that holds the solid"),
+    "solid_outline": (
+        ("solid", "point", "axis"),
+        "m",
+        "closed outline of the solid about its position at angle zero",
+    ),
     "wall_force": (("time", "wall"), "N", "mean normal force on the wall since the frame before"),
     "wall_tangential_force": (
         ("time", "wall"),
@@ -119,8 +130,16 @@ RESULT = {
 }
 
 
+def rings(scene: Scene) -> np.ndarray:
+    """Closed outlines (k, points, 2) in m of the solids about their positions, at angle zero; of
+    those with fewer points the last is repeated."""
+    listed = [solid.ring() for solid in scene.solids]
+    points = max(map(len, listed))
+    return np.stack([np.vstack([ring, *[ring[-1:]] * (points - len(ring))]) for ring in listed])
+
+
 class Result(NamedTuple):
-    """What simulate returns: f frames of n granules, w walls and g held groups.
+    """What simulate returns: f frames of n granules, w walls, k solids and g held groups.
 
     The first frame is the start; frame -1 is the last one.
 
@@ -136,8 +155,8 @@ class Result(NamedTuple):
         Velocities (m/s).
     angular_velocity : (f, n) array
         Angular velocities (rad/s).
-    cylinder_force : (f, 2) array
-        Mean force on the cylinder since the frame before (N); NaN in the first frame.
+    solid_force : (f, k, 2) array
+        Mean force on each solid since the frame before (N); NaN in the first frame.
     wall_force : (f, w) array
         Mean normal force on each wall since the frame before (N); NaN in the first frame.
     state : State
@@ -148,11 +167,13 @@ class Result(NamedTuple):
         Shortest time step taken (s).
     scene : Scene
         What was simulated.
-    cylinder_position : (f, 2) array or None
-        Axis of the cylinder (m); None without a cylinder.
-    cylinder_torque : (f,) array or None
-        Mean torque on the cylinder about its axis since the frame before (N m), anticlockwise; NaN
-        in the first frame, None without a cylinder.
+    solid_position : (f, k, 2) array
+        Position of each solid (m).
+    solid_angle : (f, k) array
+        Angle of each solid (rad), anticlockwise.
+    solid_torque : (f, k) array
+        Mean torque on each solid about its position since the frame before (N m), anticlockwise;
+        NaN in the first frame.
     wall_tangential_force : (f, w) array
         Mean tangential force on each wall since the frame before (N), along (-ny, nx) where (nx,
         ny) is its normal; NaN in the first frame.
@@ -179,13 +200,14 @@ class Result(NamedTuple):
     angle: np.ndarray
     velocity: np.ndarray
     angular_velocity: np.ndarray
-    cylinder_force: np.ndarray
+    solid_force: np.ndarray
     wall_force: np.ndarray
     state: State
     time_step: float
     scene: Scene
-    cylinder_position: np.ndarray | None
-    cylinder_torque: np.ndarray | None
+    solid_position: np.ndarray
+    solid_angle: np.ndarray
+    solid_torque: np.ndarray
     wall_tangential_force: np.ndarray
     wall_offset: np.ndarray
     held_force: np.ndarray | None
@@ -194,8 +216,7 @@ class Result(NamedTuple):
     def walls(self) -> np.ndarray:
         """Walls of all frames, (f, w, 3): rows (nx, ny, offset), offset in m."""
         walls = np.zeros((*self.wall_offset.shape, 3))
-        if self.scene.walls is not None:
-            walls[..., :2], walls[..., 2] = self.scene.walls[:, :2], self.wall_offset
+        walls[..., :2], walls[..., 2] = self.scene.planes[:, :2], self.wall_offset
         return walls
 
     def contacts(self, frame: int = -1) -> ContactList:
@@ -229,16 +250,20 @@ class Result(NamedTuple):
         """
         frames = len(self.time)
         frame = parsed(Annotated[Count, Field(ge=-frames, lt=frames)], frame, "frame")
-        scene, place = self.scene, self.cylinder_position
-        if scene.cylinder is not None and place is not None:
-            scene = replace(scene, cylinder=replace(scene.cylinder, position=place[frame]))
-        if scene.walls is not None:
-            scene = replace(scene, walls=self.walls[frame])
+        scene, planes = self.scene, self.walls[frame]
+        places = zip(self.solid_position[frame], self.solid_angle[frame], strict=True)
+        solids = [
+            replace(solid, position=position, angle=angle)
+            for solid, (position, angle) in zip(scene.solids, places, strict=True)
+        ]
+        walls = [replace(wall, plane=row) for wall, row in zip(scene.walls, planes, strict=True)]
+        scene = replace(scene, walls=walls, solids=solids)
         state = State(*(getattr(self, name)[frame] for name in ARRAYS))
         from dem.dynamics.simulation import Simulation  # which imports this file
 
-        contacts = Simulation(scene, state).contacts()
-        if scene.friction is None:
+        run = Simulation(scene, state)
+        contacts = run.contacts()
+        if run.world.pairs.friction is None:
             return contacts
         return contacts._replace(
             tangential_force=np.full_like(contacts.tangential_force, np.nan),
@@ -246,27 +271,27 @@ class Result(NamedTuple):
         )
 
     def to_dataset(self) -> "xarray.Dataset":
-        """Return the frames, granules, walls and cylinder as a dataset.
+        """Return the frames, granules, walls and solids as a dataset.
 
         Returns
         -------
         xarray.Dataset
-            Dimensions are time, granule, axis, wall and group (of held granules). Every variable
-            has units and a long name (CF). Walls are numbered in the order of the scene. Without
-            walls or held groups there is none of their variables; without a cylinder there is none
-            of its variables but its force, which is zero.
+            Dimensions are time, granule, axis, wall, solid, point (of its outline) and group (of
+            held granules). Every variable has units and a long name (CF). Walls and solids are
+            numbered in the order of the scene. Without walls, solids or held groups there is none
+            of their variables.
         """
         import xarray
 
         scene = self.scene
-        walls = np.empty((0, 3)) if scene.walls is None else scene.walls
         values = self._asdict() | {
             "mass": scene.mass,
             "bounding_radius": scene.shape.bounding_radius,
-            "wall_normal": walls[:, :2],
+            "wall_normal": scene.planes[:, :2],
+            "solid_radius": np.array([solid.radius for solid in scene.solids]),
         }
-        if scene.cylinder is not None:
-            values["cylinder_diameter"] = scene.cylinder.diameter
+        if scene.solids:
+            values["solid_outline"] = rings(scene)
         if scene.periodic is not None:
             values["period"] = np.array(scene.periodic, float)  # None becomes NaN
         variables = {

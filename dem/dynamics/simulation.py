@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import InstanceOf
 
 from dem.base.errors import InputError, OverlapError, StateError
-from dem.base.types import NotNegative, Time, Unit, Velocity, checked
+from dem.base.types import Count, NotNegative, Number, Time, Unit, Velocity, checked
 from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.checkpoint import (
     fingerprint,
@@ -41,6 +41,7 @@ from dem.dynamics.ordering import order_of, ordered
 from dem.dynamics.result import Record, Result, bearings, shares
 from dem.dynamics.skin import SKIN, skin_for
 from dem.dynamics.stepping import (
+    ANGLE,
     COLLAPSE,
     COLLAPSED,
     FINE,
@@ -65,6 +66,7 @@ from dem.dynamics.threads import Threads
 from dem.dynamics.world import World, number_of_patches
 from dem.jit.columns import VX, VY, W, X, Y
 from dem.jit.interrupts import signals_deferred
+from dem.motion import Turn
 from dem.scene import ARRAYS, Scene, State
 
 FIRST_BUDGET = 20_000  # constituents times steps until the kernel returns for the first time
@@ -175,7 +177,7 @@ class Simulation:
         self.step_fraction, self.max_overlap = step_fraction, max_overlap
         state, frame = state.checked(scene.granules), (0.0, 0.0)
         reached = state.boundaries
-        if scene.walls is None and not scene.cylinder and not scene.held:
+        if not (scene.walls or scene.solids or scene.held):
             x, y = np.average(state.velocity, axis=0, weights=scene.mass)
             frame = float(x), float(y)
             state.velocity -= frame
@@ -263,13 +265,13 @@ class Simulation:
         return State(bodies[:, :2].copy(), bodies[:, [VX, VY]], angle, bodies[:, W].copy(), moved)
 
     def collect_impulses(self) -> tuple[np.ndarray, np.ndarray]:
-        """Impulses of the granules on cylinder and walls since the last call.
+        """Impulses of the granules on solids and walls since the last call.
 
         Returns
         -------
-        on_cylinder : ndarray of shape (2, 2)
-            Impulses (x, y) in N s: of the normal forces in the first row, of the tangential forces
-            in the second.
+        on_solids : ndarray of shape (k, 2, 2)
+            Impulses (x, y) in N s on each solid: of the normal forces in the first row, of the
+            tangential forces in the second.
         on_walls : ndarray of shape (w,)
             Impulse of the normal forces (N s) on each wall.
 
@@ -282,7 +284,7 @@ class Simulation:
         ...     dem.Disc([1e-3]),
         ...     friction=dem.Friction(),
         ...     walls=dem.box(10e-3, 20e-3),
-        ...     cylinder=dem.Cylinder(diameter=2e-3, position=(5e-3, 15e-3)),
+        ...     solids=dem.Cylinder(diameter=2e-3, position=(5e-3, 15e-3)),
         ... )
         >>> run = dem.Simulation(scene, dem.State([[8.9e-3, 5e-3]], velocity=[[1.0, 0.0]]))
         >>> shortest = run.advance(4e-4)
@@ -290,11 +292,11 @@ class Simulation:
         >>> print(f"{right / (scene.mass[0] * (1.0 - run.state.velocity[0, 0])):.3f}")
         1.000
         """
-        walls, cylinder, _ = self._take_impulses()
-        return cylinder[:4].reshape(2, 2), walls[:, 0]
+        walls, solids, _ = self._take_impulses()
+        return solids[:, :4].reshape(-1, 2, 2), walls[:, 0]
 
     def _take_impulses(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Boundaries.impulses since the last call, of walls, cylinder and held groups."""
+        """Boundaries.impulses since the last call, of walls, solids and held groups."""
         seen = self._seen.boundaries.impulses
         since = seen.copy()
         for impulses in (self._world.boundaries.impulses, seen):
@@ -424,7 +426,7 @@ class Simulation:
         -----
         The stress of the contacts is the sum of ``f l`` over the volume: force f on the partner,
         branch vector l of `ContactList`. The volume is the thickness times the area between walls,
-        edges and periodic sides, without the cylinder. In bins a contact counts for the share of
+        edges and periodic sides, without the solids. In bins a contact counts for the share of
         its branch vector that is in the bin. The fabric counts contacts by their points, the other
         measures granules by their centres.
 
@@ -452,8 +454,12 @@ class Simulation:
         world = self._seen
         planes = world.walls.planes
         _, place, _ = shares(self.scene, world.boundaries.motion)
+        angle = world.boundaries.angle[len(self.scene.walls) :]
+        rings = [
+            solid.placed(place[k, [X, Y]], angle[k]) for k, solid in enumerate(self.scene.solids)
+        ]
         bins = next(((k, np.asarray(e)) for k, e in enumerate((x, y)) if e is not None), None)
-        return stress(self.contacts(), self.state, self.scene, planes, place, bins)
+        return stress(self.contacts(), self.state, self.scene, planes, rings, bins)
 
     def ledger(self) -> Ledger:
         """Energies held, gained and lost since the start.
@@ -476,9 +482,9 @@ class Simulation:
         >>> import numpy as np
         >>> shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
         >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 4e-3), velocity=(0.0, 1.0))
-        >>> bed = dem.pack(shape, width=8e-3, height=9e-3, cylinder=cylinder, seed=1)
+        >>> bed = dem.pack(shape, width=8e-3, height=9e-3, solids=cylinder, seed=1)
         >>> scene = dem.Scene(
-        ...     shape, friction=dem.Friction(), walls=bed.walls, cylinder=cylinder
+        ...     shape, friction=dem.Friction(), walls=bed.walls, solids=cylinder
         ... )
         >>> run = dem.Simulation(scene, bed.state, ledger=True)
         >>> shortest = run.advance(1e-5)
@@ -559,19 +565,28 @@ class Simulation:
     # Motion
 
     @checked
-    def set_cylinder_velocity(self, velocity: Velocity) -> None:
-        """Change the velocity of the cylinder from now on.
+    def set_velocity(
+        self,
+        velocity: Velocity,
+        solid: Count = 0,
+        spin: Annotated[Number, Unit("rad s-1")] | None = None,
+    ) -> None:
+        """Change the velocity of a solid from now on.
 
         Parameters
         ----------
         velocity : tuple of float
             Velocity (x, y) in m/s.
+        solid : int
+            Number of the solid in the scene, without unit.
+        spin : float, optional
+            Angular velocity (rad/s), anticlockwise; None to leave it as it is.
 
         Raises
         ------
         InputError
-            If the scene has no cylinder, if it follows a PrescribedMotion or a Drive, or if
-            `velocity` does not hold two finite numbers.
+            If the scene has no such solid, if it follows a PrescribedMotion, a Drive or a Turn
+            there, or if `velocity` does not hold two finite numbers.
 
         Examples
         --------
@@ -581,31 +596,40 @@ class Simulation:
         >>> import numpy as np
         >>> shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
         >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 4e-3), velocity=(0.0, 1.0))
-        >>> bed = dem.pack(shape, width=8e-3, height=9e-3, cylinder=cylinder, seed=1)
+        >>> bed = dem.pack(shape, width=8e-3, height=9e-3, solids=cylinder, seed=1)
         >>> scene = dem.Scene(
-        ...     shape, friction=dem.Friction(), walls=bed.walls, cylinder=cylinder
+        ...     shape, friction=dem.Friction(), walls=bed.walls, solids=cylinder
         ... )
         >>> run = dem.Simulation(scene, bed.state)
-        >>> run.set_cylinder_velocity((0.0, 0.0))
+        >>> run.set_velocity((0.0, 0.0))
         >>> shortest = run.advance(1e-5)
         >>> print(f"{1e6 * run.diagnose().kinetic_energy:.3f} uJ")
         0.000 uJ
         """
-        if self.scene.cylinder is None:
-            raise InputError("velocity cannot be set: the scene has no cylinder.")
-        if not isinstance(self.scene.cylinder.velocity, tuple):
+        if not 0 <= solid < len(self.scene.solids):
             raise InputError(
-                "velocity cannot be set: the cylinder follows a PrescribedMotion or a Drive."
+                f"solid is {solid}; the scene has {len(self.scene.solids)}, numbered from 0."
             )
+        moving = self.scene.solids[solid]
+        if not isinstance(moving.velocity, tuple):
+            raise InputError(
+                f"velocity cannot be set: solids[{solid}] follows a PrescribedMotion or a Drive."
+            )
+        if spin is not None and isinstance(moving.spin, Turn):
+            raise InputError(f"spin cannot be set: solids[{solid}] follows a Turn.")
         report, seen = self._progress_now(), self._seen.boundaries
         boundaries, ahead = self._world.boundaries, report.seen - report.time
-        b = len(boundaries.motion) - len(self.scene.held) - 1
+        b = len(self.scene.walls) + solid
         # until now, and from now on
         before, after = boundaries.waypoints[boundaries.first_waypoint[b] :][:2]
         before[0] = after[0] = boundaries.time[0] + ahead
         before[1:3] = after[1:3] = velocity
+        if spin is not None:
+            before[3] = after[3] = spin
         if ahead > 0.0:
             before[1:3] = (seen.motion[b, :2] - boundaries.motion[b, :2]) / ahead
+            if spin is not None:
+                before[3] = (seen.angle[b] - boundaries.angle[b]) / ahead
         self._progress = report._replace(scanned=-1)
 
     @checked
@@ -687,13 +711,13 @@ class Simulation:
         >>> import numpy as np
         >>> shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
         >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 4e-3), velocity=(0.0, 1.0))
-        >>> bed = dem.pack(shape, width=8e-3, height=9e-3, cylinder=cylinder, seed=1)
+        >>> bed = dem.pack(shape, width=8e-3, height=9e-3, solids=cylinder, seed=1)
         >>> scene = dem.Scene(
-        ...     shape, friction=dem.Friction(), walls=bed.walls, cylinder=cylinder
+        ...     shape, friction=dem.Friction(), walls=bed.walls, solids=cylinder
         ... )
         >>> run = dem.Simulation(scene, bed.state)
         >>> record = run.record(interval=1e-5, count=4)
-        >>> drag = -(record.normal_force + record.tangential_force)[:, 1]  # N
+        >>> drag = -(record.normal_force + record.tangential_force)[:, 0, 1]  # N
         >>> bool((drag > 0.0).all())
         True
         """
@@ -701,21 +725,19 @@ class Simulation:
         rows = np.zeros((count, OF_BED + OF_BOUNDARY * len(self._world.boundaries.motion)))
         self._advance("interval * count", self.time, interval, count, rows)
         self.diagnose()  # the guard on overlaps, also for the end of the last interval
-        walls, cylinder, held = shares(self.scene, rows[:, OF_BED:].reshape(count, -1, OF_BOUNDARY))
+        walls, solids, held = shares(self.scene, rows[:, OF_BED:].reshape(count, -1, OF_BOUNDARY))
         energy, contacts, overlap, step = rows[:, :OF_BED].T
-        place = cylinder[:, PLACE:]
         return Record(
-            normal_force=cylinder[:, :2],
-            tangential_force=cylinder[:, 2:4],
+            normal_force=solids[..., :2],
+            tangential_force=solids[..., 2:4],
             wall_force=walls[..., 0],
             kinetic_energy=energy,
             coordination_number=contacts,
             max_overlap=overlap,
             time_step=step,
-            torque=cylinder[:, 4],
-            cylinder_position=np.full_like(place, math.nan)
-            if self.scene.cylinder is None
-            else place,
+            torque=solids[..., 4],
+            solid_position=solids[..., PLACE:ANGLE],
+            solid_angle=solids[..., ANGLE],
             wall_tangential_force=walls[..., 3],
             wall_offset=walls[..., PLACE],
             held_force=held[..., :2],
@@ -921,7 +943,7 @@ def simulate(
     Parameters
     ----------
     scene : Scene
-        What is simulated: n granules, walls, cylinder.
+        What is simulated: n granules, walls, solids.
     state : State
         Where the granules start, and how they move.
     duration : float
@@ -991,24 +1013,25 @@ def simulate(
             shortest = min(shortest, run._advance("duration", end, 0.0, 1))
         for name, value in (_frame(run, interval) if frame else first).items():
             series[name][frame] = value
-    optional: dict[str, Any] = dict.fromkeys(("cylinder_position", "cylinder_torque", "held_force"))
-    return Result(**optional | series, state=run.state, time_step=shortest, scene=scene)
+    series.setdefault("held_force", None)
+    return Result(**series, state=run.state, time_step=shortest, scene=scene)
 
 
 def _frame(run: Simulation, interval: float) -> dict[str, Any]:
     """The simulation as it is, and the mean forces (N) since the frame before, an interval (s)
     ago."""
-    world, state, (walls, cylinder, held) = run.world, run.state, run._take_impulses()
+    world, state, (walls, solids, held) = run.world, run.state, run._take_impulses()
+    _, place, _ = shares(run.scene, world.boundaries.motion)
     frame = {name: getattr(state, name) for name in ARRAYS} | {
         "time": run.time,
-        "cylinder_force": (cylinder[:2] + cylinder[2:4]) / interval,
+        "solid_force": (solids[:, :2] + solids[:, 2:4]) / interval,
+        "solid_torque": solids[:, 4] / interval,
+        "solid_position": place[:, [X, Y]],
+        "solid_angle": world.boundaries.angle[len(walls) : len(walls) + len(solids)],
         "wall_force": walls[:, 0] / interval,
         "wall_tangential_force": walls[:, 3] / interval,
         "wall_offset": world.walls.planes[:, 2],
     }
-    if run.scene.cylinder is not None:
-        frame["cylinder_position"] = world.boundaries.motion[world.cylinder.first, :2]
-        frame["cylinder_torque"] = cylinder[4] / interval
     if world.held is not None:
         frame["held_force"] = held[:, :2] / interval
     return frame

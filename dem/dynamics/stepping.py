@@ -4,7 +4,7 @@ import math
 from itertools import repeat
 from typing import NamedTuple
 
-from dem.dynamics.boundaries import move_boundaries, surface_moved
+from dem.dynamics.boundaries import boundaries_moved, move_boundaries
 from dem.dynamics.contact_list import contact_summary, deeper
 from dem.dynamics.diagnostics import Diagnostics, begin_scan, diagnose, end_scan, scan_pairs
 from dem.dynamics.energy import kinetic
@@ -207,9 +207,8 @@ def first_outside(walls, bodies):
 @compiled
 def nearing(world):
     """Most by which two bodies can have come nearer since the lists were made (m)."""
-    one = math.sqrt(surface_moved(world.cylinder, world.boundaries))
-    other = math.sqrt(surface_moved(world.walls, world.boundaries))
-    first, second = max(one, other), min(one, other)
+    walls, solids = boundaries_moved(world)
+    first, second = math.sqrt(max(walls, solids)), math.sqrt(min(walls, solids))
     motion, reference = world.constituents, world.reference
     for i in range(motion.shape[0]):
         dx = motion[i, X] - reference[i, 0]
@@ -224,10 +223,10 @@ def nearing(world):
 
 # Measurements
 
-# Columns of a record: of the bed; then of each boundary, its impulses over the interval and its
-# place
+# Columns of a record: of the bed; then of each boundary, its impulses over the interval, its place
+# and its angle
 ENERGY, CONTACTS, OVERLAP, STEP, OF_BED = range(5)
-PLACE, OF_BOUNDARY = 5, 7
+PLACE, ANGLE, OF_BOUNDARY = 5, 7, 8
 
 
 @compiled(allocates=True)
@@ -245,6 +244,7 @@ def measure(row, impulses, rate, world, table, frame):
             row[at + c] = seen[b, c] * rate
             impulses[b, c] -= seen[b, c]
         row[at + PLACE], row[at + PLACE + 1] = motion[b, X], motion[b, Y]
+        row[at + ANGLE] = world.boundaries.angle[b]
     for k in range(planes.shape[0]):  # the place of a wall is its offset (m)
         row[OF_BED + OF_BOUNDARY * k + PLACE] = planes[k, 2]
 
@@ -270,7 +270,8 @@ def look(world, pending_kick, ahead):
     seen.constituents = seen.bodies if alone else seen.constituents.copy()
     boundaries.motion, boundaries.impulses = boundaries.motion.copy(), boundaries.impulses.copy()
     boundaries.previous_acceleration = boundaries.previous_acceleration.copy()
-    boundaries.time = boundaries.time.copy()
+    boundaries.time, boundaries.angle = boundaries.time.copy(), boundaries.angle.copy()
+    boundaries.orientation = copied(boundaries.orientation)
     walls.planes = walls.planes.copy()
     seen.lanes = Lanes(motion=lanes.motion, values=lanes.values, account=copied(lanes.account))
     look_ahead(seen, pending_kick, ahead)

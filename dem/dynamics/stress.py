@@ -7,6 +7,7 @@ mean force that crosses the lines of the bin is then exact (Irving and Kirkwood 
 """
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Any, NamedTuple
 
@@ -102,11 +103,11 @@ def stress(
     state: State,
     scene: Scene,
     planes: np.ndarray,
-    place: np.ndarray,
+    rings: Sequence[np.ndarray],
     bins: tuple[int, np.ndarray] | None = None,
 ) -> Stress:
-    """Stress of the granules of a scene with these contacts; planes (w, 3): its walls; place (m):
-    of its cylinder; bins: their axis and edges (m).
+    """Stress of the granules of a scene with these contacts; planes (w, 3): its walls; rings:
+    closed outlines (points, 2) in m of its solids; bins: their axis and edges (m).
 
     Raises InputError if the container is not closed.
     """
@@ -114,8 +115,8 @@ def stress(
     periods, position, mass = scene.periodic or (None, None), state.position, scene.mass
     period = periods[axis] if bins else None
     area = _areas(planes, periods, axis, limits, bins)
-    if scene.cylinder is not None:
-        area = area - _taken(place[axis], 0.5 * scene.cylinder.diameter, limits, period)
+    for solid, ring in zip(scene.solids, rings, strict=True):
+        area = area - _taken(ring[:-1, axis], ring[:-1, 1 - axis], solid, limits, period)
     volume = scene.thickness * area
 
     def held(values, start, length=0.0):
@@ -212,11 +213,28 @@ def _corners(planes):
     return corners
 
 
-def _taken(centre, radius, limits, period):
-    """Area (m2) of the cylinder in each bin."""
+def _taken(along, across, solid, limits, period):
+    """Area (m2) of a solid in each bin: of corners at places (m) along the axis of the bins."""
     below = np.zeros(len(limits))
-    ends = np.array([centre - radius]), np.array([centre + radius])
-    for shift in _images(limits, *ends, period):
-        u = np.clip((limits - shift - centre) / radius, -1.0, 1.0)
-        below += radius**2 * (np.arcsin(u) + u * np.sqrt(1.0 - u * u))
+    for shift in _images(limits, along.min(keepdims=True), along.max(keepdims=True), period):
+        if solid.is_round:
+            radius, centre = solid.radius, 0.5 * (along.min() + along.max())
+            u = np.clip((limits - shift - centre) / radius, -1.0, 1.0)
+            below += radius**2 * (np.arcsin(u) + u * np.sqrt(1.0 - u * u))
+        else:
+            below += [_area_below(along, across, limit - shift) for limit in limits]
     return np.diff(below)
+
+
+def _area_below(along, across, limit):
+    """Area (m2) of a convex polygon of corners where `along` is less than a limit (m)."""
+    ends, heights = [], []
+    for k in range(len(along)):
+        if (along[k - 1] > limit) != (along[k] > limit):
+            share = (limit - along[k - 1]) / (along[k] - along[k - 1])
+            ends.append(limit)
+            heights.append(across[k - 1] + share * (across[k] - across[k - 1]))
+        if along[k] <= limit:
+            ends.append(along[k])
+            heights.append(across[k])
+    return 0.5 * abs(np.dot(np.roll(ends, 1), heights) - np.dot(ends, np.roll(heights, 1)))

@@ -10,22 +10,12 @@ from dem.jit.compilation import inlined
 PATCH = 1024  # granules: what a patch needs fits into the second-level cache
 
 
-class FrictionParameters(NamedTuple):
-    """Friction of one kind of contact.
-
-    Attributes
-    ----------
-    coefficient : float
-        Coulomb's mu.
-    stiffness_ratio : float
-        8 G* over 4/3 E*, times Friction.stiffness.
-    damping_ratio : float
-        Tangential over normal damping, sqrt(k_t / k_n).
-    """
-
-    coefficient: float
-    stiffness_ratio: float
-    damping_ratio: float
+# Rows of Contacts.friction: Coulomb's mu; 8 G* over 4/3 E*, times Friction.stiffness; tangential over
+# normal damping, sqrt(k_t / k_n)
+COEFFICIENT, STIFFNESS_RATIO, DAMPING_RATIO = 0, 1, 2
+# Columns of GranuleTable.laws: 4/3 E* (Pa); dashpot constant without unit; from there on the rows
+# of Contacts.friction
+MODULUS, ALPHA, FRICTION, LAW = 0, 1, 2, 5
 
 
 class Contacts(NamedTuple):
@@ -34,22 +24,21 @@ class Contacts(NamedTuple):
     Attributes
     ----------
     first : ndarray of shape (constituents + 1,) or None
-        The pairs of constituent i are rows first[i] to first[i + 1]; None for walls and cylinder.
+        The pairs of constituent i are rows first[i] to first[i + 1]; None for boundaries.
     constituent, partner : ndarray of shape (m,)
         The constituent and its partner: one with a higher index, or a boundary.
     force_row : ndarray of shape (m,)
         Row of World.constituent_force for the force on the partner, see Patches.
     stiffness : ndarray of shape (m,)
-        4/3 E* sqrt(R*) (N m^-1.5).
-    modulus : float
-        4/3 E* (Pa).
+        4/3 E* sqrt(R*) (N m^-1.5); 4/3 E* (Pa) where R* is found at the contact
+        (dem.shapes.protocol.local_radius).
     damping : ndarray of shape (m,) or None
         Dashpot constant alpha sqrt(m* k).
     mass_ratio : ndarray of shape (2, m) or None
         m/m* for a normal along x and along y, where a driven boundary yields; the dashpot constant
         is then that of the mass m. None where none yields.
-    friction : FrictionParameters or None
-        Friction of these contacts.
+    friction : ndarray of shape (3, m) or None
+        Friction of each contact, see COEFFICIENT.
     tangential_force : ndarray of shape (m,) or None
         Contact history: force of the tangential spring (N).
     sqrt_overlap : ndarray of shape (m,) or None
@@ -67,10 +56,9 @@ class Contacts(NamedTuple):
     partner: np.ndarray
     force_row: np.ndarray
     stiffness: np.ndarray
-    modulus: float
     damping: np.ndarray | None
     mass_ratio: np.ndarray | None
-    friction: FrictionParameters | None
+    friction: np.ndarray | None
     tangential_force: np.ndarray | None
     sqrt_overlap: np.ndarray | None
     normal_x: np.ndarray | None
@@ -80,29 +68,40 @@ class Contacts(NamedTuple):
     sizes: np.ndarray | None
 
 
-EXTERNAL_FORCE, INVERSE_MASS, DAMPING = 0, 2, 4  # columns of Boundaries.drive
+EXTERNAL_FORCE, INVERSE_MASS, DAMPING, DRIVE = (
+    0,
+    3,
+    6,
+    9,
+)  # columns of Boundaries.drive: x, y, angle
 
 
 class Boundaries(NamedTuple):
-    """What granules meet: r bodies, first the walls, then the cylinder, then groups of held
-    granules.
+    """What granules meet: r bodies, first the walls, then the solids, then groups of held granules.
 
     Attributes
     ----------
     motion : ndarray of shape (r, 8)
-        Rows of dem.jit.columns, always of half steps. The position is that of the cylinder, or how
-        far a wall or a group has moved since the start.
-    reference : ndarray of shape (r, 2)
-        Positions (m) at which the neighbour lists were made.
+        Rows of dem.jit.columns, always of half steps. The position is that of a solid, or how far
+        a wall or a group has moved since the start.
+    angle : ndarray of shape (r,)
+        Angles (rad).
+    orientation : ndarray of shape (r, 2) or None
+        Cosine and sine of the angles; None if no solid looks different when it turns.
+    reach : ndarray of shape (r,)
+        Radius (m) of the circle that holds a solid which is not round; zero of others.
+    reference : ndarray of shape (r, 3)
+        Positions (m) and angles (rad) at which the neighbour lists were made.
     force : ndarray of shape (r, 4)
-        Force of all contacts (N), as rows of dem.jit.columns, without the torque.
+        Force and torque of all contacts (N, N m), as rows of dem.jit.columns; the torque of solids
+        only.
     contact_forces : ndarray of shape (r, 5)
         Normal forces x and y (N), tangential forces x and y (N), torque (N m). Of a wall x is along
         its normal (nx, ny) and y along (-ny, nx). Of a group all forces are in the first two.
     impulses : ndarray of shape (r, 5)
         Integral of contact_forces over time, as far as they have changed velocities.
-    previous_acceleration : ndarray of shape (r, 2)
-        Accelerations of driven ones a step ago (m/s2).
+    previous_acceleration : ndarray of shape (r, 3)
+        Accelerations of driven ones a step ago (m/s2, rad/s2).
     time : ndarray of shape (1,)
         Time since the start (s).
     first_waypoint : ndarray of shape (r + 1,)
@@ -111,12 +110,16 @@ class Boundaries(NamedTuple):
     waypoints : ndarray of shape (k, 4)
         Time (s), velocity x and y (m/s) and spin (rad/s) of all paths, one after the other. A
         constant velocity has two.
-    drive : ndarray of shape (r, 5)
-        Of a driven one: external force along x and y (N), inverse mass along x and y (1/kg; zero
-        where the velocity is kept), damping (N s/m).
+    drive : ndarray of shape (r, 9)
+        Of a driven one: external force along x and y (N) and torque (N m), inverse mass along x and
+        y (1/kg) and inverse inertia (1/(kg m2)), zero where the velocity is kept, damping along x
+        and y (N s/m) and of the rotation (N m s).
     """
 
     motion: np.ndarray
+    angle: np.ndarray
+    orientation: np.ndarray | None
+    reach: np.ndarray
     reference: np.ndarray
     force: np.ndarray
     contact_forces: np.ndarray
@@ -128,25 +131,48 @@ class Boundaries(NamedTuple):
     drive: np.ndarray
 
 
-class Surface(NamedTuple):
-    """Boundaries first to end (excluded) that granules touch: the walls, or the cylinder.
+class Faces(NamedTuple):
+    """Outlines of the boundaries that are polygons.
 
     Attributes
     ----------
-    first, end : int
-        Rows of Boundaries.
+    first : ndarray of shape (r + 1,)
+        The faces of boundary b are rows first[b] to first[b + 1].
+    row : ndarray of shape (faces, 5)
+        Where a face begins (m), its outward normal, its length (m), in the frame of the solid.
+    radius : ndarray of shape (r,)
+        Radius of the rounded corners (m).
+    """
+
+    first: np.ndarray
+    row: np.ndarray
+    radius: np.ndarray
+
+
+class Surface(NamedTuple):
+    """Boundaries of one form that granules touch: walls, or solids.
+
+    Attributes
+    ----------
+    boundary : ndarray of shape (k,)
+        Their rows of Boundaries, in ascending order.
     planes : ndarray of shape (w, 3) or None
-        Rows (nx, ny, offset) of walls, solid where n.x > offset.
-    radius : float or None
-        Radius of the cylinder (m); None for walls.
+        Of walls: rows (nx, ny, offset), solid where n.x > offset.
+    radius : ndarray of shape (r,) or None
+        Of round solids: radius (m) by boundary.
+    outlines : Shape or None
+        Of solids with the outline of a granule: its sizes by boundary.
+    faces : Faces or None
+        Of solids with the outline of a polygon.
     contacts : Contacts
         Neighbour list.
     """
 
-    first: int
-    end: int
+    boundary: np.ndarray
     planes: Any
     radius: Any
+    outlines: Any
+    faces: Any
     contacts: Contacts
 
 
@@ -228,9 +254,11 @@ class World(NamedTuple):
     pairs : Contacts
         Contacts between granules.
     boundaries : Boundaries
-        Walls, cylinder and held groups.
-    walls, cylinder : Surface
-        Contacts with them; without any where the scene has none.
+        Walls, solids and held groups.
+    walls, circles : Surface
+        Contacts with walls and with round solids; without any where the scene has none.
+    outlines, polygons : Surface or None
+        Contacts with other solids; None where the scene has none.
     gravity : tuple of float
         Acceleration (m/s2).
     lanes : Lanes
@@ -255,7 +283,9 @@ class World(NamedTuple):
     pairs: Contacts
     boundaries: Boundaries
     walls: Surface
-    cylinder: Surface
+    circles: Surface
+    outlines: Surface | None
+    polygons: Surface | None
     gravity: tuple[float, float]
     lanes: Lanes
     patches: Patches | None

@@ -3,12 +3,12 @@
 from dataclasses import replace
 
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import diameters, packed, shaped
+from dem.experiment.bed import diameters, packed, shaped, thickness
 from dem.experiment.config import Replicate
 from dem.experiment.observables import module_of
 from dem.experiment.scene import make_scene
+from dem.experiment.solids import solids_of
 from dem.packing.random import Room
-from dem.scene import Cylinder
 
 
 def compile_kernels(replicate: Replicate) -> None:
@@ -25,16 +25,18 @@ def compile_kernels(replicate: Replicate) -> None:
     own = own.model_copy(update={"shapes": {label: few}})
     replicate = Replicate(own, label, replicate.density, replicate.seed)
     shape = shaped(replicate, diameters(replicate))
-    height, cylinder = own.box_width, None
+    height, solids = own.box_width, ()
     if drawn := own.cylinder:  # in a box that is much too high for three granules
-        height = 4.0 * (drawn.diameter + few.diameter) / min(drawn.start, 1.0 - drawn.start)
-        at = 0.5 * own.box_width, drawn.start * height
-        cylinder = Cylinder(drawn.diameter, at, (0.0, drawn.velocity))
-    bed = packed(own, shape, Room(own.box_width, height, cylinder, 0, own.periodic))
+        size = drawn.diameter + few.diameter
+        if own.second is not None:
+            size += own.second.gap + own.second.diameter
+        height = 4.0 * size / min(drawn.start, 1.0 - drawn.start)
+        solids = solids_of(replicate, height, thickness(replicate))
+    bed = packed(own, shape, Room(own.box_width, height, solids, 0, own.periodic))
     if not own.module.observed:  # the bed is packed, and no more
         return
     ledger = "ledger" in own.record.observables
-    scene = replace(make_scene(replicate, bed), cylinder=cylinder)
+    scene = replace(make_scene(replicate, bed), solids=solids)
     run = Simulation(scene, bed.state, ledger=ledger)
     run.check_duration(1e-9)
     run.record(1e-9, 1)

@@ -1,22 +1,28 @@
-"""How beds are drawn: true outlines, walls and cylinder to scale, coloured by what is asked for."""
+"""How beds are drawn: true outlines, walls and solids to scale, coloured by what is asked for."""
 
 from itertools import product
 
 import numpy as np
-from matplotlib.collections import EllipseCollection, LineCollection, PolyCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
 from dem.experiment.observables.flow import layers_of
 from dem.figures import style
 from dem.periodic import wrapped
-from dem.scene import walls_of
+from dem.shapes.protocol import unit_circle
+from dem.solids import walls_of
 
 PLAIN, SHADED = "#dfe7ee", style.CURVE
 EDGE = {"edgecolors": style.OUTLINE, "linewidths": 0.35}
 STEEL = {"facecolor": style.STEEL, "edgecolor": "black", "linewidth": 0.8, "zorder": 3}
 SOLID = {"facecolor": "0.93", "edgecolor": "0.6", "hatch": "////", "linewidth": 0.0, "zorder": 0}
 AHEAD = 1.5  # diameters of the cylinder: height of the cluster that is shaded
+
+
+def circle(diameter: float) -> np.ndarray:
+    """Outline of a cylinder, as of Drawing."""
+    return 0.5 * diameter * unit_circle(65)
 
 
 def placed(rings, position, angle) -> np.ndarray:
@@ -59,29 +65,28 @@ def shifts(periodic) -> np.ndarray:
 
 
 class Drawing:
-    """Granules, walls and cylinder on axes; lengths in m. What is drawn can be moved, for films.
+    """Granules, walls and solids on axes; lengths in m. What is drawn can be moved, for films.
 
-    rings: outlines; view: lower left and upper right corner; diameter: of the cylinder, None
-    without one; periodic: periods as of dem.Scene; hatched: hatch what is solid, and number the
+    rings: outlines; view: lower left and upper right corner; solids: closed outlines (points, 2) of
+    solids about their positions at angle zero; periodic: periods as of dem.Scene; hatched: hatch what is solid, and number the
     axes in mm; else draw the box alone.
     """
 
-    def __init__(self, axes, rings, view, diameter, periodic=None, hatched=False):
+    def __init__(self, axes, rings, view, solids=(), periodic=None, hatched=False):
         self.rings, self.view, self.periodic = rings, np.asarray(view), periodic
+        self.outlines = solids
         self.shifts = shifts(periodic)
         self.granules = PolyCollection([], **EDGE, zorder=1)
         self.joints = LineCollection([], colors=style.OUTLINE, linewidths=1.1, zorder=1.5)
         self.forces = LineCollection([], colors="#b34700", capstyle="round", zorder=2)
-        width = [1e3 * (diameter or 0.0)]
-        self.cylinder = EllipseCollection(
-            width, width, [0.0], units="xy", offset_transform=axes.transData, **STEEL
-        )
+        self.solids = PolyCollection([], **STEEL)
+        self.marks = LineCollection([], colors="white", linewidths=1.2, zorder=4)
         self.walls = LineCollection(
             [], colors="black", linewidths=1.4, capstyle="projecting", zorder=1
         )
-        self.cylinder.set_visible(diameter is not None)
-        for each in (self.granules, self.joints, self.forces, self.cylinder, self.walls):
-            axes.add_collection(each, autolim=False)
+        collections = self.granules, self.joints, self.forces, self.solids, self.marks, self.walls
+        for collection in collections:
+            axes.add_collection(collection, autolim=False)
         self.solid = PathPatch(Path(np.empty((0, 2))), **SOLID)
         if hatched:
             axes.add_patch(self.solid)
@@ -91,9 +96,10 @@ class Drawing:
         axes.set(xlim=1e3 * self.view[:, 0], ylim=1e3 * self.view[:, 1], aspect="equal")
         axes.grid(visible=False)
 
-    def move(self, position, angle, cylinder, walls) -> None:
-        """Granules to positions (n, 2) in m and angles (n,) in rad; the cylinder to (x, y) in m,
-        None without one; walls to planes (w, 3) as of dem.Scene."""
+    def move(self, position, angle, walls, solids=(), turns=()) -> None:
+        """Granules to positions (n, 2) in m and angles (n,) in rad; walls to planes (w, 3) as of
+        dem.Scene; solids to positions (k, 2) in m, and those that turn to angles (k,) in rad, which
+        a line marks on round ones."""
         lines, space = edges(walls, self.view)
         self.walls.set_segments(1e3 * lines)
         (left, low), (right, high) = self.view
@@ -107,9 +113,16 @@ class Drawing:
             parts := self.rings.shape[1]
         ) > 1:  # a line from part to part tells which belong together
             self.joints.set_segments(rings.mean(axis=1).reshape(-1, parts, 2))
-        if cylinder is not None:
-            axis = wrapped(np.array([[cylinder]], float), self.periodic)
-            self.cylinder.set_offsets(self._images(1e3 * axis)[:, 0])
+        rings, marks = [], []
+        for k, ring in enumerate(self.outlines):
+            turn = turns[k] if len(turns) else 0.0
+            place = wrapped(np.array([solids[k]], float), self.periodic)
+            (ring,) = placed(ring[None, None], place, np.array([turn]))
+            rings += [*self._images(ring[None])]
+            if len(turns) and np.ptp(np.hypot(*self.outlines[k].T)) < 1e-9:  # round: shows no angle
+                marks += [*self._images(np.stack([1e3 * place[0], ring[0]])[None])]
+        self.solids.set_verts(rings)
+        self.marks.set_segments(marks)
 
     def _images(self, lines) -> np.ndarray:
         """Lines (m, points, 2) in mm with their periodic images (k m, points, 2)."""

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from dem.base.errors import InputError
 from dem.base.files import atomic, check_output
 from dem.dynamics.result import Result
-from dem.experiment.motion import Motion
+from dem.experiment.snapshots import Snapshots
 from dem.figures import bed, style
 from dem.figures.frames import Frames, frames_of
 
@@ -54,7 +54,7 @@ class Scene:
             1, 1 + beside, width_ratios=(1.15, 1.0)[: 1 + beside], squeeze=False
         )[0]
         self.bed = bed.Drawing(
-            left, frames.rings, frames.view, frames.diameter, frames.periodic, not frames.boxed
+            left, frames.rings, frames.view, frames.solids, frames.periodic, not frames.boxed
         )
         if color not in frames.paints:
             self._scale()
@@ -84,8 +84,9 @@ class Scene:
     def show(self, frame: int) -> None:
         """Draw one frame."""
         frames = self.frames
-        cylinder = None if frames.cylinder is None else frames.cylinder[frame]
-        self.bed.move(frames.position[frame], frames.angle[frame], cylinder, frames.walls[frame])
+        turns = frames.turn[frame] if np.ptp(frames.turn) else ()
+        place, walls = frames.place[frame], frames.walls[frame]
+        self.bed.move(frames.position[frame], frames.angle[frame], walls, place, turns)
         if self.color in frames.paints:
             self.bed.paint(frames.paints[self.color])
         else:
@@ -110,7 +111,7 @@ def _contacts(frames: Frames, frame: int):
 
 
 def picture(
-    motion: Motion, path: Path, displacement: float | None, color: str, forces: bool
+    motion: Snapshots, path: Path, displacement: float | None, color: str, forces: bool
 ) -> None:
     """One snapshot, the nearest to a displacement (m), in a file of PICTURES.
 
@@ -140,7 +141,7 @@ def encoder() -> str:
 
 
 def film(
-    result: Result | Motion,
+    result: Result | Snapshots,
     path: str | os.PathLike[str],
     color: str = "speed",
     forces: bool = False,

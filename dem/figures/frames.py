@@ -11,7 +11,7 @@ from pydantic import InstanceOf
 from dem.base.types import checked
 from dem.dynamics.contact_list import ContactList
 from dem.dynamics.result import Result
-from dem.experiment.motion import Motion
+from dem.experiment.snapshots import Snapshots
 from dem.figures import bed, style
 from dem.periodic import Periods
 
@@ -34,7 +34,7 @@ class Frames(NamedTuple):
     position, angle, rings: of granules (f, n, 2), (f, n) and outlines at angle zero
     walls:    planes (f, w, 3) as of dem.Scene
     view:     as of bed.Drawing
-    cylinder: its places (f, 2), None without one, and its diameter
+    solids:   outlines of k solids at angle zero; their places (f, k, 2) and angles (f, k)
     velocity, contacts: functions of a frame, called when it is drawn
     fastest:  top of the scale of speeds
     paints:   colours (n,) that stay, by what they show
@@ -51,8 +51,9 @@ class Frames(NamedTuple):
     rings: np.ndarray
     walls: np.ndarray
     view: np.ndarray
-    cylinder: np.ndarray | None
-    diameter: float | None
+    solids: list[np.ndarray]
+    place: np.ndarray
+    turn: np.ndarray
     velocity: Callable[[int], np.ndarray]
     contacts: Callable[[int], ContactList]
     fastest: float
@@ -64,16 +65,16 @@ class Frames(NamedTuple):
     periodic: Periods
 
 
-def frames_of(source: Result | Motion) -> Frames:
+def frames_of(source: Result | Snapshots) -> Frames:
     """Frames of a result or of a run of the paper; raises InputError for anything else."""
-    return of_motion(source) if isinstance(source, Motion) else of_result(source)
+    return of_motion(source) if isinstance(source, Snapshots) else of_result(source)
 
 
-def of_motion(motion: Motion) -> Frames:
+def of_motion(motion: Snapshots) -> Frames:
     """Frames of a run of the paper: the bed in its box, and the drag along the stroke."""
     run, values = motion.replicate, motion.replicate.configuration
-    width, size = values.box_width, values.cylinder.diameter
-    axis = np.column_stack([np.full_like(motion.cylinder_y, 0.5 * width), motion.cylinder_y])
+    width, solids = values.box_width, [motion.solids(k) for k in range(len(motion.displacement))]
+    place = np.array([[solid.position for solid in row] for row in solids])
     moved = style.millimetres(motion.displacement)
 
     def record(axes):
@@ -92,14 +93,17 @@ def of_motion(motion: Motion) -> Frames:
         rings=motion.outlines,
         walls=np.array([bed.box_walls(width, each, motion.periodic) for each in motion.height]),
         view=bed.box_view(width, motion.height.max()),
-        cylinder=axis,
-        diameter=size,
+        solids=[solid.ring() for solid in solids[0]],
+        place=place,
+        turn=np.array([[solid.angle for solid in row] for row in solids]),
         velocity=partial(mean_velocity, motion),
         contacts=motion.contacts,
         fastest=values.cylinder.velocity,
         paints={
             "layer": bed.layer_colors(motion.position[0], motion.height[0]),
-            "cluster": bed.cluster_colors(motion.position[0], axis[0], size),
+            "cluster": bed.cluster_colors(
+                motion.position[0], place[0, 0], values.cylinder.diameter
+            ),
         },
         captions=[f"{float(each):.2f} mm" for each in moved],
         boxed=True,
@@ -109,7 +113,7 @@ def of_motion(motion: Motion) -> Frames:
     )
 
 
-def mean_velocity(motion: Motion, snapshot: int) -> np.ndarray:
+def mean_velocity(motion: Snapshots, snapshot: int) -> np.ndarray:
     """Of granules (n, 2) in m/s, since the snapshot before, or until the next for the first."""
     first = max(snapshot - 1, 0)
     way = motion.position[first + 1] - motion.position[first]
@@ -119,8 +123,8 @@ def mean_velocity(motion: Motion, snapshot: int) -> np.ndarray:
 
 @checked
 def of_result(result: InstanceOf[Result]) -> Frames:
-    """Frames of a result: its granules, walls and cylinder, and the forces on them against time."""
-    scene, cylinder = result.scene, result.cylinder_position
+    """Frames of a result: its granules, walls and solids, and the forces on them against time."""
+    scene = result.scene
     low, high = np.quantile(result.position[0, :, 1], [0.0, 1.0])
     time, unit = in_units(result.time)
     groups = forces_of(result)
@@ -131,8 +135,9 @@ def of_result(result: InstanceOf[Result]) -> Frames:
         rings=scene.shape.polygons(),
         walls=result.walls,
         view=_view(result),
-        cylinder=cylinder,
-        diameter=None if scene.cylinder is None else scene.cylinder.diameter,
+        solids=[solid.ring() for solid in scene.solids],
+        place=result.solid_position,
+        turn=result.solid_angle,
         velocity=result.velocity.__getitem__,
         contacts=result.contacts,
         fastest=float(np.linalg.norm(result.velocity, axis=-1).max()) or 1.0,
@@ -150,9 +155,9 @@ def _view(result: Result) -> np.ndarray:
     near."""
     reach = result.scene.shape.bounding_radius[:, None]
     ends = [result.position - reach, result.position + reach]
-    if result.cylinder_position is not None:
-        radius = 0.5 * result.scene.cylinder.diameter
-        ends += [result.cylinder_position - radius, result.cylinder_position + radius]
+    for k, solid in enumerate(result.scene.solids):
+        place = result.solid_position[:, k]
+        ends += [place - solid.radius, place + solid.radius]
     periods = np.array(result.scene.periodic or (None, None), float)  # NaN: none
     once = [0.0 * periods, periods]  # a period is shown once
     low, high = np.where(np.isfinite(periods), once, _corners(ends))
@@ -179,13 +184,14 @@ def in_units(time) -> tuple[np.ndarray, str]:
 
 
 def forces_of(result: Result) -> list[tuple[str, dict[str, np.ndarray]]]:
-    """Forces (f,) in N by what they are on and by name; nothing on a cylinder or walls without."""
-    groups = []
-    if result.scene.cylinder is not None:
-        x, y = result.cylinder_force.T
-        groups.append(("Force on the cylinder (N)", {"horizontal": x, "vertical": y}))
-    if result.scene.walls is not None:
-        walls = enumerate(zip(result.scene.walls, result.wall_force.T, strict=True))
+    """Forces (f,) in N by what they are on and by name, of solids and walls that there are."""
+    groups, several = [], len(result.scene.solids) > 1
+    for k in range(len(result.scene.solids)):
+        x, y = result.solid_force[:, k].T
+        words = f"Force on solid {k} (N)" if several else "Force on the solid (N)"
+        groups.append((words, {"horizontal": x, "vertical": y}))
+    if result.scene.walls:
+        walls = enumerate(zip(result.scene.planes, result.wall_force.T, strict=True))
         forces = {f"wall {at}{SIDES.get((x, y), '')}": force for at, ((x, y, _), force) in walls}
         groups.append(("Normal force on walls (N)", forces))
     return groups

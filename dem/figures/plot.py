@@ -77,7 +77,7 @@ def forces(result: InstanceOf[Result]) -> Figure:
     Parameters
     ----------
     result : Result
-        What dem.simulate returned, of a scene with a cylinder or walls.
+        What dem.simulate returned, of a scene with solids or walls.
 
     Returns
     -------
@@ -102,7 +102,7 @@ def forces(result: InstanceOf[Result]) -> Figure:
     """
     groups = forces_of(result)
     if not groups:
-        raise InputError("result has no forces: its scene has neither cylinder nor walls.")
+        raise InputError("result has no forces: its scene has neither solids nor walls.")
     with matplotlib.rc_context(style.RC):
         figure = Figure(figsize=(style.WIDTH, 1.0 + 3.0 * len(groups)))
         rows = figure.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]

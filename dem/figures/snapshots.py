@@ -103,8 +103,9 @@ def _row(row, found: Bed, one: xr.Dataset, snapshots: list[int], colors: str) ->
     else:
         paint = bed.layer_colors(start, found.height[0])
     for axes, snapshot in zip(row, snapshots, strict=True):
-        drawn = bed.Drawing(axes, rings, view, found.cylinder, found.periods)
+        drawn = bed.Drawing(axes, rings, view, [bed.circle(found.cylinder)], found.periods)
         drawn.joints.set_visible(False)  # panels are too small for them
         walls = bed.box_walls(found.width, found.height[snapshot], found.periods)
-        drawn.move(found.position[snapshot], found.angle[snapshot], found.axis[snapshot], walls)
+        place = found.axis[snapshot]
+        drawn.move(found.position[snapshot], found.angle[snapshot], walls, [place])
         drawn.paint(paint)

@@ -14,11 +14,12 @@ import numpy as np
 from dem.base.errors import PackingError
 from dem.dynamics.contact_list import ContactList, list_contacts
 from dem.dynamics.simulation import Simulation
+from dem.material import Friction
 from dem.packing.job import Job
 from dem.packing.minimise import Minimum, minimise
 from dem.packing.random import Bed, Room, finished, pressure_of, relaxed, unit_of
 from dem.packing.swelling import COARSE_STEP, DAMPED, greatest_force
-from dem.scene import Friction, State
+from dem.scene import State
 
 Preparation = Callable[[Any, Room, Job], Bed]  # relaxed or grown
 START = 0.74  # packing fraction of the bed before it is pressed: no shape jams there

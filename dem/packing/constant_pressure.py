@@ -32,8 +32,8 @@ def pack_under(shape: Any, room: Room, pressure: float, job: Job | None = None) 
     """A bed at rest whose top wall bears a pressure, to one part in a thousand.
 
     The height of the room is that of the box in which the bed is loose, before its top wall comes
-    down; pressure (m): normal force on the top wall over width and E*. The cylinder stays where it
-    is; otherwise as dem.pack. Raises PackingError as dem.pack does, and where no height is found.
+    down; pressure (m): normal force on the top wall over width and E*. Solids stay where they
+    are; otherwise as dem.pack. Raises PackingError as dem.pack does, and where no height is found.
     """
     job = job or Job()
     modulus = effective_modulus(SOFT, SOFT)
@@ -51,7 +51,7 @@ def pack_under(shape: Any, room: Room, pressure: float, job: Job | None = None) 
         job.stage |= {"height": room.height, "met": met, "seen": np.array(seen).reshape(-1, 2)}
         iterations, enough = (LONGEST, None) if met else (PATIENCE, near)
         bed = minimise(room.scene(shape), state, iterations, enough, job)
-        borne = float(bed.world.boundaries.contact_forces[bed.world.walls.end - 1, 0]) / (
+        borne = float(bed.world.boundaries.contact_forces[len(bed.world.walls.boundary) - 1, 0]) / (
             modulus * room.width * pressure
         )
         polished, met = met, abs(borne - 1.0) < NEAR

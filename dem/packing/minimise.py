@@ -18,7 +18,6 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.base.errors import PackingError
-from dem.contacts.force_law import effective_modulus
 from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.contact_list import contact_summary, list_contacts
 from dem.dynamics.diagnostics import critical_step
@@ -288,7 +287,7 @@ def settle(world, table, goal, memory, left, sums, threads):
     function then runs as it is written, uncompiled. Returns the world, the iterations still left,
     the greatest net force (N), the number of pairs of constituents that touch, the greatest overlap
     over the smaller radius and a constituent that has it. Once the bed is at rest or no iteration
-    is left, the forces on walls and cylinder are those of now, and contacts are counted.
+    is left, the forces on walls and solids are those of now, and contacts are counted.
     """
     view, table = changeable(world), by_address(table)
     begins = memory[0] == 0.0
@@ -326,7 +325,7 @@ class Minimum(NamedTuple):
     Attributes
     ----------
     world : World
-        Its arrays, with the forces on walls and cylinder; granules in the order of memory.
+        Its arrays, with the forces on walls and solids; granules in the order of memory.
     order : ndarray of shape (n,)
         Number of each granule of the world.
     net_force : float
@@ -372,7 +371,7 @@ def minimise(
         scene, state = ordered(scene, state, order)
     table = granule_table(scene, SKIN_OF_PACKING)
     world, memory, left = job.take_up(assemble(scene, state, table), np.zeros(4), iterations)
-    radius, modulus = table.radius.mean(), effective_modulus(scene.material, scene.material)
+    radius, modulus = table.radius.mean(), table.modulus
     unit, large = modulus * radius**2, scene.granules > PATCH
     least = 0.02 * radius
     light = np.max(1.0 / scene.mass + scene.shape.normal_lever**2 / scene.inertia)

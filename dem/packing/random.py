@@ -1,4 +1,4 @@
-"""A random bed at rest, at a prescribed packing fraction, around the cylinder.
+"""A random bed at rest, at a prescribed packing fraction, around solids.
 
 Granules start at random places and angles, so small that no two bounding circles overlap. They
 then grow in small steps, and after each step the elastic energy is minimised without friction
@@ -10,7 +10,7 @@ import math
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from pydantic import Field, InstanceOf
+from pydantic import Field
 
 from dem.base.errors import InputError, PackingError
 from dem.base.types import Count, Length, checked
@@ -19,11 +19,13 @@ from dem.dynamics.contact_list import list_contacts
 from dem.dynamics.numerics import ThreadCount
 from dem.dynamics.world import World
 from dem.jit.columns import X, Y
+from dem.material import Friction, Material
 from dem.packing.cost import most_iterations, near_jamming
 from dem.packing.job import Job
 from dem.packing.minimise import Minimum, minimise
 from dem.periodic import SIDES, Periods, Sides, nearest_image, periods_of, wrapped
-from dem.scene import Cylinder, Friction, Granules, Material, Scene, State, walls_of
+from dem.scene import Granules, Scene, State
+from dem.solids import Solid, Solids, walls_of
 
 LOOSE = 0.3  # area fraction of the bounding circles at the start
 GROWTH = 1.02  # of all lengths, in one step
@@ -52,7 +54,7 @@ class Bed(NamedTuple):
         Mean normal force on the walls per length, over E* and a thickness of one metre, without
         unit. Without walls, the mean normal stress of the contacts over E*.
     coordination_number : float
-        Contacts per granule, without unit; contacts with walls and cylinder do not count.
+        Contacts per granule, without unit; contacts with walls and solids do not count.
     max_overlap : float
         Largest overlap over the smaller radius, without unit.
     periodic : tuple of float or None
@@ -68,8 +70,8 @@ class Bed(NamedTuple):
     >>> import numpy as np
     >>> shape = dem.Disc(np.full(60, 0.5e-3))
     >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 4e-3))
-    >>> bed = dem.pack(shape, width=8e-3, height=8e-3, cylinder=cylinder, seed=1)
-    >>> scene = dem.Scene(shape, walls=bed.walls, cylinder=cylinder)
+    >>> bed = dem.pack(shape, width=8e-3, height=8e-3, solids=cylinder, seed=1)
+    >>> scene = dem.Scene(shape, walls=bed.walls, solids=cylinder)
     >>> bed.state.position.shape
     (60, 2)
     """
@@ -104,7 +106,7 @@ class Room(NamedTuple):
 
     width: float
     height: float
-    cylinder: Cylinder | None
+    solids: tuple[Solid, ...]
     seed: int
     periodic: str = "none"
 
@@ -114,14 +116,9 @@ class Room(NamedTuple):
         return np.array([self.width, self.height])
 
     @property
-    def radius(self) -> float:
-        """Radius of the cylinder (m)."""
-        return 0.0 if self.cylinder is None else 0.5 * self.cylinder.diameter
-
-    @property
     def area(self) -> float:
-        """Area (m2) beside the cylinder."""
-        return self.width * self.height - math.pi * self.radius**2
+        """Area (m2) beside the solids."""
+        return self.width * self.height - sum(solid.area for solid in self.solids)
 
     @property
     def periods(self) -> Periods:
@@ -131,14 +128,28 @@ class Room(NamedTuple):
     def scene(
         self, shape: Any, material: Material = SOFT, friction: Friction | None = None
     ) -> Scene:
-        """The box with granules one metre thick and the cylinder at rest."""
-        still = self.cylinder and Cylinder(self.cylinder.diameter, self.cylinder.position)
+        """The box with granules one metre thick and the solids at rest."""
+        still = [Solid(s.outline, s.position, s.angle, friction=None) for s in self.solids]
         walls = walls_of(self.width, self.height, self.periods)
         return Scene(shape, material, friction, walls, still, thickness=1.0, periodic=self.periods)
+
+    def depth(self, solid: Solid, position: np.ndarray) -> np.ndarray:
+        """How far points (n, 2) in m are inside a solid (m; negative outside)."""
+        c, s = math.cos(solid.angle), math.sin(solid.angle)
+        away = nearest_image(position - solid.position, self.periods)
+        return solid.depth(away @ np.array([[c, -s], [s, c]]))
 
     def name(self, shape: Any) -> str:
         """Name of a bed in an error message."""
         return f"the bed at packing fraction {shape.area.sum() / self.area:.4g} (seed {self.seed})"
+
+
+def _meets(solid: Solid, place: np.ndarray, radius: float, room: Room) -> bool:
+    """Whether a circle of a radius (m) at a place (m) meets a solid."""
+    away = nearest_image(place - solid.position, room.periods)
+    if not math.hypot(*away) < radius + solid.radius:
+        return False
+    return solid.is_round or bool(room.depth(solid, place[None])[0] > -radius)
 
 
 def scatter(shape: Any, room: Room, rng: np.random.Generator) -> np.ndarray:
@@ -158,10 +169,8 @@ def scatter(shape: Any, room: Room, rng: np.random.Generator) -> np.ndarray:
         for _ in range(1000):
             trial = np.where(turns, 0.0, r) + np.where(turns, side, side - 2.0 * r) * rng.random(2)
             column, row = trial // sizes
-            if room.cylinder:
-                away = nearest_image(trial - room.cylinder.position, periodic)
-                if math.hypot(*away) < r + room.radius:
-                    continue
+            if any(_meets(solid, trial, r, room) for solid in room.solids):
+                continue
             around = {
                 (c % count[0], k % count[1])
                 for c in (column - 1.0, column, column + 1.0)
@@ -189,7 +198,7 @@ def pack(
     shape: Granules,
     width: Length,
     height: Length,
-    cylinder: InstanceOf[Cylinder] | None,
+    solids: Solids,
     seed: BedSeed,
     periodic: Sides = "none",
     threads: ThreadCount = 1,
@@ -207,8 +216,8 @@ def pack(
         Width of the box (m).
     height : float
         Height of the box (m).
-    cylinder : Cylinder or None
-        Cylinder that the granules leave room for. Its velocity is ignored.
+    solids : Solid, sequence of Solid or None
+        Solids that the granules leave room for. Their motion, friction and material are ignored.
     seed : int
         Seed of the random places and angles, without unit, zero or positive.
     periodic : str
@@ -231,7 +240,7 @@ def pack(
     PackingError
         If no bed at rest is found, usually because the packing fraction is too high.
     InputError
-        If a value cannot be used, for instance if the cylinder does not fit into the box.
+        If a value cannot be used, for instance if a solid does not fit into the box.
 
     Notes
     -----
@@ -249,7 +258,7 @@ def pack(
     >>> import numpy as np
     >>> shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
     >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 4e-3))
-    >>> bed = dem.pack(shape, width=8e-3, height=9e-3, cylinder=cylinder, seed=1)
+    >>> bed = dem.pack(shape, width=8e-3, height=9e-3, solids=cylinder, seed=1)
     >>> print(f"packing fraction {shape.area.sum() / (72e-6 - np.pi * 1e-6):.2f}")
     packing fraction 0.69
     >>> bool(bed.net_force < 1e-9)
@@ -257,14 +266,14 @@ def pack(
 
     With a periodic side there are no walls to the left and right:
 
-    >>> bed = dem.pack(shape, width=8e-3, height=9e-3, cylinder=cylinder, seed=1, periodic="x")
+    >>> bed = dem.pack(shape, width=8e-3, height=9e-3, solids=cylinder, seed=1, periodic="x")
     >>> bed.walls.tolist()
     [[0.0, -1.0, 0.0], [0.0, 1.0, 0.009]]
-    >>> scene = dem.Scene(shape, walls=bed.walls, cylinder=cylinder, periodic=bed.periodic)
+    >>> scene = dem.Scene(shape, walls=bed.walls, solids=cylinder, periodic=bed.periodic)
     >>> scene.periodic
     (0.008, None)
     """
-    room, job = Room(width, height, cylinder, seed, periodic), Job(threads, checkpoint)
+    room, job = Room(width, height, solids, seed, periodic), Job(threads, checkpoint)
     job.begin(shape, room)
     return relaxed(shape, room, job)
 
@@ -286,14 +295,11 @@ def dilute_start(shape: Any, room: Room) -> tuple[float, State]:
 
     Returns the factor by which lengths are scaled at the start, and the State at the start.
     """
-    if room.cylinder is not None:
-        for place, side, turns in zip(
-            room.cylinder.position, room.size, SIDES[room.periodic], strict=True
-        ):
-            if not (turns or room.radius < place < side - room.radius):
-                raise InputError(
-                    f"the cylinder at {room.cylinder.position} m does not fit into the box."
-                )
+    for solid in room.solids:
+        ring = solid.placed(solid.position, solid.angle)
+        inside = ((ring > 0.0) & (ring < room.size)) | SIDES[room.periodic]
+        if not inside.all():
+            raise InputError(f"the solid at {solid.position} m does not fit into the box.")
     rng = np.random.default_rng([room.seed, 1])
     circles = np.pi * (shape.bounding_radius**2).sum()
     factor = min(1.0, math.sqrt(LOOSE * room.area / circles))
@@ -332,13 +338,12 @@ def finished(shape: Any, room: Room, bed: Minimum, net_force: float | None = Non
     state = bed.state
     position = wrapped(state.position, room.periods)
     lost = ((position < 0.0) | (position > room.size)).any(axis=1)
-    if room.cylinder is not None:
-        away = nearest_image(position - room.cylinder.position, room.periods)
-        lost |= np.hypot(*away.T) < room.radius
+    for solid in room.solids:
+        lost |= room.depth(solid, position) > 0.0
     if lost.any():
         raise PackingError(
             f"{room.name(shape)} cannot be made: the centre of granule {lost.argmax()} was pushed "
-            "into the cylinder or out of the box: ask for a lower packing fraction."
+            "into a solid or out of the box: ask for a lower packing fraction."
         )
     if not bed.max_overlap <= DEEPEST:
         raise PackingError(
@@ -361,12 +366,13 @@ def finished(shape: Any, room: Room, bed: Minimum, net_force: float | None = Non
 
 def pressure_of(world: World, room: Room) -> float:
     """Pressure of a soft Bed."""
-    if world.walls.end == 0:  # none
+    walls = len(world.walls.boundary)
+    if not walls:
         stress = mean_stress(world, room.periods, room.width * room.height)
     else:
         x, y = SIDES[room.periodic]
         length = 2.0 * ((0.0 if y else room.width) + (0.0 if x else room.height))
-        stress = float(world.boundaries.contact_forces[: world.walls.end, 0].sum()) / length
+        stress = float(world.boundaries.contact_forces[:walls, 0].sum()) / length
     return float(stress / effective_modulus(SOFT, SOFT))
 
 
@@ -375,10 +381,9 @@ def mean_stress(world: World, periodic: Periods, area: float) -> float:
 
     Half the sum over contacts of force times the branch from centre to centre, over the area.
     """
-    contacts, cylinder = list_contacts(world, np.arange(len(world.bodies))), world.cylinder
-    # the number of the cylinder as a partner is -1
-    moving = np.vstack([world.bodies, world.boundaries.motion[cylinder.first : cylinder.end]])
-    place = moving[:, [X, Y]]
+    contacts = list_contacts(world, np.arange(len(world.bodies)))
+    # without walls the numbers of solids as partners are -1, -2 and so on
+    place = np.vstack([world.bodies, world.boundaries.motion[::-1]])[:, [X, Y]]
     branch = nearest_image(place[contacts.partner] - place[contacts.granule], periodic)
     work = contacts.force * (contacts.normal * branch).sum(axis=1)
     return float(work.sum()) / (2.0 * area)

@@ -11,7 +11,6 @@ import math
 from typing import Any
 
 import numpy as np
-from pydantic import InstanceOf
 
 from dem.base.errors import OverlapError, PackingError, StateError
 from dem.base.types import Length, checked
@@ -19,10 +18,12 @@ from dem.contacts.force_law import effective_modulus
 from dem.dynamics.numerics import ThreadCount
 from dem.dynamics.simulation import Simulation
 from dem.dynamics.world import World
+from dem.material import Material
 from dem.packing.job import Job
 from dem.packing.random import GROWTH, SETTLED, Bed, BedSeed, Room, at_rest, dilute_start, unit_of
 from dem.periodic import Sides
-from dem.scene import Cylinder, Granules, Material, Scene, State
+from dem.scene import Granules, Scene, State
+from dem.solids import Solids
 
 DAMPED = Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=0.5)
 COARSE_STEP = 0.9  # of the bound on the critical time step: the motion need not be accurate
@@ -36,7 +37,7 @@ def grow(
     shape: Granules,
     width: Length,
     height: Length,
-    cylinder: InstanceOf[Cylinder] | None,
+    solids: Solids,
     seed: BedSeed,
     periodic: Sides = "none",
     threads: ThreadCount = 1,
@@ -46,7 +47,7 @@ def grow(
 
     Takes what `pack` takes. Beds above jamming are at rest by the same measure. Below jamming the
     granules of this bed are apart from each other, and those of `pack` just touch: its beds resist
-    a cylinder sooner.
+    a solid sooner.
 
     Parameters
     ----------
@@ -56,8 +57,8 @@ def grow(
         Width of the box (m).
     height : float
         Height of the box (m).
-    cylinder : Cylinder or None
-        Cylinder that the granules leave room for. Its velocity is ignored.
+    solids : Solid, sequence of Solid or None
+        Solids that the granules leave room for. Their motion, friction and material are ignored.
     seed : int
         Seed of the random places and angles, without unit, zero or positive.
     periodic : str
@@ -78,7 +79,7 @@ def grow(
     PackingError
         If no bed at rest is found, usually because the packing fraction is too high.
     InputError
-        If a value cannot be used, for instance if the cylinder does not fit into the box.
+        If a value cannot be used, for instance if a solid does not fit into the box.
 
     See Also
     --------
@@ -97,12 +98,12 @@ def grow(
     >>> import numpy as np
     >>> shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
     >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 3.6e-3))
-    >>> room = dict(width=8e-3, height=7.6e-3, cylinder=cylinder, seed=1)
+    >>> room = dict(width=8e-3, height=7.6e-3, solids=cylinder, seed=1)
     >>> bed = dem.grow(shape, **room)
     >>> bool(bed.coordination_number < dem.pack(shape, **room).coordination_number)
     True
     """
-    room, job = Room(width, height, cylinder, seed, periodic), Job(threads, checkpoint)
+    room, job = Room(width, height, solids, seed, periodic), Job(threads, checkpoint)
     job.begin("grow", shape, room)
     return grown(shape, room, job)
 

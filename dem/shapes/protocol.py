@@ -178,7 +178,7 @@ def outline(shape, constituent, orientation):
 
 @_question
 def circle(shape, radius):
-    """The outline, in this shape's terms, of a circle (the cylinder)."""
+    """The outline, in this shape's terms, of a circle, such as a round solid."""
     raise NotImplementedError
 
 
@@ -264,6 +264,22 @@ def _refined(converged, geometry, shape, dx, dy, outline_1, outline_2, guess):
     return find_contact(shape, dx, dy, outline_1, outline_2, guess)[0]
 
 
+def outline_among(outlines, shape, constituent, orientation):
+    """The outline of a constituent in the terms of other granules: of its own shape, or of any if
+    it is a disc."""
+
+
+@overload(outline_among, strict=False, jit_options=INLINED)
+def _outline_among(outlines, shape, constituent, orientation):
+    if outlines.instance_class is shape.instance_class:
+        return lambda outlines, shape, constituent, orientation: outline(
+            shape, constituent, orientation
+        )
+    return lambda outlines, shape, constituent, orientation: circle(
+        outlines, outline(shape, constituent, orientation)[0]
+    )
+
+
 SHAPE_QUESTIONS = (
     outline,
     circle,
@@ -281,6 +297,11 @@ METHOD_QUESTIONS = ellipse_contact, ellipse_normal
 def is_shape(cls: type) -> bool:
     """Whether the kernels know a class as a shape."""
     return cls in outline.answers
+
+
+def is_of_discs(shape) -> bool:
+    """Whether all constituents of a shape are discs."""
+    return tangential_lever.answers.get(type(shape), lambda shape: True)(shape) is None
 
 
 def sizes_of(shape) -> dict[str, np.ndarray]:

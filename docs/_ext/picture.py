@@ -40,8 +40,8 @@ def _bed(axes, found, case: xr.Dataset) -> None:
     rings = outlines(str(case["kind"].values), found.diameters, float(case["aspect_ratio"]))
     height = found.height[SNAPSHOT]
     view = bed.box_view(found.width, height)
-    drawn = bed.Drawing(axes, rings, view, found.cylinder, found.periods)
+    drawn = bed.Drawing(axes, rings, view, [bed.circle(found.cylinder)], found.periods)
     drawn.joints.set_visible(False)  # these beds are small
     walls = bed.box_walls(found.width, height, found.periods)
-    drawn.move(found.position[SNAPSHOT], found.angle[SNAPSHOT], found.axis[SNAPSHOT], walls)
+    drawn.move(found.position[SNAPSHOT], found.angle[SNAPSHOT], walls, [found.axis[SNAPSHOT]])
     drawn.paint(bed.layer_colors(found.position[0], found.height[0], LAYERS))

@@ -1,0 +1,126 @@
+"""Materials of granules, walls and solids, and the friction of their contacts."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import WrapValidator
+
+from dem.base.types import (
+    MOST,
+    Coefficient,
+    Density,
+    PoissonRatio,
+    Pressure,
+    Ratio,
+    Restitution,
+    adapter,
+    array,
+    checked,
+)
+
+
+@checked
+@dataclass(frozen=True)
+class Material:
+    """Elastic material with a coefficient of restitution.
+
+    The defaults are the density of the paper and the elasticity of glass.
+
+    Parameters
+    ----------
+    density : float
+        Density (kg/m3).
+    young_modulus : float
+        Young's modulus E (Pa).
+    poisson_ratio : float
+        Poisson's ratio, without unit, above -1 and up to 0.5.
+    restitution : float
+        Coefficient of restitution of a head-on collision of two bodies of this material, without
+        unit, from 0.001 to 1. It does not depend on the speed. If it is 1 for all materials, the
+        kernels are compiled without damping.
+
+    Raises
+    ------
+    InputError
+        If a value is not a number in its range.
+
+    Notes
+    -----
+    The normal force follows Hertz (1882; Johnson, "Contact Mechanics", 1985, chapter 4) for
+    spheres, ``F = 4/3 E* sqrt(R*) delta^1.5``, for an overlap ``delta``. The dashpot in parallel
+    has the form of Tsuji, Tanaka and Ishida (1992), ``alpha sqrt(m* k) delta^0.25`` with
+    ``k = 4/3 E* sqrt(R*)``. The constant ``alpha`` follows from the restitution exactly for a
+    contact that never pulls (Schwager and Poeschel 2007).
+
+    Examples
+    --------
+    >>> import dem
+    >>> steel = dem.Material(density=7.8e3, young_modulus=2.1e11, poisson_ratio=0.3)
+    >>> steel.restitution
+    0.5
+    """
+
+    density: Density = 3.9e3
+    young_modulus: Pressure = 70e9
+    poisson_ratio: PoissonRatio = 0.22
+    restitution: Restitution = 0.5
+
+
+TABLE = array(None, None, low=0.0, high=MOST)
+
+
+def number_or_table(value: Any, take: Callable[[Any], Any]) -> Any:
+    """A coefficient, or a symmetric table of them as tuples; raises ValueError."""
+    if not np.ndim(value):
+        return take(value)
+    rows = adapter(Annotated[Any, TABLE]).validate_python(value)
+    if rows.shape[0] != rows.shape[1] or not np.array_equal(rows, rows.T):
+        raise ValueError("it must be symmetric, with a row and a column for each material")
+    return tuple(map(tuple, rows.tolist()))
+
+
+@checked
+@dataclass(frozen=True)
+class Friction:
+    """Coulomb friction of granules with each other, with walls and with solids.
+
+    Parameters
+    ----------
+    granule : float or array_like of shape (s, s)
+        Coefficient of friction between granules, without unit; or a symmetric table of those
+        between granules of each two of the s materials of a scene.
+    wall : float
+        Coefficient of friction between granules and walls, without unit, of walls that have none
+        of their own.
+    solid : float
+        Coefficient of friction between granules and solids, without unit, of solids that have none
+        of their own.
+    stiffness : float
+        Stiffness of the tangential springs over Mindlin's, without unit.
+
+    Raises
+    ------
+    InputError
+        If a coefficient is negative, a table is not symmetric, or `stiffness` is not positive.
+
+    Notes
+    -----
+    The tangential spring has the stiffness of a contact that sticks, ``8 G* sqrt(R* delta)``
+    (Mindlin and Deresiewicz 1953; Johnson, "Contact Mechanics", 1985, chapter 7). When a contact
+    unloads, its spring force shrinks with the contact radius (Thornton, Cummins and Cleary 2013).
+    A dashpot acts in parallel. Coulomb's law caps the force at the coefficient times the normal
+    force. The law has no rolling friction.
+
+    Examples
+    --------
+    >>> import dem
+    >>> dem.Friction(granule=0.5, solid=0.0)
+    Friction(granule=0.5, wall=0.3, solid=0.0, stiffness=1.0)
+    """
+
+    granule: Annotated[Coefficient, WrapValidator(number_or_table)] = 0.3
+    wall: Coefficient = 0.3
+    solid: Coefficient = 0.3
+    stiffness: Ratio = 1.0

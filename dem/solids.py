@@ -1,0 +1,474 @@
+"""What granules meet besides each other: walls, which are half-planes, and solids of any outline.
+
+SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import AfterValidator, InstanceOf, PlainValidator
+
+from dem.base.errors import InputError
+from dem.base.types import (
+    Coefficient,
+    Length,
+    Number,
+    Position,
+    Unit,
+    checked,
+    must,
+    parsed,
+    real_array,
+)
+from dem.material import Material
+from dem.motion import Kept, Motion, PrescribedMotion, Sliding, Turn, finite, fixed
+from dem.periodic import Periods, walled
+from dem.shapes.protocol import is_shape, resized, sizes_of
+
+ROUNDED, EXACT = 1e-3, 1e-8  # off 1: the length of a normal that is rounded, and of a unit vector
+DIGITS = 12  # in which two walls are one
+FLAT = 1e-12  # of the squared size of a polygon: twice the area of three corners in a line
+
+
+def unit_plane(row: np.ndarray) -> np.ndarray:
+    """A row (nx, ny, offset) with a unit normal, as a copy that cannot be written; raises
+    ValueError."""
+    length = np.hypot(row[0], row[1])
+    if abs(length - 1.0) > ROUNDED:
+        raise ValueError(f"its normal (nx, ny) must have length 1, not {length:.6g}")
+    return fixed(row if abs(length - 1.0) <= EXACT else row / length)
+
+
+@checked
+@dataclass(frozen=True, eq=False)
+class Wall(Kept):
+    """A half-plane that is solid.
+
+    Parameters
+    ----------
+    plane : array_like of shape (3,)
+        Row (nx, ny, offset), as of `box`: the unit normal points into the wall, which is solid
+        where ``nx x + ny y > offset`` (m). A normal whose length is 1 within a thousandth is
+        rounded, and the row is divided by its length.
+    motion : tuple of float, PrescribedMotion or Drive
+        Velocity (x, y) in m/s, or what it follows; at rest by default. A wall moves along its
+        normal, and its velocity along itself only drags the granules that touch it.
+    friction : float, optional
+        Coefficient of friction with granules, without unit; None for `Friction.wall`.
+    material : Material, optional
+        Material of the wall; None for `Scene.boundary`.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used.
+
+    Examples
+    --------
+    A box with a smooth floor and a lid of steel that comes down:
+
+    >>> import dem
+    >>> left, right, bottom, top = dem.box(width=20e-3, height=30e-3)
+    >>> steel = dem.Material(density=7.8e3, young_modulus=2.1e11, poisson_ratio=0.3)
+    >>> floor = dem.Wall(bottom, friction=0.0)
+    >>> lid = dem.Wall(top, motion=(0.0, -0.1), material=steel)
+    >>> len(dem.Scene(dem.Disc([1e-3]), walls=[left, right, floor, lid]).walls)
+    4
+    """
+
+    plane: Annotated[np.ndarray, finite(3), AfterValidator(unit_plane)]
+    motion: Sliding = (0.0, 0.0)
+    friction: Coefficient | None = None
+    material: InstanceOf[Material] | None = None
+
+
+@checked
+def box(width: Length, height: Length) -> np.ndarray:
+    """Four walls of a box with its lower left corner at the origin.
+
+    Parameters
+    ----------
+    width : float
+        Width (m), along x.
+    height : float
+        Height (m), along y.
+
+    Returns
+    -------
+    ndarray of shape (4, 3)
+        One row (nx, ny, offset) per wall: left, right, bottom, top. The unit normal (nx, ny)
+        points into the wall. The wall is solid where ``nx x + ny y > offset`` (m).
+
+    Raises
+    ------
+    InputError
+        If `width` or `height` is not positive.
+
+    Examples
+    --------
+    >>> import dem
+    >>> left, right, bottom, top = dem.box(width=20e-3, height=30e-3)
+    >>> right.tolist()
+    [1.0, 0.0, 0.02]
+    """
+    return np.array([[-1, 0, 0], [1, 0, width], [0, -1, 0], [0, 1, height]], float)
+
+
+def walls_of(width: float, height: float, periodic: Periods) -> np.ndarray | None:
+    """Walls (w, 3) of a box but for those at periodic sides, as `box` returns them; None if there
+    are none."""
+    stay = walled(periodic)
+    return box(width, height)[stay] if stay.any() else None
+
+
+def walls(value: Any) -> tuple[Wall, ...]:
+    """Walls of rows (nx, ny, offset) or of Wall; raises ValueError."""
+    if value is None or (isinstance(value, list | tuple) and not value):
+        return ()
+    if not isinstance(value, Sequence | np.ndarray) or isinstance(value, str):
+        raise ValueError("it must be rows (nx, ny, offset) of walls, or a list of dem.Wall")
+    if not any(isinstance(wall, Wall) for wall in value):
+        rows = real_array(value)
+        if rows.ndim != 2 or rows.shape[1] != 3 or not len(rows):
+            raise ValueError(f"it must have shape (n, 3), not {rows.shape}")
+    listed = []
+    for number, wall in enumerate(value):
+        if not isinstance(wall, Wall):
+            plane = parsed(Wall.__annotations__["plane"], wall, f"walls of row {number}")
+            wall = Wall(plane)
+        listed.append(wall)
+    planes = np.array([wall.plane for wall in listed]).round(DIGITS) + 0.0  # no negative zeros
+    if len(np.unique(planes, axis=0)) < len(planes):
+        raise ValueError("it must have each wall once, because both would push")
+    return tuple(listed)
+
+
+Walls = Annotated[tuple[Any, ...], PlainValidator(walls)]
+
+
+# Outlines of solids
+
+
+def convex(corners: np.ndarray) -> np.ndarray:
+    """Corners (k, 2) in m of a convex polygon, anticlockwise, that cannot be written; raises
+    ValueError."""
+    if len(corners) < 2:
+        raise ValueError("it must have two corners or more")
+    edges = np.roll(corners, -1, axis=0) - corners
+    after = np.roll(edges, -1, axis=0)
+    turn = edges[:, 0] * after[:, 1] - edges[:, 1] * after[:, 0]
+    least = FLAT * np.ptp(corners, axis=0).max() ** 2
+    if not np.hypot(*edges.T).min() > 0.0:
+        raise ValueError("it must have each corner once")
+    once = abs(np.angle(np.exp(1j * np.arctan2(turn, (edges * after).sum(axis=1)))).sum())
+    if len(corners) > 2 and not (turn.min() > least and abs(once - 2.0 * np.pi) < 1e-6):
+        raise ValueError("it must be the corners of a convex polygon, anticlockwise")
+    return fixed(corners)
+
+
+@checked
+@dataclass(frozen=True, eq=False)
+class Polygon(Kept):
+    """Outline of a solid: a convex polygon with rounded corners.
+
+    Its sides are `radius` outside the lines between the corners.
+
+    Parameters
+    ----------
+    corners : array_like of shape (k, 2)
+        Corners (m), two or more, anticlockwise, in the frame of the solid: its position is at the
+        origin, about which it turns.
+    radius : float
+        Radius of the rounded corners (m).
+
+    Raises
+    ------
+    InputError
+        If the corners are not those of a convex polygon, or the radius is not positive.
+
+    Examples
+    --------
+    A wedge 4 mm wide and 3 mm high:
+
+    >>> import dem
+    >>> wedge = dem.Polygon([[-2e-3, 0.0], [2e-3, 0.0], [0.0, 3e-3]], radius=0.25e-3)
+    >>> print(f"{1e6 * wedge.area:.2f} mm2")
+    9.00 mm2
+    """
+
+    corners: Annotated[np.ndarray, finite(None, 2), AfterValidator(convex)]
+    radius: Length
+
+    @property
+    def edges(self) -> np.ndarray:
+        """Vectors (k, 2) in m from each corner to the next."""
+        return np.roll(self.corners, -1, axis=0) - self.corners
+
+    @property
+    def area(self) -> float:
+        """Area (m2)."""
+        x, y = self.corners.T
+        inside = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
+        rim = np.hypot(*self.edges.T).sum() * self.radius
+        return float(inside + rim + np.pi * self.radius**2)
+
+    @property
+    def bounding_radius(self) -> float:
+        """Radius (m) of the circle about the origin that holds the outline."""
+        return float(np.hypot(*self.corners.T).max()) + self.radius
+
+    @property
+    def faces(self) -> np.ndarray:
+        """Rows (k, 5): start of each face (m), its outward unit normal, its length (m)."""
+        edges = self.edges
+        length = np.hypot(*edges.T)
+        along = edges / length[:, None]
+        return np.column_stack([self.corners, along[:, 1], -along[:, 0], length])
+
+    def ring(self, points: int) -> np.ndarray:
+        """Closed outline (points, 2) in m, of at least twice as many points as corners."""
+        count = max(points // (2 * len(self.corners)), 1)
+        normal = np.arctan2(self.faces[:, 3], self.faces[:, 2])
+        before = np.roll(normal, 1)
+        ends = before + np.mod(normal - before, 2.0 * np.pi)
+        share = np.linspace(0.0, 1.0, count + 1)
+        angle = before[:, None] + share * (ends - before)[:, None]  # of normals at each corner
+        arcs = np.stack([np.cos(angle), np.sin(angle)], axis=-1) * self.radius
+        ring = (self.corners[:, None] + arcs).reshape(-1, 2)
+        return np.vstack([ring, ring[:1]])
+
+
+@checked
+def plate(length: Length, thickness: Length) -> Polygon:
+    """Outline of a plate with round ends, about its middle, along x at angle zero.
+
+    Parameters
+    ----------
+    length : float
+        Length (m), with both ends.
+    thickness : float
+        Thickness (m), less than the length.
+
+    Returns
+    -------
+    Polygon
+        The outline.
+
+    Raises
+    ------
+    InputError
+        If the thickness is not less than the length.
+
+    Examples
+    --------
+    >>> import dem
+    >>> outline = dem.plate(length=4e-3, thickness=1e-3)
+    >>> print(f"{1e3 * outline.bounding_radius:g} mm")
+    2 mm
+    """
+    if not thickness < length:
+        raise InputError(
+            f"thickness is {thickness:g} m; it must be less than length, {length:g} m."
+        )
+    half = 0.5 * (length - thickness)
+    return Polygon([[-half, 0.0], [half, 0.0]], 0.5 * thickness)
+
+
+def outline(value: Any) -> Any:
+    """A Polygon, or one granule of a shape, as a copy that cannot be written; raises ValueError."""
+    if isinstance(value, Polygon):
+        return value
+    if not is_shape(type(value)) or {len(size) for size in sizes_of(value).values()} != {1}:
+        raise ValueError("it must be a dem.Polygon, or one granule of a shape, as dem.Disc([1e-3])")
+    if len(value.constituent_radius) > 1:
+        raise ValueError("it must be one convex outline, and a granule of this shape has several")
+    value = resized(type(value)(*value), fixed)
+    if value.fault:
+        raise InputError(value.fault)
+    return value
+
+
+@checked
+@dataclass(frozen=True, eq=False)
+class Solid(Kept):
+    """A rigid body that granules meet: an intruder, an obstacle, a plate, a blade.
+
+    Parameters
+    ----------
+    outline : Polygon, or granules of a shape
+        Outline in the frame of the solid: a `Polygon`, a `plate`, or one granule of a shape, such
+        as ``dem.Disc([1e-3])``. A granule that is not round must be of the shape of the bed, or
+        the bed be of discs or dumbbells.
+    position : tuple of float
+        Position (x, y) of the origin of the outline at the start (m).
+    angle : float
+        Angle at the start (rad).
+    velocity : tuple of float, PrescribedMotion or Drive
+        Velocity (x, y) in m/s, or what it follows; at rest by default.
+    spin : float or Turn
+        Angular velocity (rad/s), that of a `PrescribedMotion` if it has one; or a `Turn`, which
+        the torques on the solid drive.
+    friction : float, optional
+        Coefficient of friction with granules, without unit; None for `Friction.solid`.
+    material : Material, optional
+        Material of the solid; None for `Scene.boundary`.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used, or the solid and its path both have a spin.
+
+    Notes
+    -----
+    Solids meet neither each other nor walls. Gravity does not act on them: add the weight to the
+    force of a `Drive`.
+
+    See Also
+    --------
+    Cylinder : A round solid.
+    Simulation.set_velocity : Change the velocity during a run.
+
+    Examples
+    --------
+    A plate at 45 degrees that is pulled to the right, and a cylinder that turns freely:
+
+    >>> import dem
+    >>> plate = dem.Solid(dem.plate(4e-3, 1e-3), (5e-3, 5e-3), angle=0.785, velocity=(1.0, 0.0))
+    >>> free = dem.Cylinder(2e-3, (12e-3, 5e-3), spin=dem.Turn(inertia=1e-11))
+    >>> scene = dem.Scene(dem.Disc([0.5e-3]), friction=dem.Friction(), solids=[plate, free])
+    >>> scene.solids[1].radius
+    0.001
+    """
+
+    outline: Annotated[Any, PlainValidator(outline)]
+    position: Position
+    angle: Annotated[Number, Unit("rad")] = 0.0
+    velocity: Motion = (0.0, 0.0)
+    spin: Annotated[
+        Annotated[Number, Unit("rad s-1")] | InstanceOf[Turn],
+        must("be an angular velocity or a dem.Turn"),
+    ] = 0.0
+    friction: Coefficient | None = None
+    material: InstanceOf[Material] | None = None
+
+    def __post_init__(self) -> None:
+        path = self.velocity
+        if isinstance(path, PrescribedMotion) and path.spin is not None and self.spin:
+            spin = self.spin
+            words = "a Turn" if isinstance(spin, Turn) else f"{spin:g} rad/s"
+            raise InputError(
+                f"Solid.spin is {words}; it must be left out, because its path has one."
+            )
+
+    @property
+    def is_round(self) -> bool:
+        """Whether the outline is a circle about the origin."""
+        return not isinstance(self.outline, Polygon) and not self.outline.needs_angle
+
+    @property
+    def area(self) -> float:
+        """Area (m2)."""
+        return float(np.sum(self.outline.area))
+
+    @property
+    def gyration_squared(self) -> float:
+        """Squared radius of gyration (m2) about the position: inertia over mass of a body of one
+        density; of a Polygon to 1e-4."""
+        if not isinstance(self.outline, Polygon):
+            return float(self.outline.gyration_squared[0])
+        x, y = self.ring(1025).T
+        cross = x[:-1] * y[1:] - x[1:] * y[:-1]
+        squares = sum(c[:-1] ** 2 + c[:-1] * c[1:] + c[1:] ** 2 for c in (x, y))
+        return float((cross * squares).sum() / cross.sum() / 6.0)
+
+    @property
+    def radius(self) -> float:
+        """Radius (m) of the circle about the origin that holds the outline."""
+        return float(np.max(self.outline.bounding_radius))
+
+    def ring(self, points: int = 65) -> np.ndarray:
+        """Closed outline (points, 2) in m about the position, at angle zero.
+
+        Parameters
+        ----------
+        points : int
+            Points, without unit; a Polygon has more if it has many corners.
+        """
+        if isinstance(self.outline, Polygon):
+            return self.outline.ring(points)
+        return self.outline.polygons(points)[0, 0]
+
+    def placed(self, position: Sequence[float], angle: float) -> np.ndarray:
+        """Closed outline (points, 2) in m at a position (m) and an angle (rad)."""
+        c, s = np.cos(angle), np.sin(angle)
+        return self.ring() @ np.array([[c, s], [-s, c]]) + np.asarray(position)
+
+    def depth(self, point: np.ndarray) -> np.ndarray:
+        """How far points (m, 2) relative to the position, in the frame at angle zero, are inside
+        the outline (m; negative outside, and then a lower bound of the distance)."""
+        if self.is_round:
+            return self.radius - np.hypot(*point.T)
+        ring = self.ring(257)[:-1]
+        edges = np.roll(ring, -1, axis=0) - ring
+        kept = np.hypot(*edges.T) > 0.0
+        along = edges[kept] / np.hypot(*edges[kept].T)[:, None]
+        beyond = (point[:, None] - ring[kept]) @ np.array([[0.0, -1.0], [1.0, 0.0]])
+        return -(beyond * along).sum(axis=-1).max(axis=1)
+
+
+@checked
+def Cylinder(
+    diameter: Length,
+    position: Position,
+    velocity: Motion = (0.0, 0.0),
+    spin: Any = 0.0,
+    friction: Any = None,
+    material: Any = None,
+) -> Solid:
+    """A round solid, such as the cylinder of the paper.
+
+    Parameters
+    ----------
+    diameter : float
+        Diameter (m).
+    position : tuple of float
+        Position (x, y) of the axis at the start (m).
+    velocity, spin, friction, material : optional
+        As of `Solid` (SI units).
+
+    Returns
+    -------
+    Solid
+        The cylinder.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used.
+
+    Examples
+    --------
+    The cylinder of the paper is 3.175 mm wide and moves upwards at 2 m/s:
+
+    >>> import dem
+    >>> cylinder = dem.Cylinder(3.175e-3, position=(10e-3, 4e-3), velocity=(0.0, 2.0))
+    >>> cylinder.velocity
+    (0.0, 2.0)
+    """
+    from dem.shapes.disc import Disc
+
+    outline = Disc([0.5 * diameter])
+    return Solid(outline, position, 0.0, velocity, spin, friction, material)
+
+
+def one_or_more(value: Any) -> tuple[Solid, ...]:
+    """Solids: one, a list of them, or None; raises ValueError."""
+    listed = () if value is None else (value,) if isinstance(value, Solid) else value
+    if not isinstance(listed, list | tuple) or not all(isinstance(k, Solid) for k in listed):
+        raise ValueError("it must be a dem.Solid, such as dem.Cylinder returns, or a list of them")
+    return tuple(listed)
+
+
+Solids = Annotated[tuple[Any, ...], PlainValidator(one_or_more)]
