@@ -71,7 +71,7 @@ def scene_of(name):
         shape, state = granules(lambda r: dem.Dumbbell(0.55 * r))
         turning = path(*TO_AND_FRO, spin=[0.0, 900.0, -500.0, 0.0])
         return dem.Scene(
-            shape, damped, rough, cylinder=dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), turning),
+            shape, damped, rough, solids=dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), turning),
             periodic=(WIDTH, HEIGHT),
         ), state  # fmt: skip
     if name == "ellipses":
