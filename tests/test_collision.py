@@ -130,7 +130,7 @@ def errors(restitution, depth, properties):
     """Relative errors of speed and overlap within a contact, in ever smaller steps."""
     material = dem.Material(restitution=restitution)
     scene, state = head_on([[1e-3, 1e-3]], [1.0], -depth, material=material, **properties)
-    law, mass = Law(scene, "granule"), 0.5 * scene.mass[0]
+    law, mass = Law(material, material, 0.0), 0.5 * scene.mass[0]
 
     def motion(t, y):
         new, rate = (0.0, 0.0), (-y[1], 0.0)

@@ -36,7 +36,7 @@ def granules():
 def room(fraction, **more):
     """What `dem.pack` takes beside them."""
     side = float(np.sqrt(granules().area.sum() / fraction))
-    return {"width": side, "height": side, "solids": None, "seed": 1} | more
+    return {"width": side, "height": side, "solids": (), "seed": 1} | more
 
 
 @cache

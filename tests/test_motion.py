@@ -26,7 +26,7 @@ def moving(planes, motions):
     return [dem.Wall(row, motions.get(k, (0.0, 0.0))) for k, row in enumerate(planes)]
 
 
-def scene(shape, motions=None, held=(), walls=dem.box(FAR, FAR), **changes):
+def scene(shape, motions=None, held=(), walls=None, **changes):
     """Discs, with boundaries of all kinds that are guided: motions by the number of the wall.
 
     The last one is held, beside those of `held`.
@@ -37,7 +37,7 @@ def scene(shape, motions=None, held=(), walls=dem.box(FAR, FAR), **changes):
         "friction": dem.Friction(),
         "thickness": 1e-3,
         "gravity": (0.0, 0.0),
-        "walls": moving(walls, motions or {}),
+        "walls": moving(dem.box(FAR, FAR) if walls is None else walls, motions or {}),
         "solids": AWAY,
         "held": [*held, dem.Held([len(shape.area) - 1], ANCHOR)],
     }

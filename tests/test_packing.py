@@ -189,7 +189,9 @@ def test_bed_packed_with_friction_jams_sooner(kind="disc"):
 def test_pressed_bed_jams(friction):
     """Granules that grow feel nothing at first, then ever more pressure."""
     small = make_small_bed("disc")
-    press = Press(small.shape, Room(small.bed.width, small.bed.height, (small.cylinder,), 1), friction)
+    press = Press(
+        small.shape, Room(small.bed.width, small.bed.height, (small.cylinder,), 1), friction
+    )
     pressures = [press.press(fraction) for fraction in (0.74, 0.80, 0.84, 0.88)]
     assert pressures[0] < 1e-2 * pressures[2]
     assert pressures[1] < pressures[2] < pressures[3]

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
 from numpy.testing import assert_allclose, assert_array_equal
 from test_neighbors import FORMS, parts, solid
 

@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-
 from matplotlib.path import Path as Outline
 from numpy.testing import assert_allclose
 from PIL import Image

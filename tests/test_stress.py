@@ -313,7 +313,6 @@ def test_the_page_on_stress_shows_the_weight_above():
     assert_allclose(pressed, between, atol=0.05 * between[0])
 
 
-
 @pytest.fixture(scope="module")
 def endless():
     """A bed of discs under load that repeats itself along x, shaken, with a cylinder in it."""
