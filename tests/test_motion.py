@@ -243,7 +243,9 @@ def test_a_run_goes_on_where_its_boundaries_are_put(small_bed):
     made = replace(made, held=[], gravity=None)  # the kernels of drawn beds
     first = dem.simulate(made, start, 1e-5)
     axis = replace(cylinder, position=first.solid_position[-1, 0])
-    there = replace(made, walls=first.walls[-1], solids=axis)
+    rows = zip(made.walls, first.walls[-1], strict=True)
+    walls = [replace(wall, plane=row) for wall, row in rows]
+    there = replace(made, walls=walls, solids=axis)
     second = dem.simulate(there, first.state, 1e-6)
     assert second.wall_offset[0, TOP] == first.wall_offset[-1, TOP] < made.planes[TOP, 2]
     assert_allclose(second.solid_position[-1, 0], cylinder.position + np.array([0.0, 1.1e-5]))
@@ -262,7 +264,7 @@ def test_a_held_granule_in_the_place_of_the_cylinder_feels_what_it_feels(small_b
     first = dem.Simulation(plain, small.state, time_step=2e-7)
     shape = dem.Disc([cylinder.radius, *sizes])
     held = [dem.Held([0], velocity)]
-    other = scene(shape, walls=small.bed.walls, solids=AWAY, held=held)
+    other = scene(shape, walls=small.bed.walls, solids=None, held=held)
     start = dem.State(
         np.concatenate([[cylinder.position], small.state.position]),
         angular_velocity=[spin, *np.zeros(len(sizes))],
@@ -367,7 +369,11 @@ def driven(mover, ratio, drive, gap, **changes):
     mass = dem.Scene(dem.Disc([r]), SOFT, thickness=1e-3).mass[0]
     each = dem.Drive(drive, ratio * mass)
     places = {
-        "wall": {"motions": {RIGHT: each}, "walls": [[-1, 0, -at], [1, 0, at + 2 * r + gap]]},
+        "wall": {
+            "motions": {RIGHT: each},
+            "walls": [[-1, 0, -at], [1, 0, at + 2 * r + gap]],
+            "solids": None,
+        },
         "solid": {"solids": dem.Cylinder(2 * r, (at + 3 * r + gap, 0.5), each)},
         "held": {"held": [dem.Held([1], each)]},
     }[mover]
@@ -468,7 +474,7 @@ def test_light_driven_boundaries_are_stable_at_the_step_that_is_chosen(mover):
     places = {
         "solid": {"solids": dem.Cylinder(2 * r, (5e-3, 3 * r), drive)},
         "held": {"held": [dem.Held([1], drive)]},
-        "wall": {"motions": {TOP: drive}, "walls": dem.box(FAR, 2 * r)},
+        "wall": {"motions": {TOP: drive}, "walls": dem.box(FAR, 2 * r), "solids": None},
     }[mover]
     second = [[5e-3, 3 * r]] if mover == "held" else []
     made = scene(dem.Disc([r, *[r for _ in second], 0.5 * r]), **{"material": ELASTIC} | places)
@@ -613,7 +619,7 @@ REFUSED = {
     "Solid.spin is 2 rad/s; it must be left out, because its path has one": lambda: dem.Cylinder(
         1.0, (0.0, 0.0), dem.PrescribedMotion([0.0], [[0.0, 0.0]], [1.0]), 2.0
     ),
-    "Cylinder.velocity is 1.0; it must be a velocity": lambda: dem.Cylinder(1.0, (0, 0), 1.0),
+    "velocity is 1.0; it must be a velocity": lambda: dem.Cylinder(1.0, (0, 0), 1.0),
     "Wall.motion is 1.0; it must be a velocity": lambda: dem.Wall([1.0, 0.0, 0.0], 1.0),
     "Wall.motion is PrescribedMotion(time=array([0.]), velocity=array([[0., 0...; it must have no spin": lambda: (
         dem.Wall([1.0, 0.0, 0.0], dem.PrescribedMotion([0.0], [[0.0, 0.0]], [1.0]))
