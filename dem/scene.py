@@ -226,9 +226,11 @@ class Scene(Kept):
         for other in range(number):
             first = self.solids[other]
             away = nearest_image(np.subtract(solid.position, first.position), self.periodic)
-            depth = overlap_of(
-                first.placed((0.0, 0.0), first.angle), solid.placed(away, solid.angle)
-            )
+            if first.is_round and solid.is_round:
+                depth = first.radius + solid.radius - float(np.hypot(*away))
+            else:
+                ring = solid.placed(away, solid.angle)
+                depth = overlap_of(first.placed((0.0, 0.0), first.angle), ring)
             if depth > TOUCHING * (first.radius + solid.radius):
                 raise InputError(
                     f"{name} is {depth:.3g} m inside solids[{other}]; put them beside each other, or "

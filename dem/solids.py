@@ -125,7 +125,7 @@ def walls_of(width: float, height: float, periodic: Periods) -> np.ndarray | Non
 
 def walls(value: Any) -> tuple[Wall, ...]:
     """Walls of rows (nx, ny, offset) or of Wall; raises ValueError."""
-    if value is None:
+    if value is None or (isinstance(value, list | tuple) and not value):
         return ()
     if not isinstance(value, Sequence | np.ndarray) or isinstance(value, str):
         raise ValueError("it must be rows (nx, ny, offset) of walls, or a list of dem.Wall")

@@ -332,7 +332,7 @@ def surfaces(scene: Scene, table: GranuleTable, drive: np.ndarray) -> dict[str, 
         faces.append(solid.outline.faces)
     outlines = None
     if others:
-        one, *rest = (solid.outline for solid in others.values())
+        one = next(iter(others.values())).outline
         sizes = {name: np.ones(r) for name in sizes_of(one)}
         for b, solid in others.items():
             for name, size in sizes_of(solid.outline).items():

@@ -37,4 +37,4 @@ def ordered(scene: Scene, state: State, order) -> tuple[Scene, State]:
     state = State(*(getattr(state, name)[order] for name in ARRAYS))
     places = np.argsort(order)
     held = tuple(replace(group, granules=places[group.granules]) for group in scene.held)
-    return replace(scene, shape=shape, held=held), state
+    return replace(scene, shape=shape, held=held, species=scene.species[order]), state

@@ -1,0 +1,362 @@
+"""Solids of any outline, number and material: the laws of mechanics that they keep, and closed forms.
+
+Scenes differ in values rather than in what they have, so that few kinds of kernels are compiled.
+"""
+
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import dem
+
+R = 1e-3
+ROUGH, SMOOTH = dem.Friction(), dem.Friction(0.0, 0.0, 0.0)
+ELASTIC = dem.Material(restitution=1.0)
+GRAVITY = (0.0, -9.81)
+WEDGE = dem.Polygon([[-2e-3, -1e-3], [2e-3, -1e-3], [0.0, 2e-3]], radius=0.4e-3)
+BLADE = dem.plate(8e-3, 0.6e-3)
+FAR = dem.Cylinder(1e-3, (1.0, 1.0))  # the kind of scene that has round solids too
+
+
+def turned(vectors, angle):
+    """Vectors (..., 2) turned anticlockwise."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.asarray(vectors) @ np.array([[c, s], [-s, c]])
+
+
+def rough(solids, state, discs=1, material=None, friction=ROUGH, **more):
+    """Discs with friction and damping among solids."""
+    shape = dem.Disc(np.full(discs, R))
+    return dem.Scene(shape, material or dem.Material(), friction, solids=solids, **more), state
+
+
+# Momentum and energy
+
+
+def momentum(run, masses, inertias):
+    """Momentum (2,) and angular momentum of granules and solids that are driven."""
+    scene, state = run.scene, run.state
+    moving = run.world.boundaries.motion[len(scene.walls) :]
+    m = np.append(scene.mass, masses)
+    place = np.vstack([state.position, moving[:, :2]])
+    velocity = np.vstack([state.velocity, moving[:, 2:4]])
+    spin = scene.inertia @ state.angular_velocity + inertias @ moving[:, 4]
+    orbit = place[:, 0] * velocity[:, 1] - place[:, 1] * velocity[:, 0]
+    return m @ velocity, m @ orbit + spin
+
+
+def test_momentum_and_angular_momentum_are_kept_with_two_free_solids_and_a_torque():
+    lattice = np.stack(np.meshgrid(np.arange(6), np.arange(6)), axis=-1).reshape(-1, 2) * 2.1e-3
+    velocity = np.random.default_rng(1).normal(size=(36, 2)) * 3.0
+    mass, inertia, torque = 1e-4, 1e-10, 1e-3
+    push = dem.Drive((0.0, 0.0), mass)
+    solids = [
+        dem.Solid(WEDGE, (5e-3, -4.2e-3), 0.3, push, dem.Turn(inertia, torque)),
+        dem.Cylinder(3e-3, (5e-3, 14e-3), push, dem.Turn(inertia)),
+    ]
+    scene, state = rough(solids, dem.State(lattice, velocity), 36, dem.Material(restitution=0.8))
+    run = dem.Simulation(scene, state)
+    before = momentum(run, [mass, mass], [inertia, inertia])
+    run.advance(2e-3)
+    after = momentum(run, [mass, mass], [inertia, inertia])
+    size = scene.mass @ np.abs(velocity).sum(axis=1)
+    assert abs(run.world.boundaries.motion[1, 4]) > 1.0  # friction turns the cylinder
+    assert_allclose(after[0], before[0], rtol=0, atol=1e-13 * size)
+    assert_allclose(after[1], before[1] + torque * 2e-3, rtol=0, atol=1e-11 * abs(before[1]))
+
+
+@pytest.mark.parametrize(
+    "outline", [dem.Polygon(R * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]), R), BLADE]
+)
+def test_an_elastic_gas_of_smooth_discs_keeps_its_energy_round_a_free_solid(outline):
+    box, rng = dem.box(30e-3, 30e-3), np.random.default_rng(2)
+    lattice = np.stack(np.meshgrid(np.arange(9), np.arange(9)), axis=-1).reshape(-1, 2) * 3.2e-3
+    place = lattice + 2e-3
+    place = place[np.abs(place - 15e-3).max(axis=1) > 5.5e-3]
+    velocity = rng.normal(size=place.shape)
+    mass, inertia = 4e-4, 2e-9
+    solid = dem.Solid(outline, (15e-3, 15e-3), 0.2, dem.Drive((0.0, 0.0), mass), dem.Turn(inertia))
+    shape = dem.Disc(np.full(len(place), R))
+    scene = dem.Scene(shape, ELASTIC, walls=box, solids=solid)
+    run = dem.Simulation(scene, dem.State(place, velocity))
+    energies = []
+    for _ in range(4):
+        run.advance(5e-3)
+        moving = run.world.boundaries.motion[4]
+        kinetic = 0.5 * mass * (moving[2] ** 2 + moving[3] ** 2) + 0.5 * inertia * moving[4] ** 2
+        contacts = run.contacts()
+        elastic = 0.4 * contacts.force @ contacts.overlap
+        energies.append(run.diagnose().kinetic_energy + kinetic + elastic)
+    start = 0.5 * scene.mass @ (velocity**2).sum(axis=1)
+    assert abs(moving[4]) > 1.0 and run.steps > 10_000
+    assert_allclose(energies, start, rtol=4e-3)
+
+
+# Closed forms
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5, -2.0])
+def test_a_long_plate_is_a_half_plane(angle):
+    state = dem.State([[0.0, 1.02 * R]], velocity=[[1.0, -1.0]])
+    scene, _ = rough([FAR, dem.Solid(dem.plate(0.9, R), (0.5, 2.0))], state, walls=[[0, -1, 0]])
+    wall = dem.simulate(scene, state, 2e-4)
+    plate = dem.Solid(dem.plate(0.1, R), turned((0.0, -0.5 * R), angle), angle)
+    state = dem.State(turned(state.position, angle), turned(state.velocity, angle))
+    plate = dem.simulate(*rough([FAR, plate], state, walls=[[0, -1, 10.0]]), 2e-4)
+    assert_allclose(plate.position[-1], turned(wall.position[-1], angle), rtol=0, atol=1e-14)
+    assert_allclose(plate.angle, wall.angle, rtol=0, atol=1e-12)
+    load = turned((wall.wall_tangential_force[-1, 0], -wall.wall_force[-1, 0]), angle)
+    assert_allclose(plate.solid_force[-1, 1], load, rtol=1e-9)
+
+
+def test_a_plate_bears_the_weight_of_a_disc_and_its_torque():
+    scene, state = rough(
+        [FAR, dem.Solid(BLADE, (0.0, -0.3e-3))],
+        dem.State([[1.5e-3, R]]),
+        material=dem.Material(young_modulus=1e7, restitution=0.05),
+        gravity=GRAVITY,
+    )
+    result = dem.simulate(scene, state, 0.2, frames=20)
+    weight = scene.mass[0] * 9.81
+    assert_allclose(result.solid_force[-1, 1], [0.0, -weight], rtol=1e-4, atol=1e-4 * weight)
+    assert_allclose(result.solid_torque[-1, 1], -weight * 1.5e-3, rtol=1e-4)
+
+
+def test_a_disc_slides_down_a_steep_plate_as_coulomb_says():
+    slope, mu = math.radians(60.0), 0.3
+    soft = dem.Material(young_modulus=1e8, restitution=0.05)
+    plate = dem.Solid(dem.plate(0.1, R), turned((0.0, -0.5 * R), -slope), -slope, friction=mu)
+    scene, state = rough([FAR, plate], None, material=soft, gravity=GRAVITY)
+    # begins pressed in as the weight across the slope asks, so that it does not hop
+    modulus = 1e8 / (1.0 - 0.22**2)
+    depth = (scene.mass[0] * 9.81 * math.cos(slope) / (4 / 3 * modulus * math.sqrt(R))) ** (2 / 3)
+    state = dem.State([turned((0.0, R - depth), -slope)])
+    result = dem.simulate(scene, state, 0.02)
+    along = turned(result.velocity[-1, 0], slope)
+    assert_allclose(along[0], 0.02 * 9.81 * (math.sin(slope) - mu * math.cos(slope)), rtol=2e-3)
+    spin = -0.02 * 2.0 * mu * 9.81 * math.cos(slope) / R
+    assert_allclose(result.angular_velocity[-1, 0], spin, rtol=5e-3)
+
+
+@pytest.mark.parametrize("lever", [0.5e-3, 3e-3])
+def test_a_free_blade_and_a_disc_exchange_the_impulse_of_rigid_bodies(lever):
+    """Smooth and elastic: p = 2 v / (1/m + 1/M + l^2/J)."""
+    mass, inertia, speed = 2e-5, 1e-10, 1.0
+    scene, state = rough(
+        [FAR, dem.Solid(BLADE, (0.0, 0.0), 0.0, dem.Drive((0.0, 0.0), mass), dem.Turn(inertia))],
+        dem.State([[lever, R + 0.31e-3]], [[0.0, -speed]]),
+        material=dem.Material(young_modulus=7e12, restitution=0.999),
+        friction=replace(ROUGH, solid=0.0),
+    )
+    run = dem.Simulation(scene, state, step_fraction=0.1)
+    run.advance(4e-5)
+    m = scene.mass[0]
+    impulse = 2.0 * speed / (1.0 / m + 1.0 / mass + lever**2 / inertia)
+    moving = run.world.boundaries.motion[1]
+    assert_allclose(run.state.velocity[0, 1], -speed + impulse / m, atol=4e-3 * speed)
+    assert_allclose(moving[3], -impulse / mass, rtol=4e-3)
+    assert_allclose(moving[4], -impulse * lever / inertia, rtol=4e-3)
+
+
+def test_a_bar_on_a_pivot_swings_as_its_torque_says():
+    """A torque without granules: spin and angle are those of a constant acceleration, and damping
+    takes them to torque over damping."""
+    pivot = dem.Solid(BLADE, (0.0, 0.0), 0.1, spin=dem.Turn(1e-9, torque=1e-6, spin=-5.0))
+    slow = dem.Solid(BLADE, (0.0, 0.1), spin=dem.Turn(1e-9, torque=1e-6, damping=1e-7))
+    scene, state = rough([FAR, pivot, slow], dem.State([[0.05, 0.0]]))
+    result = dem.simulate(scene, state, 0.1, frames=4)
+    t = result.time
+    assert_allclose(result.solid_angle[:, 1], 0.1 - 5.0 * t + 500.0 * t**2, rtol=1e-9)
+    assert_allclose(
+        result.solid_angle[-1, 2], 10.0 * (0.1 - 0.01 * (1.0 - math.exp(-10.0))), rtol=1e-4
+    )
+
+
+@pytest.mark.parametrize("restitution", [0.2, 0.5, 0.9])
+@pytest.mark.parametrize("heavier", [0.1, 1.0, 30.0])
+def test_the_restitution_of_a_driven_solid_is_that_of_its_material(restitution, heavier):
+    scene, state = rough(
+        [FAR],
+        dem.State([[0.0, R + 0.31e-3]], [[0.0, -1.0]]),
+        material=dem.Material(restitution=restitution),
+    )
+    solid = dem.Solid(BLADE, (0.0, 0.0), 0.0, dem.Drive((0.0, 0.0), heavier * float(scene.mass[0])))
+    run = dem.Simulation(replace(scene, solids=[FAR, solid]), state)
+    run.advance(1e-4)
+    apart = run.state.velocity[0, 1] - run.world.boundaries.motion[1, 3]
+    assert_allclose(apart, restitution, rtol=1e-2)
+
+
+def test_a_mirrored_bed_moves_as_in_a_mirror():
+    rng = np.random.default_rng(3)
+    place = np.stack(np.meshgrid(np.arange(6), np.arange(5)), axis=-1).reshape(-1, 2) * 2.05e-3
+    place += np.array([-5e-3, 3.6e-3])
+    velocity = rng.normal(size=place.shape) - [0.0, 3.0]
+
+    def moved(sign):
+        corners = WEDGE.corners * [sign, 1.0]
+        wedge = dem.Polygon(corners[:: int(sign)], WEDGE.radius)
+        solids = [FAR, dem.Solid(wedge, (sign * 1e-3, 0.0), sign * 0.4, spin=dem.Turn(1e-9))]
+        start = dem.State(place * [sign, 1.0], velocity * [sign, 1.0])
+        return dem.simulate(*rough(solids, start, len(place)), 3e-4)
+
+    one, other = moved(1.0), moved(-1.0)
+    assert np.abs(one.solid_torque[-1, 1]) > 0.0
+    assert_allclose(one.position[-1], other.position[-1] * [-1.0, 1.0], rtol=0, atol=1e-10 * R)
+    assert_allclose(one.solid_angle[-1], -other.solid_angle[-1], rtol=0, atol=1e-10)
+    assert_allclose(one.solid_force[-1], other.solid_force[-1] * [-1.0, 1.0], rtol=1e-8, atol=1e-6)
+
+
+def test_an_ellipse_as_a_solid_is_the_same_one_held():
+    size = np.array([2e-3]), np.array([1e-3])
+    one = dem.Ellipse([1.1e-3, 1.1e-3], [0.8e-3, 0.8e-3])
+    state = dem.State([[0.3e-3, 2.5e-3], [3.0e-3, 1.0e-3]], [[0.5, -4.0], [-4.0, -1.0]], [0.3, 1.2])
+    solid = dem.Solid(dem.Ellipse(*size), (0.0, 0.0), 0.4, material=dem.Material())
+    free = dem.simulate(dem.Scene(one, friction=ROUGH, solids=[solid], thickness=R), state, 2e-4, 2e-8)
+    both = dem.Ellipse([*one.semi_major, *size[0]], [*one.semi_minor, *size[1]])
+    held = dem.State(
+        np.vstack([state.position, [[0.0, 0.0]]]),
+        np.vstack([state.velocity, [[0.0, 0.0]]]),
+        np.append(state.angle, 0.4),
+    )
+    scene = dem.Scene(both, friction=ROUGH, held=[dem.Held([2])], thickness=R)
+    held = dem.simulate(scene, held, 2e-4, 2e-8)
+    assert np.abs(held.velocity[-1, :2] - state.velocity).min() > 0.1
+    assert_allclose(free.position[-1], held.position[-1, :2], rtol=0, atol=1e-10 * R)
+    assert_allclose(free.solid_force[-1, 0], held.held_force[-1, 0], rtol=1e-8)
+
+
+def test_a_disc_meets_an_elliptic_solid_as_a_round_one_where_it_is_round():
+    state = dem.State([[0.2e-3, 2.02 * R]], [[0.3, -1.0]])
+    round_one = dem.simulate(*rough([dem.Cylinder(2 * R, (0.0, 0.0), friction=0.2)], state), 2e-4)
+    ellipse = dem.Solid(dem.Ellipse([R], [R * (1 - 1e-12)]), (0.0, 0.0), 0.7, friction=0.2)
+    other = dem.simulate(*rough([ellipse], state), 2e-4)
+    assert_allclose(other.position[-1], round_one.position[-1], rtol=0, atol=1e-9 * R)
+    assert_allclose(other.angular_velocity, round_one.angular_velocity, rtol=1e-6)
+
+
+# Bits
+
+
+def test_threads_checkpoints_and_looks_change_no_bit_with_a_turning_solid():
+    scene, state = rough(
+        [FAR, dem.Solid(WEDGE, (0.0, 0.0), velocity=(0.0, 3.0), spin=dem.Turn(1e-9))],
+        dem.State([[0.2e-3, 3.9e-3], [-2e-3, 4.4e-3]], [[0.0, -1.0], [0.5, 0.0]]),
+        2,
+    )
+    once = dem.Simulation(scene, state)
+    once.advance(2.0**-11)
+    often = dem.Simulation(scene, state)
+    for k in range(8):
+        often.diagnose()
+        saved = often.checkpoint()
+        if k == 4:
+            often = dem.Simulation(scene, state)
+            often.restore(saved)
+        often.advance(2.0**-14)
+    assert_array_equal(once.state.position, often.state.position)
+    assert_array_equal(once.world.boundaries.motion, often.world.boundaries.motion)
+    assert abs(once.world.boundaries.angle[1]) > 1e-6
+
+
+# Materials
+
+
+def test_one_material_given_twice_has_the_bits_of_one():
+    state = dem.State([[0.0, 1.0e-3], [2.05e-3, 1.2e-3], [4.0e-3, 1.0e-3]], np.eye(3)[:, :2] - 0.5)
+    one, _ = rough([FAR, dem.Solid(BLADE, (1e-3, -0.5e-3))], state, 3)
+    two = replace(
+        one, material=[one.material] * 2, species=[0, 1, 0], friction=dem.Friction([[0.3, 0.3]] * 2)
+    )
+    one, two = dem.simulate(one, state, 3e-4), dem.simulate(two, state, 3e-4)
+    assert_array_equal(one.position, two.position)
+    assert_array_equal(one.angular_velocity, two.angular_velocity)
+    assert np.abs(one.angular_velocity[-1]).max() > 1.0
+
+
+GLASS = dem.Material(2500.0, 7e10, 0.22, 0.9)
+STEEL = dem.Material(7800.0, 2.1e11, 0.3, 0.4)
+
+
+def test_the_restitution_of_two_materials_is_the_geometric_mean():
+    scene, state = rough(
+        [FAR], dem.State([[0.0, 0.0], [2.01 * R, 0.0]], [[1.0, 0.0], [-1.0, 0.0]]), 2
+    )
+    scene = replace(scene, material=[GLASS, STEEL], species=[0, 1])
+    result = dem.simulate(scene, state, 2e-4, step_fraction=0.05)
+    after = np.ptp(result.velocity[-1, :, 0])
+    assert_allclose(after, 2.0 * math.sqrt(0.9 * 0.4), rtol=1e-3)
+    assert_allclose(scene.mass[1] / scene.mass[0], 7800.0 / 2500.0)
+
+
+@pytest.mark.parametrize("partner", ["granule", "wall", "solid"])
+def test_a_contact_of_two_materials_has_the_modulus_of_both(partner):
+    """Hertz, with 1/E* the sum of (1 - nu^2)/E of both (Johnson 1985, equation 4.24)."""
+    overlap, star = 1e-6, 1.0 / ((1 - 0.22**2) / 7e10 + (1 - 0.3**2) / 2.1e11)
+    place = {"granule": [[0.0, 0.0], [2 * R - overlap, 0.0]], "wall": [[0.0, R - overlap], [0.1, 0.1]],
+             "solid": [[0.0, R - overlap], [0.1, 0.1]]}[partner]  # fmt: skip
+    solids = [FAR] + [dem.Solid(BLADE, (0.0, -0.3e-3), material=STEEL)] * (partner == "solid")
+    walls = [dem.Wall([0, -1, 0], material=STEEL)] if partner == "wall" else None
+    scene, state = rough(
+        solids, dem.State(place), 2, material=[GLASS, STEEL], species=[0, 1], walls=walls
+    )
+    (force,) = dem.Simulation(scene, state).contacts().force
+    radius = 0.5 * R if partner == "granule" else R
+    assert_allclose(force, 4 / 3 * star * math.sqrt(radius) * overlap**1.5, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("species", "mu"), [([0, 0], 0.1), ([0, 1], 0.3), ([1, 1], 0.5)])
+def test_friction_between_granules_is_that_of_their_materials(species, mu):
+    """A disc that slides along another is caught by mu N: the change of its tangential velocity
+    is mu times that of its normal velocity, while it slides."""
+    table = dem.Friction(granule=[[0.1, 0.3], [0.3, 0.5]])
+    state = dem.State([[0.0, 0.0], [2.0001 * R, 0.0]], [[0.0, 0.0], [-0.2, 2.0]])
+    material = [dem.Material(restitution=0.99)] * 2
+    scene, _ = rough([FAR], state, 2, material, table, species=species)
+    result = dem.simulate(scene, state, 6e-5, step_fraction=0.05)
+    change = result.velocity[-1, 0]
+    assert change[0] < -0.05
+    along = np.abs(change @ [0.0, 1.0] / change[0])
+    assert_allclose(along, mu, rtol=0.1)  # the normal turns while they touch
+
+
+# Refusals
+
+REFUSED = {
+    "it must be the corners of a convex polygon": lambda: dem.Polygon(
+        [[0, 0], [2e-3, 0], [1e-3, 0.2e-3], [1e-3, 2e-3]], 1e-4
+    ),
+    "it must have two corners or more": lambda: dem.Polygon([[0.0, 0.0]], 1e-4),
+    "solids[0] has a radius of 0.0001 m; it must be more than 0.0002 m": lambda: dem.Scene(
+        dem.Disc([R]), solids=dem.Solid(dem.plate(4e-3, 0.2e-3), (0, 0))
+    ),
+    "solids[1] is 0.001 m inside solids[0]": lambda: dem.Scene(
+        dem.Disc([R]), solids=[dem.Cylinder(2e-3, (0, 0)), dem.Cylinder(2e-3, (1e-3, 0))]
+    ),
+    "solids[0] is 0.0005 m inside wall 0": lambda: dem.Scene(
+        dem.Disc([R]), walls=[[0, -1, 0]], solids=dem.Cylinder(2e-3, (0, 0.5e-3))
+    ),
+    "solids[0] is a Ellipse; among granules of Superellipse it must be round": lambda: dem.Scene(
+        dem.Superellipse([R], [R], [0.2 * R]),
+        solids=dem.Solid(dem.Ellipse([2e-3], [1e-3]), (0, 0)),
+    ),
+    "Turn.inertia is 0.0; it must be positive": lambda: dem.Turn(0.0),
+    "species must tell which granule is of which": lambda: dem.Scene(dem.Disc([R]), [GLASS, STEEL]),
+    "Friction.granule has 2 rows; it must have one for each of the 1 materials": lambda: dem.Scene(
+        dem.Disc([R]), friction=dem.Friction([[0.1, 0.2], [0.2, 0.3]])
+    ),
+    "it must be symmetric": lambda: dem.Friction([[0.1, 0.2], [0.3, 0.3]]),
+    "Solid.spin is 1 rad/s; it must be left out, because its path has one": lambda: dem.Cylinder(
+        R, (0, 0), dem.PrescribedMotion([0.0], [[0.0, 0.0]], [1.0]), 1.0
+    ),
+}
+
+
+@pytest.mark.parametrize("words", REFUSED)
+def test_what_cannot_be_is_refused_by_one_sentence(words):
+    with pytest.raises(dem.InputError, match=re.escape(words)):
+        REFUSED[words]()
