@@ -83,8 +83,8 @@ def forces_on(record):
 MOVERS = {
     "a wall": lambda time: {"motions": {LEFT: smoothly(1.0, time)}},
     "a wall that slides": lambda time: {"motions": {BOTTOM: smoothly(-3.0, time)}},
-    "the cylinder": lambda time: {"velocity": smoothly(1.0, time, axis=1)},
-    "the cylinder that turns": lambda time: {"velocity": smoothly(0.0, time, spin=2e3)},
+    "a solid": lambda time: {"velocity": smoothly(1.0, time, axis=1)},
+    "a solid that turns": lambda time: {"velocity": smoothly(0.0, time, spin=2e3)},
     "a held granule": lambda time: {"held": [dem.Held([30], smoothly(1.0, time))]},
 }
 
@@ -119,7 +119,7 @@ def test_the_work_of_a_boundary_on_a_path_is_what_the_bed_gains(small_bed, mover
         power = record.wall_force[:, LEFT] * at[0]
     elif mover == "a wall that slides":
         power = -record.wall_tangential_force[:, BOTTOM] * at[0]
-    elif mover == "the cylinder":
+    elif mover == "a solid":
         power = -(record.normal_force + record.tangential_force)[:, 0, 1] * at[1]
     elif mover == "a held granule":
         power = -record.held_force[:, 0, 0] * at[0]
@@ -128,7 +128,7 @@ def test_the_work_of_a_boundary_on_a_path_is_what_the_bed_gains(small_bed, mover
 
 @pytest.mark.parametrize("kind", ["dumbbell"])
 def test_energy_adds_up_between_moving_boundaries_for_granules_that_are_not_round(small_bed, kind):
-    """A wall, the cylinder and a held granule that turns all do work; the ledger has a thousandth."""
+    """A wall, a solid and a held granule that turns all do work; the ledger has a thousandth."""
     small, time = small_bed(kind), 1e-4
     made = scene(
         small.shape,
@@ -146,7 +146,7 @@ def test_energy_adds_up_between_moving_boundaries_for_granules_that_are_not_roun
 
 
 def test_what_the_bed_loses_of_momentum_is_what_the_boundaries_get(small_bed):
-    """Normal and tangential forces on walls, cylinder and held granules are all there is."""
+    """Normal and tangential forces on walls, solids and held granules are all there is."""
     made, start = bed(
         small_bed, {TOP: (0.0, -1.0), BOTTOM: (2.0, 0.0)}, held=[dem.Held([7, 30], (0.3, 0.2))]
     )
