@@ -125,7 +125,7 @@ def gas(young_modulus, granules=100, side=30e-3):
     angle = rng.uniform(0.0, 2.0 * np.pi, granules)
     material = replace(ELASTIC, young_modulus=young_modulus)
     scene = dem.Scene(
-        dem.Disc(np.full(granules, RADIUS)), material, **LEAST | {"walls": dem.box(side, side)}
+        dem.Disc(np.full(granules, RADIUS)), material, LEAST["friction"], dem.box(side, side)
     )
     return scene, dem.State(place, SPEED * np.stack([np.cos(angle), np.sin(angle)], 1))
 
