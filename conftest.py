@@ -164,15 +164,15 @@ class Small(NamedTuple):
 
     diameters: np.ndarray
     shape: tuple
-    cylinder: dem.Cylinder
+    cylinder: dem.Solid
     bed: dem.Bed
 
     def scene(self, **changes):
-        """Scene with friction, damping, walls and cylinder: one compilation a kind of granule."""
+        """Scene with friction, damping, walls and the cylinder: one compilation a kind of granule."""
         usual = {
             "friction": dem.Friction(),
             "walls": self.bed.walls,
-            "cylinder": self.cylinder,
+            "solids": self.cylinder,
             "thickness": 1e-3,
         }
         return dem.Scene(self.shape, **usual | changes)

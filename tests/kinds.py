@@ -1,10 +1,9 @@
 """The kinds of kernels that the suite compiles: a budget, and which tests ask for more. A plugin of pytest.
 
 Numba compiles a kernel for each combination of types of its arguments: for each shape, with friction or
-without, with walls or without, ... A kind of run_steps takes 10 to 40 s of a processor. A test that needs none
-of its own takes a scene of those that are there: walls and a cylinder that nothing meets
-(test_collision.APART) for none, the limit of little friction and damping (LEAST, ELASTIC) for none, a held
-granule that rests (test_motion.ANCHOR), a gravity of zero.
+without, with held granules or without, ... A kind of run_steps takes 10 to 40 s of a processor. A test that needs
+none of its own takes a scene of those that are there: the limit of little friction and damping (LEAST, ELASTIC)
+for none, a held granule that rests (test_motion.ANCHOR). Walls, round solids, gravity and paths add no kind.
 """
 
 import hashlib

@@ -11,11 +11,10 @@ from dem.contacts.force_law import damping_from_restitution, restitution_from_da
 
 SLIPPERY = dem.Friction(0.5, 0.5, 0.5)
 HEAVY = {"thickness": 1.0}  # m: contacts last long enough for the time steps of these tests
-# Walls and a cylinder that nothing meets: with them the kernels are those of drawn beds.
-FAR = 1e3  # m
+FAR = 1e3  # m: walls and a cylinder that nothing meets
 APART = {
     "walls": [[1.0, 0.0, FAR], [-1.0, 0.0, FAR], [0.0, 1.0, FAR], [0.0, -1.0, FAR]],
-    "cylinder": dem.Cylinder(1e-3, (0.9 * FAR, 0.9 * FAR)),
+    "solids": dem.Cylinder(1e-3, (0.9 * FAR, 0.9 * FAR)),
 }
 # The limit of no friction and no damping, with the kernels of drawn beds too.
 ELASTIC = dem.Material(restitution=1.0 - 1e-12)
@@ -131,7 +130,7 @@ def errors(restitution, depth, properties):
     """Relative errors of speed and overlap within a contact, in ever smaller steps."""
     material = dem.Material(restitution=restitution)
     scene, state = head_on([[1e-3, 1e-3]], [1.0], -depth, material=material, **properties)
-    law, mass = Law(scene, "granule"), 0.5 * scene.mass[0]
+    law, mass = Law(material, material, 0.0), 0.5 * scene.mass[0]
 
     def motion(t, y):
         new, rate = (0.0, 0.0), (-y[1], 0.0)
@@ -211,8 +210,8 @@ def test_elastic_collisions_at_the_default_step_err_by_a_tenth_of_a_per_cent(par
         scene, state = head_on(np.full((n, 2), radius), 2.0 * speed, gap, **thin)
     else:
         x, y = -radius - gap, 4.0 * radius * np.arange(n)
-        walls = {"walls": [[1.0, 0.0, 0.0], *APART["walls"][1:]]}
-        scene = dem.Scene(dem.Disc(np.full(n, radius)), ELASTIC, **LEAST | walls)
+        wall = {"walls": [[1.0, 0.0, 0.0]], "solids": None}
+        scene = dem.Scene(dem.Disc(np.full(n, radius)), ELASTIC, **LEAST | wall)
         state = dem.State(np.column_stack([x, y]), np.column_stack([speed, np.zeros(n)]))
     after = dem.simulate(scene, state, 6e-3).state
     assert (after.velocity[:, 0] * state.velocity[:, 0] < 0.0).all()

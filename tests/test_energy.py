@@ -7,7 +7,7 @@ import pytest
 
 import dem
 
-FAR = 1.0  # m: walls and cylinder that nothing meets, so that one compilation serves all
+FAR = 1.0  # m: walls and a cylinder that nothing meets
 
 
 def pair(small, velocity, restitution=0.5):
@@ -18,7 +18,7 @@ def pair(small, velocity, restitution=0.5):
         shape=shape,
         material=dem.Material(restitution=restitution),
         walls=dem.box(FAR, FAR),
-        cylinder=dem.Cylinder(1e-3, (0.9 * FAR, 0.9 * FAR)),
+        solids=dem.Cylinder(1e-3, (0.9 * FAR, 0.9 * FAR)),
     )
     middle = 0.5 * FAR
     place = [[middle, middle], [middle + 1.01e-3, middle]]
@@ -48,7 +48,7 @@ def test_the_energy_residual_falls_faster_than_the_time_step(small_bed):
     squeezed.position = squeezed.position * [0.995, 1.0] + [0.0025 * small.bed.width, 0.0]
     found = []
     for step in (8e-9, 4e-9):
-        run = dem.Simulation(small.scene(cylinder=still), squeezed, time_step=step, ledger=True)
+        run = dem.Simulation(small.scene(solids=still), squeezed, time_step=step, ledger=True)
         run.advance(2e-6)
         found.append(run.ledger().residual)
         assert run.ledger().damped > 1e-3 * run.ledger().before
@@ -111,7 +111,7 @@ def spun(small, ledger=False, **friction):
     return run
 
 
-@pytest.mark.parametrize("smooth", ["granule", "wall", "cylinder"])
+@pytest.mark.parametrize("smooth", ["granule", "wall", "solid"])
 @pytest.mark.parametrize("kind", ["disc", "dumbbell"])
 def test_no_friction_at_one_kind_of_contact_is_the_limit_of_little(small_bed, kind, smooth):
     """The bed turns alike for a coefficient of zero and a tiny one."""
@@ -121,7 +121,7 @@ def test_no_friction_at_one_kind_of_contact_is_the_limit_of_little(small_bed, ki
     )
 
 
-@pytest.mark.parametrize("smooth", ["granule", "wall", "cylinder"])
+@pytest.mark.parametrize("smooth", ["granule", "wall", "solid"])
 def test_energy_adds_up_without_friction_at_one_kind_of_contact(small_bed, smooth):
     """Of discs, with a coefficient of zero there."""
     run = spun(small_bed("disc"), ledger=True, **{smooth: 0.0})
@@ -136,7 +136,7 @@ def test_a_wall_without_friction_turns_no_disc():
         friction=dem.Friction(granule=0.3, wall=0.0),
         walls=[[-1.0, 0.0, 0.0], [1.0, 0.0, 4 * r * 0.9999]],
         thickness=r,
-        cylinder=dem.Cylinder(r, (2 * r, FAR)),
+        solids=dem.Cylinder(r, (2 * r, FAR)),
     )
     state = dem.State([[r, 0.0], [3 * r * 0.9999, 0.0]], angular_velocity=[0.0, 100.0])
     spin = dem.simulate(scene, state, duration=1e-4).state.angular_velocity

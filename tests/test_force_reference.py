@@ -18,7 +18,7 @@ NO_NUMBER = {"f": np.nan, "i": -(10**9), "u": 10**9, "b": True}
 
 
 def random_bed(kind, seed):
-    """Granules thrown into a box without looking: many overlap each other, walls and cylinder."""
+    """Granules thrown into a box without looking: many overlap each other, walls and the cylinder."""
     rng = np.random.default_rng(seed)
     n, width, height = 24, 8e-3, 6e-3
     scene = Scene(
@@ -26,7 +26,7 @@ def random_bed(kind, seed):
         material=Material(2.5e3, 3e9, 0.3, 0.5),
         friction=Friction(0.2, 0.4, 0.7),
         walls=box(width, height),
-        cylinder=Cylinder(2e-3, (4e-3, 2e-3), (1.0, 2.0)),
+        solids=Cylinder(2e-3, (4e-3, 2e-3), (1.0, 2.0)),
         thickness=1e-3,
     )
     state = State(
@@ -39,7 +39,7 @@ def random_bed(kind, seed):
 @pytest.mark.parametrize(("dt", "steps"), [(0.0, 1), (1e-8, 1), (1e-6, 1), (1e-8, 5)])
 @pytest.mark.parametrize("kind", [Disc, Dumbbell])
 def test_forces_of_a_random_bed(kind, dt, steps):
-    """Forces and torques of pairs, walls and cylinder, after slips that the contacts remember."""
+    """Forces and torques of pairs, walls and the cylinder, after slips that the contacts remember."""
     for seed in range(3):
         scene, state = random_bed(kind, seed)
         world = writable(Simulation(scene, state).world)
@@ -53,15 +53,15 @@ def test_forces_of_a_random_bed(kind, dt, steps):
 
 
 @pytest.mark.parametrize("kind", [Disc, Dumbbell])
-def test_forces_on_walls_and_cylinder_balance_those_on_granules(kind):
-    """What the granules feel in all is what walls and cylinder give."""
+def test_forces_on_walls_and_solids_balance_those_on_granules(kind):
+    """What the granules feel in all is what walls and the cylinder give."""
     scene, state = random_bed(kind, 3)
     scene = replace(scene, friction=Friction(0.2, 1e-30, 0.7))
     world = writable(Simulation(scene, state).world)
     dt = 1e-7
-    loads, axis = world.boundaries.contact_forces, world.cylinder.first
+    loads, axis = world.boundaries.contact_forces, len(scene.walls)
     forces(world, dt, np.inf)
-    given = loads[axis, :2] + loads[axis, 2:4] + loads[:axis, 0] @ scene.walls[:, :2]
+    given = loads[axis, :2] + loads[axis, 2:4] + loads[:axis, 0] @ scene.planes[:, :2]
     assert_allclose(world.force[:, :2].sum(axis=0), -given, rtol=1e-10)
 
 
@@ -71,7 +71,7 @@ def test_the_stages_that_are_timed_make_the_forces_of_a_step():
     stages = pytest.importorskip("studies.benchmark.stages")
     scene, state = random_bed(Disc, 1)
     walls = [[1.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, -1.0, 1.0]]  # m
-    scene = replace(scene, walls=walls, cylinder=Cylinder(1e-3, (0.9, 0.9)))
+    scene = replace(scene, walls=walls, solids=Cylinder(1e-3, (0.9, 0.9)))
     world = writable(Simulation(scene, state).world)
     forces(world, 0.0, np.inf)
     expected = world.force.copy()

@@ -209,7 +209,7 @@ def test_inclined_ellipse_at_a_wall(small_bed, angle):
         Ellipse(np.array([a]), np.array([b])),
         friction=Friction(),
         walls=bed.scene().walls,
-        cylinder=bed.cylinder,
+        solids=bed.cylinder,
     )
     for side, x in ((1.0, bed.bed.width - reach + overlap), (-1.0, reach - overlap)):
         state = State([[x, height]], angle=[angle])
@@ -261,7 +261,7 @@ def test_dumbbells_are_two_rigidly_joined_discs():
         rng.uniform(0.0, 7.0, 2 * n),
         1e3 * rng.normal(size=2 * n),
     )
-    far = {"walls": box(10.0, 10.0) + [0.0, 0.0, 5.0], "cylinder": Cylinder(1.0, (3.0, 3.0))}
+    far = {"walls": box(10.0, 10.0) + [0.0, 0.0, 5.0], "solids": Cylinder(1.0, (3.0, 3.0))}
     scene = Scene(Dumbbell(radius), friction=Friction(0.4, 0.0, 0.0), **far)
     force = Simulation(scene, state).world.force
     expected, torque = forces_of(scene, state, 0.0)

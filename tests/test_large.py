@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from test_motion import ANCHOR, STILL, smoothly
+from test_motion import ANCHOR, smoothly
 
 import dem
 from dem.dynamics.ordering import order_of
@@ -21,8 +21,8 @@ PITCH = 1e-3  # m
 def swarm(side=40, seed=1):
     """More granules than a patch holds, on a grid, that fly about and collide in a box.
 
-    The box repeats itself along x, its walls are guided and one granule above all others is held; no weight
-    and a cylinder below the floor, which nothing meets: all large beds share kernels.
+    The box repeats itself along x, and a granule and a cylinder above all others are held: all large beds share
+    kernels.
     """
     rng = np.random.default_rng(seed)
     n = side * side
@@ -33,11 +33,9 @@ def swarm(side=40, seed=1):
         dem.Material(2500.0, 1e9, 0.3, 0.7),
         dem.Friction(),
         dem.box(side * PITCH, (side + 2) * PITCH)[2:],
-        dem.Cylinder(PITCH, (0.0, -1.0)),
-        gravity=(0.0, 0.0),
+        dem.Cylinder(0.5 * PITCH, (0.5 * side * PITCH, (side + 1.5) * PITCH)),
         thickness=PITCH,
         periodic=(side * PITCH, None),
-        wall_motion=[STILL, STILL],
         held=[dem.Held([n], ANCHOR)],
     )
     place = np.concatenate([grid, [[0.5 * PITCH, (side + 1.5) * PITCH]]])
@@ -55,7 +53,8 @@ def crowd():
     middle = np.flatnonzero(np.hypot(*(start.position - 0.5 * side).T) < 3 * PITCH)
     body = dem.Held(middle, dem.Drive((0.0, 0.5), 1e-4))
     motions = [dem.Drive((None, 1.0), 1e-3), smoothly(-1.0, 1e-4, axis=1)]
-    return replace(made, held=[ground, body], wall_motion=motions), start
+    walls = list(map(dem.Wall, made.planes, motions))
+    return replace(made, held=[ground, body], walls=walls), start
 
 
 def test_the_number_of_threads_changes_no_bit():
@@ -119,7 +118,7 @@ def test_contacts_of_a_large_bed_name_the_granules_of_the_input():
 def test_a_large_bed_keeps_momentum_and_the_order_of_its_granules():
     """Pairs of two patches push both granules alike; results stand in the order of the input."""
     scene, state = swarm()
-    width = scene.walls[:, 2].max()
+    width = scene.planes[:, 2].max()
     walls, periodic = dem.box(3.0 * width, 3.0 * width)[2:], (3.0 * width, None)
     free = replace(scene, walls=walls, periodic=periodic)  # sides that nothing reaches
     state.position += width
@@ -178,10 +177,9 @@ def test_tiles_of_a_bed_at_rest_are_at_rest(tiles):
     """Where mirror images meet, a granule feels what it felt from the wall."""
     sizes = np.random.default_rng(5).uniform(0.8e-3, 1.2e-3, 40)
     height = dem.Disc.of_size(sizes).area.sum() / 0.86 / 6e-3
-    corner = dem.Cylinder(1e-9, (1e-9, 1e-9))  # m: it meets nothing, and its machine code serves
-    bed = dem.pack(dem.Disc.of_size(sizes), 6e-3, height, corner, 1)
+    bed = dem.pack(dem.Disc.of_size(sizes), 6e-3, height, None, 1)
     shape, state, wide, high = tiled(dem.Disc.of_size(sizes), bed, *tiles)
-    scene = dem.Scene(shape, friction=dem.Friction(), walls=dem.box(wide, high), gravity=(0.0, 0.0))
+    scene = dem.Scene(shape, friction=dem.Friction(), walls=dem.box(wide, high))
     world = dem.Simulation(scene, state).world
     typical = np.abs(world.pairs.stiffness).mean() * (bed.max_overlap * 5e-4) ** 1.5
     assert bed.coordination_number > 3.0

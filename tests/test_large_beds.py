@@ -37,7 +37,7 @@ def granules():
 def room(fraction, **more):
     """What `dem.pack` takes beside them."""
     side = float(np.sqrt(granules().area.sum() / fraction))
-    return {"width": side, "height": side, "cylinder": None, "seed": 1} | more
+    return {"width": side, "height": side, "solids": (), "seed": 1} | more
 
 
 @cache

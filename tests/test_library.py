@@ -21,7 +21,7 @@ def discs(**changes):
         "shape": dem.Disc(SIZES),
         "friction": dem.Friction(),
         "walls": dem.box(2e-2, 1e-2),
-        "cylinder": dem.Cylinder(1e-3, (1.5e-2, 5e-3), (0.0, 1.0)),
+        "solids": dem.Cylinder(1e-3, (1.5e-2, 5e-3), (0.0, 1.0)),
     }
     return dem.Scene(**usual | changes)
 
@@ -30,22 +30,25 @@ def test_a_result_is_a_dataset_with_units(tmp_path):
     """Each variable has its dimensions, units and long name, and a file gives them all back."""
     result = dem.simulate(discs(), dem.State(**STATE), 1e-5, frames=3)
     dataset = result.to_dataset()
-    assert dict(dataset.sizes) == {"time": 4, "granule": 2, "axis": 2, "wall": 4}
+    sizes = {"time": 4, "granule": 2, "axis": 2, "wall": 4, "solid": 1, "point": 65}
+    assert dict(dataset.sizes) == sizes
     assert {name: each.attrs["units"] for name, each in dataset.items()} == {
         "position": "m",
         "angle": "rad",
         "velocity": "m s-1",
         "angular_velocity": "rad s-1",
-        "cylinder_force": "N",
+        "solid_force": "N",
         "wall_force": "N",
         "time_step": "s",
-        "cylinder_position": "m",
-        "cylinder_diameter": "m",
+        "solid_position": "m",
+        "solid_angle": "rad",
+        "solid_radius": "m",
+        "solid_outline": "m",
         "wall_normal": "1",
         "wall_offset": "m",
         "mass": "kg",
         "bounding_radius": "m",
-        "cylinder_torque": "N m",
+        "solid_torque": "N m",
         "wall_tangential_force": "N",
     }
     assert dataset["time"].attrs["units"] == "s"
@@ -60,10 +63,11 @@ def test_a_result_is_a_dataset_with_units(tmp_path):
 
 
 def test_a_result_without_walls_is_a_dataset_too():
-    """No walls: a dimension of none."""
-    scene = discs(walls=None, cylinder=None, friction=None)
+    """No walls and no solids: no dimensions of them."""
+    scene = discs(walls=None, solids=None, friction=None)
     dataset = dem.simulate(scene, dem.State(**STATE), 1e-6).to_dataset()
-    assert "wall" not in dataset.sizes and np.isfinite(dataset["position"]).all()
+    assert not {"wall", "solid", "point"} & set(dataset.sizes)
+    assert np.isfinite(dataset["position"]).all()
 
 
 def test_thickness_is_the_mean_volume_diameter_unless_it_is_given():
@@ -126,12 +130,12 @@ def test_a_bed_gives_its_state_and_its_walls(small_bed):
     assert_array_equal(bed.walls, dem.box(bed.width, bed.height))
 
 
-def test_the_cylinder_takes_another_velocity(small_bed):
+def test_a_solid_takes_another_velocity(small_bed):
     """From then on; a checkpoint keeps it."""
     small = small_bed("disc")
     run = dem.Simulation(small.scene(), small.state)
     before = run.world.boundaries.motion[4, :2].copy()
-    run.set_cylinder_velocity((1.0, -2.0))
+    run.set_velocity((1.0, -2.0))
     other = dem.Simulation(small.scene(), small.state)
     other.restore(run.checkpoint())
     for each in (run, other):
@@ -139,8 +143,8 @@ def test_the_cylinder_takes_another_velocity(small_bed):
         moved = each.world.boundaries.motion[4, :2] - before
         assert moved == pytest.approx([1e-6, -2e-6], rel=1e-6)
     empty = dem.Simulation(dem.Scene(dem.Disc([1e-3])), dem.State([[0.0, 0.0]]))
-    with pytest.raises(dem.InputError, match="the scene has no cylinder"):
-        empty.set_cylinder_velocity((0.0, 0.0))
+    with pytest.raises(dem.InputError, match="solid is 0; the scene has 0, numbered from 0"):
+        empty.set_velocity((0.0, 0.0))
 
 
 def test_a_step_beyond_the_bound_must_be_asked_for(small_bed):
@@ -165,8 +169,8 @@ def test_a_writable_world_is_a_copy(small_bed, kind):
     assert_array_equal(run.state.position, small.state.position)
 
 
-def test_contacts_of_a_bed_name_granules_cylinder_and_walls(small_bed):
-    """Partners are granules, -1 for the cylinder, -2 to -5 for the walls."""
+def test_contacts_of_a_bed_name_granules_solids_and_walls(small_bed):
+    """Partners are granules, -1 for the solid, -2 to -5 for the walls."""
     small = small_bed("disc")
     found = dem.Simulation(small.scene(), small.state).contacts()
     assert set(found.partner[found.partner < 0]) <= {-1, -2, -3, -4, -5}

@@ -1,4 +1,4 @@
-"""Walls, cylinder and held granules that move: on paths, or as the forces on them say."""
+"""Walls, solids and held granules that move: on paths, or as the forces on them say."""
 
 import io
 import pickle
@@ -17,26 +17,28 @@ SOFT = dem.Material(young_modulus=1e8, restitution=0.6)
 ELASTIC = dem.Material(young_modulus=1e8, restitution=1.0 - 1e-9)
 SMOOTH = dem.Friction(1e-12, 1e-12, 1e-12)
 ANCHOR = dem.Drive((0.0, 0.0), mass=1e6)
-STILL = dem.PrescribedMotion([0.0], [[0.0, 0.0]])
-AWAY = dem.Cylinder(1e-3, (0.5 * FAR, 0.5 * FAR), STILL)
+AWAY = dem.Cylinder(1e-3, (0.5 * FAR, 0.5 * FAR))
 LEFT, RIGHT, BOTTOM, TOP = range(4)
 
 
-def scene(shape, motions=None, held=(), **changes):
+def moving(planes, motions):
+    """Walls of these rows, at rest but for motions by the number of the wall."""
+    return [dem.Wall(row, motions.get(k, (0.0, 0.0))) for k, row in enumerate(planes)]
+
+
+def scene(shape, motions=None, held=(), walls=None, **changes):
     """Discs, with boundaries of all kinds that are guided: motions by the number of the wall.
 
     The last one is held, beside those of `held`.
     """
-    motions = motions or {}
     usual = {
         "material": SOFT,
         "boundary": SOFT,
         "friction": dem.Friction(),
         "thickness": 1e-3,
         "gravity": (0.0, 0.0),
-        "walls": dem.box(FAR, FAR),
-        "cylinder": AWAY,
-        "wall_motion": [motions.get(k, STILL) for k in range(4)],
+        "walls": moving(dem.box(FAR, FAR) if walls is None else walls, motions or {}),
+        "solids": AWAY,
         "held": [*held, dem.Held([len(shape.area) - 1], ANCHOR)],
     }
     return dem.Scene(shape, **usual | changes)
@@ -53,7 +55,7 @@ def some(radius, position, velocity=None, motions=None, **changes):
 def bed(small_bed, motions=None, kind="disc", **changes):
     """Scene and state of a bed of granules around a cylinder, one of them held."""
     small = small_bed(kind, fraction=0.82)
-    usual = {"walls": small.bed.walls, "cylinder": replace(small.cylinder, velocity=STILL)}
+    usual = {"walls": small.bed.walls, "solids": replace(small.cylinder, velocity=(0.0, 0.0))}
     return scene(small.shape, motions, **usual | changes), small.state
 
 
@@ -71,8 +73,7 @@ def forces_on(record):
     normals = dem.box(1.0, 1.0)[:, :2]
     tangents = np.column_stack([-normals[:, 1], normals[:, 0]])
     return (
-        record.normal_force
-        + record.tangential_force
+        (record.normal_force + record.tangential_force).sum(axis=1)
         + record.held_force.sum(axis=1)
         + record.wall_force @ normals
         + record.wall_tangential_force @ tangents
@@ -82,8 +83,8 @@ def forces_on(record):
 MOVERS = {
     "a wall": lambda time: {"motions": {LEFT: smoothly(1.0, time)}},
     "a wall that slides": lambda time: {"motions": {BOTTOM: smoothly(-3.0, time)}},
-    "the cylinder": lambda time: {"velocity": smoothly(1.0, time, axis=1)},
-    "the cylinder that turns": lambda time: {"velocity": smoothly(0.0, time, spin=2e3)},
+    "a solid": lambda time: {"velocity": smoothly(1.0, time, axis=1)},
+    "a solid that turns": lambda time: {"velocity": smoothly(0.0, time, spin=2e3)},
     "a held granule": lambda time: {"held": [dem.Held([30], smoothly(1.0, time))]},
 }
 
@@ -97,7 +98,7 @@ def test_the_work_of_a_boundary_on_a_path_is_what_the_bed_gains(small_bed, mover
     velocity = changes.pop("velocity", None)
     made, start = bed(small_bed, kind="dumbbell", **changes)
     if velocity is not None:
-        made = replace(made, cylinder=replace(made.cylinder, velocity=velocity))
+        made = replace(made, solids=replace(made.solids[0], velocity=velocity))
     run = dem.Simulation(made, start, step_fraction=0.1, ledger=True)
     record = run.record(time / pieces, pieces)
     ledger = run.ledger()
@@ -106,20 +107,20 @@ def test_the_work_of_a_boundary_on_a_path_is_what_the_bed_gains(small_bed, mover
     assert abs(gained - ledger.work) < 1e-4 * ledger.work
     path = next(
         p
-        for p in (velocity, *made.wall_motion, made.held[0].motion)
+        for p in (velocity, *(wall.motion for wall in made.walls), made.held[0].motion)
         if isinstance(p, dem.PrescribedMotion) and len(p.time) > 1
     )
     middle = (np.arange(pieces) + 0.5) * time / pieces
     at = [np.interp(middle, path.time, column) for column in path.velocity.T]
     power = -(forces_on(record) * np.column_stack(at)).sum(axis=1)
     if path.spin is not None:
-        power = -record.torque * np.interp(middle, path.time, path.spin)
+        power = -record.torque[:, 0] * np.interp(middle, path.time, path.spin)
     if mover == "a wall":
         power = record.wall_force[:, LEFT] * at[0]
     elif mover == "a wall that slides":
         power = -record.wall_tangential_force[:, BOTTOM] * at[0]
-    elif mover == "the cylinder":
-        power = -(record.normal_force + record.tangential_force)[:, 1] * at[1]
+    elif mover == "a solid":
+        power = -(record.normal_force + record.tangential_force)[:, 0, 1] * at[1]
     elif mover == "a held granule":
         power = -record.held_force[:, 0, 0] * at[0]
     assert power.sum() * time / pieces == pytest.approx(ledger.work, rel=2e-3)
@@ -127,13 +128,13 @@ def test_the_work_of_a_boundary_on_a_path_is_what_the_bed_gains(small_bed, mover
 
 @pytest.mark.parametrize("kind", ["dumbbell"])
 def test_energy_adds_up_between_moving_boundaries_for_granules_that_are_not_round(small_bed, kind):
-    """A wall, the cylinder and a held granule that turns all do work; the ledger has a thousandth."""
+    """A wall, a solid and a held granule that turns all do work; the ledger has a thousandth."""
     small, time = small_bed(kind), 1e-4
     made = scene(
         small.shape,
         {LEFT: smoothly(0.5, time)},
         walls=small.bed.walls,
-        cylinder=replace(small.cylinder, velocity=smoothly(0.5, time, axis=1, spin=1e3)),
+        solids=replace(small.cylinder, velocity=smoothly(0.5, time, axis=1, spin=1e3)),
         held=[dem.Held([30], smoothly(0.5, time))],
     )
     start = replace(small.state, angular_velocity=np.where(made.is_held, 100.0, 0.0))
@@ -145,7 +146,7 @@ def test_energy_adds_up_between_moving_boundaries_for_granules_that_are_not_roun
 
 
 def test_what_the_bed_loses_of_momentum_is_what_the_boundaries_get(small_bed):
-    """Normal and tangential forces on walls, cylinder and held granules are all there is."""
+    """Normal and tangential forces on walls, solids and held granules are all there is."""
     made, start = bed(
         small_bed, {TOP: (0.0, -1.0), BOTTOM: (2.0, 0.0)}, held=[dem.Held([7, 30], (0.3, 0.2))]
     )
@@ -169,22 +170,24 @@ def test_a_lid_keeps_its_pressure(small_bed):
     run.advance(0.02)
     record = run.record(1e-4, 20)
     assert_allclose(record.wall_force[:, TOP], force, rtol=0.01)
-    assert record.wall_offset[-1, TOP] != made.walls[TOP, 2]
+    assert record.wall_offset[-1, TOP] != made.planes[TOP, 2]
     held_up = record.wall_force[:, BOTTOM] - record.held_force[:, 0, 1]
-    held_up = held_up - (record.normal_force + record.tangential_force)[:, 1]
+    held_up = held_up - (record.normal_force + record.tangential_force)[:, 0, 1]
     assert_allclose(held_up, force, rtol=0.01)
 
 
 @pytest.mark.parametrize("damping", [0.0, 3.0])
 def test_a_driven_boundary_that_meets_nothing_moves_as_mechanics_says(damping):
-    """A wall, the cylinder and held granules alike: at rest at first, under a constant force."""
-    mass, force, time = 2e-3, 5.0, 2e-3
+    """A wall, a solid, which turns too, and held granules alike: at rest at first, under a constant
+    force and torque."""
+    mass, force, time, lever = 2e-3, 5.0, 2e-3, 0.1
     drive = dem.Drive((force, None), mass, damping, velocity=(0.0, 0.5))
+    turn = dem.Turn(lever * mass, force, lever * damping)
     made, start = some(
         [1e-3, 1e-3],
         0.25 * FAR * np.array([[1.0, 1.0], [1.0, 2.0]]),
         motions={RIGHT: drive},
-        cylinder=replace(AWAY, velocity=drive),
+        solids=replace(AWAY, velocity=drive, spin=turn),
         held=[dem.Held([1], drive)],
     )
     run = dem.Simulation(made, start, time_step=1e-6)
@@ -196,16 +199,17 @@ def test_a_driven_boundary_that_meets_nothing_moves_as_mechanics_says(damping):
         way = 0.5 * force / mass * time**2
     assert record.wall_offset[0, RIGHT] - FAR == pytest.approx(way, rel=1e-5)
     moved = np.array([way, 0.5 * time])
-    assert_allclose(record.cylinder_position[0] - AWAY.position, moved, rtol=1e-5)
+    assert_allclose(record.solid_position[0, 0] - AWAY.position, moved, rtol=1e-5)
+    assert record.solid_angle[0, 0] == pytest.approx(way / lever, rel=1e-5)
     assert_allclose(run.state.position[1] - start.position[1], moved, rtol=1e-5)
 
 
 def test_a_boundary_on_a_path_is_where_its_velocity_leads():
     """The integral of a velocity that is linear between rows, for the cylinder in all frames."""
     path = dem.PrescribedMotion([1e-4, 3e-4, 4e-4], [[1.0, 0.0], [-1.0, 2.0], [0.0, 2.0]])
-    made, start = some([1e-3], [[0.25 * FAR, 0.25 * FAR]], cylinder=replace(AWAY, velocity=path))
+    made, start = some([1e-3], [[0.25 * FAR, 0.25 * FAR]], solids=replace(AWAY, velocity=path))
     result = dem.simulate(made, start, 6e-4, time_step=1e-6, frames=6)
-    moved = result.cylinder_position - AWAY.position
+    moved = result.solid_position[:, 0] - AWAY.position
     x = 1e-4 * np.array([0.0, 1.0, 1.5, 1.0, 0.5, 0.5, 0.5])
     y = 1e-4 * np.array([0.0, 0.0, 0.5, 2.0, 4.0, 6.0, 8.0])
     assert_allclose(moved, np.column_stack([x, y]), rtol=0.0, atol=1e-12)
@@ -216,7 +220,7 @@ def test_a_run_goes_on_from_a_state_only_where_its_boundaries_are(small_bed):
     lid = dem.Drive((None, -5.0), 1e-3)
     path = dem.PrescribedMotion([0.0], [(0.5, 1.0)])
     for motions, change in (
-        ({}, {"cylinder": replace(small_bed("disc").cylinder, velocity=path)}),
+        ({}, {"solids": replace(small_bed("disc").cylinder, velocity=path)}),
         ({TOP: lid}, {}),
         ({LEFT: (0.1, 0.0)}, {}),
     ):
@@ -232,18 +236,20 @@ def test_a_run_goes_on_from_a_state_only_where_its_boundaries_are(small_bed):
 
 
 def test_a_run_goes_on_where_its_boundaries_are_put(small_bed):
-    """What a Result says of walls and cylinder makes the scene, and forces go on; what is at rest binds none."""
+    """What a Result says of walls and solids makes the scene, and forces go on; what is at rest binds none."""
     velocity = dem.PrescribedMotion([0.0], [(0.0, 1.0)])
     cylinder = replace(small_bed("disc").cylinder, velocity=velocity)
-    made, start = bed(small_bed, {TOP: (0.0, -0.1)}, cylinder=cylinder)
+    made, start = bed(small_bed, {TOP: (0.0, -0.1)}, solids=cylinder)
     made = replace(made, held=[], gravity=None)  # the kernels of drawn beds
     first = dem.simulate(made, start, 1e-5)
-    axis = replace(cylinder, position=first.cylinder_position[-1])
-    there = replace(made, walls=first.walls[-1], cylinder=axis)
+    axis = replace(cylinder, position=first.solid_position[-1, 0])
+    rows = zip(made.walls, first.walls[-1], strict=True)
+    walls = [replace(wall, plane=row) for wall, row in rows]
+    there = replace(made, walls=walls, solids=axis)
     second = dem.simulate(there, first.state, 1e-6)
-    assert second.wall_offset[0, TOP] == first.wall_offset[-1, TOP] < made.walls[TOP, 2]
-    assert_allclose(second.cylinder_position[-1], cylinder.position + np.array([0.0, 1.1e-5]))
-    still = replace(made, cylinder=replace(cylinder, velocity=STILL), wall_motion=None)
+    assert second.wall_offset[0, TOP] == first.wall_offset[-1, TOP] < made.planes[TOP, 2]
+    assert_allclose(second.solid_position[-1, 0], cylinder.position + np.array([0.0, 1.1e-5]))
+    still = replace(made, solids=replace(cylinder, velocity=(0.0, 0.0)), walls=made.planes)
     resting = dem.simulate(still, start, 1e-6).state
     assert resting.boundaries is None
     dem.simulate(made, resting, 1e-6)
@@ -254,18 +260,18 @@ def test_a_held_granule_in_the_place_of_the_cylinder_feels_what_it_feels(small_b
     small = small_bed("disc")
     velocity, spin, sizes = (0.5, 1.0), 300.0, small.shape.radius
     cylinder = replace(small.cylinder, velocity=dem.PrescribedMotion([0.0], [velocity]), spin=spin)
-    plain = scene(small.shape, walls=small.bed.walls, cylinder=cylinder)
+    plain = scene(small.shape, walls=small.bed.walls, solids=cylinder)
     first = dem.Simulation(plain, small.state, time_step=2e-7)
-    shape = dem.Disc([0.5 * cylinder.diameter, *sizes])
+    shape = dem.Disc([cylinder.radius, *sizes])
     held = [dem.Held([0], velocity)]
-    other = scene(shape, walls=small.bed.walls, cylinder=AWAY, held=held)
+    other = scene(shape, walls=small.bed.walls, solids=None, held=held)
     start = dem.State(
         np.concatenate([[cylinder.position], small.state.position]),
         angular_velocity=[spin, *np.zeros(len(sizes))],
     )
     second = dem.Simulation(other, start, time_step=2e-7)
     one, two = (run.record(1e-5, 5) for run in (first, second))
-    force = one.normal_force + one.tangential_force
+    force = (one.normal_force + one.tangential_force)[:, 0]
     assert np.abs(force).max() > 0.1
     assert_allclose(two.held_force[:, 0], force, rtol=1e-6, atol=1e-6 * np.abs(force).max())
     assert_allclose(second.state.position[1:], first.state.position, rtol=0.0, atol=1e-12)
@@ -280,7 +286,7 @@ def test_a_wall_that_oscillates_comes_back_and_the_bed_feels_it(small_bed):
     made, start = bed(small_bed, {LEFT: path})
     run = dem.Simulation(made, start)
     record = run.record(period / 40, 80)
-    offset = record.wall_offset[:, LEFT] - made.walls[LEFT, 2]
+    offset = record.wall_offset[:, LEFT] - made.planes[LEFT, 2]
     assert np.ptp(offset) == pytest.approx(2.0 * reach, rel=1e-2)
     assert abs(offset[39]) < 2e-3 * reach and abs(offset[79]) < 2e-3 * reach
     into, out = record.wall_force[:, LEFT].reshape(2, 2, 20).mean(axis=(0, 2))
@@ -363,25 +369,27 @@ def driven(mover, ratio, drive, gap, **changes):
     mass = dem.Scene(dem.Disc([r]), SOFT, thickness=1e-3).mass[0]
     each = dem.Drive(drive, ratio * mass)
     places = {
-        "wall": {"motions": {RIGHT: each}, "walls": [[-1, 0, -at], [1, 0, at + 2 * r + gap]]},
-        "cylinder": {"cylinder": dem.Cylinder(2 * r, (at + 3 * r + gap, 0.5), each)},
+        "wall": {
+            "motions": {RIGHT: each},
+            "walls": [[-1, 0, -at], [1, 0, at + 2 * r + gap]],
+            "solids": None,
+        },
+        "solid": {"solids": dem.Cylinder(2 * r, (at + 3 * r + gap, 0.5), each)},
         "held": {"held": [dem.Held([1], each)]},
     }[mover]
     walls = np.array(places.pop("walls", [[-1, 0, -at], [1, 0, FAR]]), float)
-    motions = places.pop("motions", {})
     second = [[at + 3 * r + gap, 0.5]] if mover == "held" else []
     sizes = [r, *[r for _ in second], 0.5 * r]
     made = scene(
         dem.Disc(sizes),
         walls=walls,
-        wall_motion=[STILL, motions.get(RIGHT, STILL)],
         **places | changes,
     )
     return made, np.array([[at + r, 0.5], *second, [at + r, 0.1]]), mass
 
 
 @pytest.mark.parametrize("ratio", [0.1, 1.0, 10.0])
-@pytest.mark.parametrize("mover", ["wall", "cylinder", "held"])
+@pytest.mark.parametrize("mover", ["wall", "solid", "held"])
 def test_a_driven_boundary_returns_the_restitution_that_is_asked_for(mover, ratio):
     """To 1 %, at any ratio of masses: the speed of separation over that of approach."""
     made, place, mass = driven(mover, ratio, (0.0, None), 1e-5)
@@ -399,7 +407,7 @@ def test_a_driven_boundary_returns_the_restitution_that_is_asked_for(mover, rati
 
 
 @pytest.mark.parametrize("ratio", [0.1, 1.0, 10.0])
-@pytest.mark.parametrize("mover", ["wall", "cylinder", "held"])
+@pytest.mark.parametrize("mover", ["wall", "solid", "held"])
 def test_the_work_of_a_driven_boundary_is_what_it_loses(mover, ratio):
     """A force presses it from rest on a disc: the ledger adds up to a thousandth."""
     made, place, _ = driven(mover, ratio, (-0.5, None), 5e-6, material=ELASTIC)
@@ -449,7 +457,7 @@ def test_the_time_step_follows_the_mass_of_what_is_driven(small_bed):
     """A light lid makes it short, as the root of its mass, where it carries what the bed lifts it with."""
     plain, found = dem.Simulation(*bed(small_bed, material=ELASTIC)), {}
     contacts = plain.contacts()
-    load = contacts.force[contacts.partner == -2 - TOP].sum()
+    load = contacts.force[contacts.partner == -2 - TOP].sum()  # -1 is the solid
     for mass in (1.0, 1e-9, 1e-11):
         run = dem.Simulation(
             *bed(small_bed, {TOP: dem.Drive((None, -load), mass)}, material=ELASTIC)
@@ -459,14 +467,14 @@ def test_the_time_step_follows_the_mass_of_what_is_driven(small_bed):
     assert found[1e-11] / found[1e-9] == pytest.approx(0.1, rel=0.05)
 
 
-@pytest.mark.parametrize("mover", ["wall", "cylinder", "held"])
+@pytest.mark.parametrize("mover", ["wall", "solid", "held"])
 def test_light_driven_boundaries_are_stable_at_the_step_that_is_chosen(mover):
     """A body of a thousandth of the mass of the disc that it presses on does not gain energy."""
     r, drive = 1e-3, dem.Drive((0.0, -1e-2), 1e-8)
     places = {
-        "cylinder": {"cylinder": dem.Cylinder(2 * r, (5e-3, 3 * r), drive)},
+        "solid": {"solids": dem.Cylinder(2 * r, (5e-3, 3 * r), drive)},
         "held": {"held": [dem.Held([1], drive)]},
-        "wall": {"motions": {TOP: drive}, "walls": dem.box(FAR, 2 * r)},
+        "wall": {"motions": {TOP: drive}, "walls": dem.box(FAR, 2 * r), "solids": None},
     }[mover]
     second = [[5e-3, 3 * r]] if mover == "held" else []
     made = scene(dem.Disc([r, *[r for _ in second], 0.5 * r]), **{"material": ELASTIC} | places)
@@ -487,7 +495,7 @@ def everything(small_bed):
         held=[dem.Held([3, 9], smoothly(-0.5, 1e-4)), dem.Held([20], dem.Drive((0.1, None), 1e-5))],
     )
     drive = dem.Drive((0.0, 30.0), 5e-5, 0.2)
-    return replace(made, cylinder=replace(made.cylinder, velocity=drive, spin=100.0)), start
+    return replace(made, solids=replace(made.solids[0], velocity=drive, spin=100.0)), start
 
 
 def test_a_run_with_all_motions_goes_on_from_a_checkpoint_with_the_same_bits(small_bed):
@@ -507,13 +515,13 @@ def test_a_run_with_all_motions_goes_on_from_a_checkpoint_with_the_same_bits(sma
     for a, b in zip(vars(whole.state).values(), vars(second.state).values(), strict=True):
         assert_array_equal(a, b)
     assert np.ptp(one.wall_offset, axis=0)[[LEFT, TOP]].min() > 0.0
-    for changes in ({"wall_motion": [STILL] * 4}, {"held": made.held[1:]}):
+    for changes in ({"walls": made.planes}, {"held": made.held[1:]}):
         with pytest.raises(dem.InputError, match="another scene"):
             dem.Simulation(replace(made, **changes), start).restore(whole.checkpoint())
 
 
 def test_a_bed_without_friction_moves_as_in_the_limit_of_little(small_bed, ledger=False):
-    """Discs that nothing turns have a kernel of their own. Walls, the cylinder and held granules that move
+    """Discs that nothing turns have a kernel of their own. Walls, solids and held granules that move
     push them alike; that they do the same work is tested at night."""
     made, start = everything(small_bed)
     runs = [
@@ -566,12 +574,11 @@ def test_frames_show_walls_where_they_were():
     assert min(line[:, 0].max() for each in lines for line in each) == pytest.approx(
         1e3 * result.time[-1]
     )
-    assert {"cylinder_torque", "held_force", "wall_offset"} <= set(result.to_dataset())
+    assert {"solid_torque", "held_force", "wall_offset"} <= set(result.to_dataset())
 
 
 PLACES = [[2e-3, 2e-3], [5e-3, 2e-3]]
 DISCS = dem.Disc([1e-3, 1e-3])
-WALLS = {"walls": dem.box(1e-2, 1e-2)}
 REFUSED = {
     "PrescribedMotion.time of row 1 is 0 s; it must be later than the 1 s of the row before": lambda: (
         dem.PrescribedMotion([1.0, 0.0], np.zeros((2, 2)))
@@ -609,23 +616,13 @@ REFUSED = {
     "Held.motion is PrescribedMotion(time=array([0.]), velocity=array([[0., 0...; it must have no spin": lambda: (
         dem.Held([0], dem.PrescribedMotion([0.0], [[0.0, 0.0]], [1.0]))
     ),
-    "Cylinder.spin is 2 rad/s; it must be left out, because its path has one": lambda: dem.Cylinder(
+    "Solid.spin is 2 rad/s; it must be left out, because its path has one": lambda: dem.Cylinder(
         1.0, (0.0, 0.0), dem.PrescribedMotion([0.0], [[0.0, 0.0]], [1.0]), 2.0
     ),
-    "Cylinder.velocity is 1.0; it must be a velocity": lambda: dem.Cylinder(1.0, (0, 0), 1.0),
-    "wall_motion has 3 entries; it must have one for each of the 4 walls": lambda: dem.Scene(
-        DISCS, **WALLS, wall_motion=[None] * 3
-    ),
-    "wall_motion has 1 entries; it must have one for each of the 0 walls": lambda: dem.Scene(
-        DISCS, wall_motion=[None]
-    ),
-    "Scene.wall_motion is [None, None, 1.0, None]; it must hold for each wall a velocity": lambda: (
-        dem.Scene(DISCS, **WALLS, wall_motion=[None, None, 1.0, None])
-    ),
-    "Scene.wall_motion is [PrescribedMotion": lambda: dem.Scene(
-        DISCS,
-        **WALLS,
-        wall_motion=[dem.PrescribedMotion([0.0], [[0.0, 0.0]], [1.0]), None, None, None],
+    "velocity is 1.0; it must be a velocity": lambda: dem.Cylinder(1.0, (0, 0), 1.0),
+    "Wall.motion is 1.0; it must be a velocity": lambda: dem.Wall([1.0, 0.0, 0.0], 1.0),
+    "Wall.motion is PrescribedMotion(time=array([0.]), velocity=array([[0., 0...; it must have no spin": lambda: (
+        dem.Wall([1.0, 0.0, 0.0], dem.PrescribedMotion([0.0], [[0.0, 0.0]], [1.0]))
     ),
     "Scene.held is [1]; it must be a list of dem.Held": lambda: dem.Scene(DISCS, held=[1]),
     "held group 0 has granule 2; it must have some of the 2 granules": lambda: dem.Scene(
@@ -651,9 +648,12 @@ def test_motion_that_cannot_be_is_refused_in_one_sentence(sentence):
     assert "\n" not in str(error.value)
 
 
-def test_the_velocity_of_a_cylinder_on_a_path_cannot_be_set():
+def test_the_velocity_of_a_solid_on_a_path_cannot_be_set():
     """The path would take it back; the run goes on as before."""
-    run = dem.Simulation(*some([1e-3], [[0.25 * FAR, 0.25 * FAR]]))
-    with pytest.raises(dem.InputError, match="the cylinder follows a PrescribedMotion or a Drive"):
-        run.set_cylinder_velocity((1.0, 0.0))
-    assert not run.world.boundaries.motion[run.world.cylinder.first, 2:].any()
+    path = dem.PrescribedMotion([0.0], [[0.0, 0.0]])
+    made, start = some([1e-3], [[0.25 * FAR, 0.25 * FAR]], solids=replace(AWAY, velocity=path))
+    run = dem.Simulation(made, start)
+    words = r"solids\[0\] follows a PrescribedMotion or a Drive"
+    with pytest.raises(dem.InputError, match=words):
+        run.set_velocity((1.0, 0.0))
+    assert_array_equal(run.record(1e-6, 1).solid_position[0, 0], AWAY.position)

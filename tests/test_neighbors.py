@@ -1,5 +1,7 @@
 """Contact lists are complete and exact, and nothing is forgotten when they are made again."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,11 +9,11 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from conftest import STIFF
-from dem import Simulation
+from dem import Polygon, Simulation
 from dem.dynamics.assembly import granule_table
-from dem.dynamics.cell_list import near_circle, near_pairs, near_planes
+from dem.dynamics.cell_list import near_pairs, near_planes, near_solids
 from dem.dynamics.neighbor_list import share_out
-from dem.dynamics.world import PATCH
+from dem.dynamics.world import PATCH, Faces
 from dem.shapes import KINDS
 
 
@@ -47,21 +49,55 @@ def test_pairs_are_those_of_an_all_pairs_search(bed, per):
     assert listed == expected
 
 
-@given(parts(), st.floats(0.0, 7.0), st.floats(0.01, 30.0))
-def test_walls_and_cylinder_list_every_part_near_them(bed, angle, size):
-    """The lists of walls and cylinder hold the parts within the skin, and no other."""
+def beyond(points, corners):
+    """Distances (n,) from a convex polygon to points, zero inside."""
+    edges = np.roll(corners, -1, axis=0) - corners
+    away = points[:, None] - corners
+    along = (away * edges).sum(axis=-1) / (edges**2).sum(axis=-1)
+    distance = np.linalg.norm(away - np.clip(along, 0.0, 1.0)[..., None] * edges, axis=-1)
+    inside = (edges[:, 0] * away[..., 1] > edges[:, 1] * away[..., 0]).all(axis=1)
+    return np.where(inside, 0.0, distance.min(axis=1))
+
+
+def solid(form, place, angle, size):
+    """Surface and boundaries of one solid of a size: a circle, what is in one, or a polygon."""
+    polygon = Polygon(size * np.array([[-0.5, -0.6], [1.0, -0.5], [0.2, 0.9]]), 0.3 * size)
+    faces = Faces(np.array([0, 3]), polygon.faces, np.array([polygon.radius]))
+    surface = SimpleNamespace(
+        boundary=np.array([0]),
+        radius=np.array([size]) if form == "circle" else None,
+        faces=faces if form == "polygon" else None,
+    )
+    motion, c, s = np.append(place, np.zeros(6)), np.cos(angle), np.sin(angle)
+    boundaries = SimpleNamespace(
+        motion=motion[None], orientation=np.array([[c, s]]), reach=np.array([size])
+    )
+
+    def gaps(away):
+        """From the solid to points relative to its place."""
+        if form == "polygon":
+            return beyond(away @ [[c, -s], [s, c]], polygon.corners) - polygon.radius
+        return np.hypot(*away.T) - size
+
+    return surface, boundaries, gaps
+
+
+FORMS = "circle", "outline", "polygon"
+
+
+@given(parts(), st.floats(0.0, 7.0), st.floats(0.01, 30.0), st.sampled_from(FORMS))
+def test_walls_and_solids_list_every_part_near_them(bed, angle, size, form):
+    """The lists of walls and solids hold the parts within the skin, and no other."""
     rows, radius, skin = bed
     here = rows[:, :2]
     planes = np.array([[np.cos(angle), np.sin(angle), 1.0], [0.0, -1.0, -3.0]])
     gaps = planes[:, 2] - here @ planes[:, :2].T - radius[:, None]
     part, wall = near_planes(planes, rows, radius, skin)
     assert list(zip(part, wall, strict=True)) == [tuple(row) for row in np.argwhere(gaps < skin)]
-    x, y = here[0] + 0.5
-    there, sides = np.array([[x, y]]), (0.0, 0.0)
-    part, other = near_circle(size, there, rows, radius, skin, sides)
-    gaps = np.hypot(here[:, 0] - x, here[:, 1] - y) - radius - size
-    assert list(part) == list(np.flatnonzero(gaps < skin)) and not other.any()
-    assert not near_circle(size, there[:0], rows, radius, skin, sides)[0].size  # no cylinder
+    surface, boundaries, gaps = solid(form, here[0] + 0.5, angle, size)
+    part, other = near_solids(surface, boundaries, rows, radius, skin, (0.0, 0.0))
+    near = gaps(here - here[0] - 0.5) - radius < skin
+    assert list(part) == list(np.flatnonzero(near)) and not other.any()
 
 
 @pytest.mark.parametrize("per", [1, 2])
@@ -87,11 +123,16 @@ def test_a_patch_knows_the_lowest_patch_whose_pairs_push_it(per):
         assert_array_equal(mine, np.flatnonzero(other[across] // size == patch))
 
 
-def memory(contacts):
-    """What frictional contacts remember, by the pair."""
-    pairs = zip(contacts.constituent, contacts.partner, strict=True)
-    remembered = zip(contacts.tangential_force, contacts.sqrt_overlap, strict=True)
-    return {pair: row for pair, row in zip(pairs, remembered, strict=True) if any(row)}
+def memories(world):
+    """What frictional contacts of granules, with walls and with solids remember, by the pair."""
+    memories = []
+    for contacts in (world.pairs, world.walls.contacts, world.circles.contacts):
+        pairs = zip(contacts.constituent, contacts.partner, strict=True)
+        remembered = zip(contacts.tangential_force, contacts.sqrt_overlap, strict=True)
+        memories.append(
+            {pair: row for pair, row in zip(pairs, remembered, strict=True) if any(row)}
+        )
+    return memories
 
 
 @pytest.mark.parametrize(("kind", "fraction"), STIFF)
@@ -101,15 +142,12 @@ def test_contact_memory_survives_a_new_neighbor_list(small_bed, kind, fraction):
     small = small_bed(kind, fraction=fraction)
     run = Simulation(small.scene(), small.state)
     run.advance(3e-5)
-    boundaries = run.world, run.world.walls, run.world.cylinder
-    before = [memory(getattr(b, "pairs", None) or b.contacts) for b in boundaries]
+    before = memories(run.world)
     assert all(len(springs) > 2 for springs in before)
     for skin in (1.0, 0.01):
         run._table = granule_table(run.scene, skin)
         run._run_kernel(0.0, 0.0, 0, initialise=True)  # as at the start of a run, in no time
-        world = run.world
-        after = [memory(c) for c in (world.pairs, world.walls.contacts, world.cylinder.contacts)]
-        for now, springs in zip(after, before, strict=True):
+        for now, springs in zip(memories(run.world), before, strict=True):
             assert now.keys() == springs.keys()
             spring, root = np.transpose([now[pair] for pair in springs])
             old_spring, old_root = np.transpose(list(springs.values()))

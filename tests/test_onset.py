@@ -56,7 +56,7 @@ def test_a_bed_bears_no_load_below_the_onset_and_that_of_hertz_above():
     replicate = bed(1.3)
     sizes, own = diameters(replicate), replicate.configuration
     shape = KINDS["ellipse"].shape.of_size(sizes, 1.3)
-    press = Press(shape, Room(own.box_width, height_of_box(own, sizes), None, 1, "xy"))
+    press = Press(shape, Room(own.box_width, height_of_box(own, sizes), (), 1, "xy"))
     at = onset.run(replicate)["onset_fraction"]
     while press.fraction < at + 1e-3:  # as the onset was found
         press.press(press.fraction + onset.STEP, onset.GROWN, onset.PATIENCE)

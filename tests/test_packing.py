@@ -37,7 +37,7 @@ def test_packing_fraction_is_exact(kind, fraction):
     """Sampled areas over the free area of the returned box are the fraction asked for."""
     small = make_small_bed(kind, fraction=fraction)
     bed = small.bed
-    free = bed.width * bed.height - 0.25 * np.pi * small.cylinder.diameter**2
+    free = bed.width * bed.height - np.pi * small.cylinder.radius**2
     assert_allclose(0.25 * np.pi * (small.diameters**2).sum() / free, fraction, rtol=1e-12)
     assert_allclose(small.shape.area.sum() / free, fraction, rtol=1e-12)
 
@@ -48,8 +48,8 @@ def test_bed_is_at_rest(kind):
     pressure is the force on the walls over their length and E*."""
     small = make_small_bed(kind)
     soft = dem.Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=1.0)
-    still = dem.Cylinder(small.cylinder.diameter, small.cylinder.position)
-    scene = small.scene(material=soft, friction=dem.Friction(0.0, 0.0, 0.0), cylinder=still)
+    still = replace(small.cylinder, velocity=(0.0, 0.0))
+    scene = small.scene(material=soft, friction=dem.Friction(0.0, 0.0, 0.0), solids=still)
     model = Twin(scene, small.state)
     force, torque = model.force, model.torque
     radius = small.shape.constituent_radius.mean()
@@ -67,7 +67,7 @@ def test_no_centre_outside_or_in_the_cylinder(small):
     position, bed = small.bed.position, small.bed
     assert ((position > 0.0) & (position < [bed.width, bed.height])).all()
     distance = np.hypot(*(position - small.cylinder.position).T)
-    assert (distance > 0.5 * small.cylinder.diameter).all()
+    assert (distance > small.cylinder.radius).all()
     assert 0.0 <= bed.max_overlap < 0.2
     assert len(position) == len(small.diameters) and np.isfinite(position).all()
 
@@ -141,7 +141,7 @@ def test_bed_is_sown_apart(periodic):
     width, height = 8e-3, 9e-3
     cylinder = dem.Cylinder(1.5e-3, (1e-3, 2e-3))
     shape = dem.Ellipse.of_size(np.linspace(0.8e-3, 1.2e-3, 60), 1.5)
-    factor, state = dilute_start(shape, Room(width, height, cylinder, 3, periodic))
+    factor, state = dilute_start(shape, Room(width, height, (cylinder,), 3, periodic))
     radius = np.append(factor * shape.bounding_radius, 0.75e-3)
     place = np.vstack([state.position, cylinder.position])
     one, two = np.triu_indices(61, 1)
@@ -160,8 +160,8 @@ def test_box_too_small_to_scatter_is_refused():
 
 def test_bed_stays_at_rest_with_friction(small):
     """With friction switched on, no granule gets farther than the rest of net force can push it."""
-    still = dem.Cylinder(small.cylinder.diameter, small.cylinder.position)
-    scene, duration = small.scene(cylinder=still), 2e-4
+    still = replace(small.cylinder, velocity=(0.0, 0.0))
+    scene, duration = small.scene(solids=still), 2e-4
     run = dem.Simulation(scene, small.state)
     run.advance(duration)
     unit = (
@@ -176,7 +176,7 @@ def test_bed_stays_at_rest_with_friction(small):
 def test_bed_packed_with_friction_jams_sooner(kind="disc"):
     """At the same packing fraction friction leaves more pressure in a bed, which is at rest too."""
     small = make_small_bed(kind)
-    room = Room(small.bed.width, small.bed.height, small.cylinder, 1)
+    room = Room(small.bed.width, small.bed.height, (small.cylinder,), 1)
     rough = compact(small.shape, room, friction=0.5)
     assert rough.pressure > small.bed.pressure
     assert rough.net_force <= 1e-4
@@ -189,7 +189,9 @@ def test_bed_packed_with_friction_jams_sooner(kind="disc"):
 def test_pressed_bed_jams(friction):
     """Granules that grow feel nothing at first, then ever more pressure."""
     small = make_small_bed("disc")
-    press = Press(small.shape, Room(small.bed.width, small.bed.height, small.cylinder, 1), friction)
+    press = Press(
+        small.shape, Room(small.bed.width, small.bed.height, (small.cylinder,), 1), friction
+    )
     pressures = [press.press(fraction) for fraction in (0.74, 0.80, 0.84, 0.88)]
     assert pressures[0] < 1e-2 * pressures[2]
     assert pressures[1] < pressures[2] < pressures[3]
@@ -212,10 +214,10 @@ def grown(fraction, seed=1):
 def test_granules_of_a_grown_bed_below_jamming_are_apart(seed):
     """It carries no load and hardly any granules touch; fewer nearly touch than in a relaxed bed."""
     small, bed = grown(BELOW, seed)
-    still = dem.Cylinder(small.cylinder.diameter, small.cylinder.position)
+    still = replace(small.cylinder, velocity=(0.0, 0.0))
 
     def touching(of, swollen=1.0):
-        scene = dem.Scene(small.shape.scaled(swollen), walls=of.walls, cylinder=still)
+        scene = dem.Scene(small.shape.scaled(swollen), walls=of.walls, solids=still)
         return (dem.Simulation(scene, of.state).contacts().partner >= 0).sum()
 
     assert bed.pressure < 1e-5 * make_small_bed("disc", fraction=ABOVE).bed.pressure
@@ -241,7 +243,7 @@ def test_grown_bed_follows_from_its_seed(fraction):
     assert np.median(np.hypot(*(other.position - bed.position).T)) > small.diameters.mean()
     assert ((bed.position > 0.0) & (bed.position < [bed.width, bed.height])).all()
     distance = np.hypot(*(bed.position - small.cylinder.position).T)
-    assert (distance > 0.5 * small.cylinder.diameter).all()
+    assert (distance > small.cylinder.radius).all()
 
 
 def test_grown_bed_of_an_impossible_fraction_is_refused():
@@ -257,7 +259,7 @@ def test_grown_bed_of_an_impossible_fraction_is_refused():
 def test_a_stage_of_growth_keeps_half_of_the_velocities():
     """Of ellipses that meet nothing: they go on, and turn on, at half of the speed."""
     small = make_small_bed("ellipse", fraction=0.80)
-    room = Room(small.bed.width, small.bed.height, small.cylinder, 1)
+    room = Room(small.bed.width, small.bed.height, (small.cylinder,), 1)
     factor, start = dilute_start(small.shape, room)
     rng = np.random.default_rng(1)
     slow = 1e-9 * rng.standard_normal((len(small.diameters), 3))  # no stage ends at a neighbour

@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.collections import EllipseCollection
 from matplotlib.path import Path as Outline
 from numpy.testing import assert_allclose
 from PIL import Image
@@ -25,13 +24,12 @@ CYLINDER = dem.Cylinder(1e-3, (3e-3, 6e-3), (1.0, 2.0))
 SCENES = {
     "empty space": {},
     "walls": {"walls": WEDGE, "friction": dem.Friction(), "gravity": (0.0, 0.0)},
-    "both": {"walls": WEDGE, "cylinder": CYLINDER},
+    "both": {"walls": WEDGE, "solids": CYLINDER},
 }
 
 
 @pytest.fixture(scope="module")
 def results():
-    """Each shares its machine code with other tests."""
     return {
         name: dem.simulate(dem.Scene(dem.Disc(RADIUS), SOFT, **parts), STATE, 1e-4, frames=3)
         for name, parts in SCENES.items()
@@ -45,7 +43,7 @@ def verts(collection):
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize("color", ["force", "speed", "layer"])
 def test_any_scene_is_drawn(results, tmp_path, name, color):
-    """With or without walls and cylinder; the figure can be saved."""
+    """With or without walls and solids; the figure can be saved."""
     figure = dem.plot.bed(results[name], color=color, forces=True)
     figure.savefig(tmp_path / "bed.png")
     assert figure.axes[0].get_xlabel() == "x (mm)"
@@ -60,11 +58,10 @@ def test_a_disc_is_drawn_at_its_place_with_its_radius(results, frame):
     for i, outline in enumerate(verts(axes.collections[0])):
         away = outline - 1e3 * result.position[frame, i]
         assert_allclose(np.linalg.norm(away, axis=1), 1e3 * RADIUS[i], rtol=1e-9)
-    cylinder = next(each for each in axes.collections if isinstance(each, EllipseCollection))
-    assert_allclose(cylinder.get_widths(), [1.0])
-    (center,) = cylinder.get_offsets()
-    assert_allclose(center, [3.0, 6.0] + 1e3 * result.time[frame] * np.array([1.0, 2.0]))
-    assert_allclose(center, 1e3 * result.cylinder_position[frame])
+    (ring,) = verts(axes.collections[3])
+    center = [3.0, 6.0] + 1e3 * result.time[frame] * np.array([1.0, 2.0])
+    assert_allclose(center, 1e3 * result.solid_position[frame, 0])
+    assert_allclose(np.linalg.norm(ring - center, axis=1), 0.5, rtol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -90,12 +87,13 @@ def test_what_is_hatched_is_what_no_granule_can_enter(planes):
 
 
 def test_all_frames_are_in_view(results):
-    """Granules and cylinder from first to last, and the corner of the wedge."""
+    """Granules and solids from first to last, and the corner of the wedge."""
     result = results["both"]
     low, high = of_result(result).view
     reach = RADIUS[:, None]
     assert (result.position - reach > low).all() and (result.position + reach < high).all()
-    assert (abs(result.cylinder_position - 0.5 * (low + high)) + 5e-4 < 0.5 * (high - low)).all()
+    away = abs(result.solid_position[:, 0] - 0.5 * (low + high))
+    assert (away + 5e-4 < 0.5 * (high - low)).all()
     assert (low < 0.0).all() and (high > 0.0).all()
 
 
@@ -137,8 +135,8 @@ def test_without_an_encoder_a_film_is_refused(results, tmp_path, monkeypatch):
 def test_forces_are_drawn_against_time(results):
     """A step per interval, in the order of the walls."""
     result = results["both"]
-    cylinder, walls = dem.plot.forces(result).axes
-    assert walls.get_xlabel() == "Time (µs)" and cylinder.get_ylabel().endswith("(N)")
+    solid, walls = dem.plot.forces(result).axes
+    assert walls.get_xlabel() == "Time (µs)" and solid.get_ylabel().endswith("(N)")
     drawn = [each.get_data() for each in walls.patches]
     assert_allclose([each.values for each in drawn], result.wall_force[1:].T)
     assert_allclose(drawn[0].edges, 1e6 * result.time)
@@ -146,11 +144,11 @@ def test_forces_are_drawn_against_time(results):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_a_file_holds_the_dataset(results, tmp_path, name):
-    """Written whole, and read back the same; it says where cylinder and walls are."""
+    """Written whole, and read back the same; it says where solids and walls are."""
     path = results[name].to_netcdf(tmp_path / "run.nc")
     with xr.open_dataset(path) as read:
         xr.testing.assert_identical(read.load(), results[name].to_dataset())
-        assert ("cylinder_position" in read) == ("cylinder" in SCENES[name])
+        assert read.sizes.get("solid", 0) == ("solids" in SCENES[name])
         assert read.sizes.get("wall", 0) == len(SCENES[name].get("walls", ()))
     assert list(tmp_path.iterdir()) == [path]
 
@@ -177,7 +175,7 @@ def of_one_frame(result):
         (lambda r, p: dem.plot.forces(None), "result is None; it must be an instance of Result."),
         (
             lambda r, p: dem.plot.forces(r),
-            "result has no forces: its scene has neither cylinder nor walls.",
+            "result has no forces: its scene has neither solids nor walls.",
         ),
         (
             lambda r, p: dem.film(r, p / "new" / "run.mp4", color="mauve"),

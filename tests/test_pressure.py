@@ -65,11 +65,11 @@ def test_floor_and_top_wall_bear_the_same_where_the_cylinder_bears_none():
     """Between side walls too; what the cylinder at rest takes is the difference (Newton's third law)."""
     run, bed = asked(periodic="none"), bed_under(periodic="none")
     scene = make_scene(run, bed)
-    still = replace(scene.cylinder, velocity=(0.0, 0.0))
-    scene = replace(scene, cylinder=still, wall_motion=None)  # the machine code of drawn beds
+    still = replace(scene.solids[0], velocity=(0.0, 0.0))
+    scene = replace(scene, solids=still, walls=scene.planes)
     record = Simulation(scene, bed.state).record(1e-10, 1)
     left, right, bottom, top = record.wall_force[0]
-    on_cylinder = record.normal_force[0]
+    (on_cylinder,) = record.normal_force[0]
     assert bottom == pytest.approx(top + on_cylinder[1], rel=1e-2)
     assert left == pytest.approx(right + on_cylinder[0], rel=1e-2)
     assert top / area_of(run) == pytest.approx(PRESSURE, rel=5e-3)
@@ -132,7 +132,7 @@ def test_a_box_too_low_for_the_stroke_is_refused():
     run, bed = asked(HIGH), bed_under(HIGH)
     nominal = height_of_box(run.configuration, diameters(run))
     at = cylinder(run, bed.height)
-    stroke = nominal - at.position[1] - 0.5 * at.diameter - 1e-6
+    stroke = nominal - at.position[1] - at.radius - 1e-6
     assert bed.height < nominal
     with pytest.raises(PackingError, match="would leave it during its stroke; at most"):
         make_bed(asked(HIGH, **{"cylinder.stroke": stroke}))

@@ -59,7 +59,7 @@ def test_a_wedge_without_friction_carries_the_weight_on_both_sides(tutorial):
 
 def test_a_bed_resists_the_cylinder(tutorial):
     result = tutorial["A cylinder in a packed bed"]["result"]
-    assert -result.cylinder_force[1:, 1].mean() > 0.0
+    assert -result.solid_force[1:, 0, 1].mean() > 0.0
 
 
 def test_the_ledger_of_a_drawn_bed_adds_up(tutorial):

@@ -43,7 +43,7 @@ WRONG = {
         duration=1.0,
     ),
     "frames is 10000000; of 2 granules they fill 1.12 GiB, more than 1": lambda: call(
-        two_discs(walls=None, cylinder=None), frames=10**7
+        two_discs(walls=None, solids=None), frames=10**7
     ),
     "must have shape (n,), not (0,)": lambda: two_discs(shape=dem.Disc(np.zeros(0))),
     "must have shape (n, 3), not (1, 2)": lambda: two_discs(walls=[[1.0, 0.0]]),
@@ -115,25 +115,25 @@ def test_result_has_the_shapes_it_promises(small_bed):
     assert_allclose(run.time, np.arange(4) * 1e-6 / 3.0)
     assert run.position.shape == run.velocity.shape == (4, n, 2)
     assert run.angle.shape == run.angular_velocity.shape == (4, n)
-    assert run.cylinder_force.shape == (4, 2) and run.wall_force.shape == (4, 4)
-    assert np.isnan(run.cylinder_force[0]).all() and np.isfinite(run.wall_force[1:]).all()
+    assert run.solid_force.shape == (4, 1, 2) and run.wall_force.shape == (4, 4)
+    assert np.isnan(run.solid_force[0]).all() and np.isfinite(run.wall_force[1:]).all()
     assert_array_equal(run.position[0], small.bed.position)
     assert_array_equal(run.position[-1], run.state.position)
 
 
 @pytest.mark.parametrize(("kind", "fraction"), STIFF)
 def test_forces_on_boundaries_are_the_change_of_momentum(small_bed, kind, fraction):
-    """The momentum that granules lose goes into the reported forces on cylinder and walls."""
+    """The momentum that granules lose goes into the reported forces on solids and walls."""
     small = small_bed(kind, fraction=fraction)
     scene = small.scene(friction=dem.Friction(0.3, 1e-30, 0.3))  # walls report normal forces only
     duration = 2e-4
     run = dem.simulate(scene, small.state, duration)
     gained = scene.mass @ run.state.velocity
-    forces_in_all = run.cylinder_force[1] + run.wall_force[1] @ scene.walls[:, :2]
+    forces_in_all = run.solid_force[1, 0] + run.wall_force[1] @ scene.planes[:, :2]
     scale = np.abs(run.wall_force[1]).sum() * duration
     assert_allclose(-forces_in_all * duration, gained, atol=3e-3 * scale)
     assert (run.wall_force[1] >= 0.0).all()
-    assert run.cylinder_force[1, 1] < 0.0  # against the motion of the cylinder
+    assert run.solid_force[1, 0, 1] < 0.0  # against the motion of the cylinder
 
 
 def test_granule_behind_a_wall_is_an_error(small_bed):
@@ -191,12 +191,12 @@ def test_a_fixed_step_that_becomes_too_long_ends_the_run(small_bed):
     """Faster collisions are stiffer: the run ends before they come, where a longer step is not allowed."""
     small = small_bed("disc")
     still = replace(small.cylinder, velocity=(0.0, 0.0))
-    probe = dem.Simulation(small.scene(cylinder=still), small.state)
+    probe = dem.Simulation(small.scene(solids=still), small.state)
     step = 0.9 * probe.diagnose().critical_time_step
     for allowed in (False, True):
-        run = dem.Simulation(small.scene(cylinder=still), small.state, step, allow_unstable=allowed)
+        run = dem.Simulation(small.scene(solids=still), small.state, step, allow_unstable=allowed)
         run.advance(10 * step)
-        run.set_cylinder_velocity((0.0, 100.0))
+        run.set_velocity((0.0, 100.0))
         if allowed:
             run.advance(step)
             continue
@@ -219,8 +219,8 @@ def test_critical_time_step_does_not_depend_on_how_contacts_are_found():
 def test_critical_time_step_is_a_bound_and_a_close_one(small_bed, kind, fraction):
     """No motion of a frictional, damped bed grows at the critical step, and some do at twice it."""
     small = small_bed(kind, fraction=fraction)
-    still = dem.Cylinder(small.cylinder.diameter, small.cylinder.position)
-    run = dem.Simulation(small.scene(cylinder=still), small.state)
+    still = replace(small.cylinder, velocity=(0.0, 0.0))
+    run = dem.Simulation(small.scene(solids=still), small.state)
     critical = run.diagnose().critical_time_step
     linear = pytest.importorskip("studies.stability.linear")
     matrices = linear.matrices(run)

@@ -216,7 +216,9 @@ def test_an_ellipse_as_a_solid_is_the_same_one_held():
     one = dem.Ellipse([1.1e-3, 1.1e-3], [0.8e-3, 0.8e-3])
     state = dem.State([[0.3e-3, 2.5e-3], [3.0e-3, 1.0e-3]], [[0.5, -4.0], [-4.0, -1.0]], [0.3, 1.2])
     solid = dem.Solid(dem.Ellipse(*size), (0.0, 0.0), 0.4, material=dem.Material())
-    free = dem.simulate(dem.Scene(one, friction=ROUGH, solids=[solid], thickness=R), state, 2e-4, 2e-8)
+    free = dem.simulate(
+        dem.Scene(one, friction=ROUGH, solids=[solid], thickness=R), state, 2e-4, 2e-8
+    )
     both = dem.Ellipse([*one.semi_major, *size[0]], [*one.semi_minor, *size[1]])
     held = dem.State(
         np.vstack([state.position, [[0.0, 0.0]]]),

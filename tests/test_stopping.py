@@ -399,22 +399,25 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path):
 
 
 def crowd():
-    """2,304 discs in three chunks, in motion above a floor and below a wall that a force moves, with
-    held groups; and a cylinder on a path."""
+    """2,303 discs in three chunks, in motion above a floor and below a wall that a force moves, with
+    held groups, around a cylinder on a path."""
     side, pitch = 48, 2.02e-3
     grid = np.stack(np.meshgrid(np.arange(side), np.arange(side)), -1).reshape(-1, 2)
-    state = dem.State(pitch * (grid + 0.5), np.random.default_rng(1).normal(size=(side**2, 2)))
+    hole = len(grid) // 2 + side // 2
+    axis = tuple(pitch * (grid[hole] + 0.5))
+    grid = np.delete(grid, hole, axis=0)
+    n = len(grid)
+    state = dem.State(pitch * (grid + 0.5), np.random.default_rng(1).normal(size=(n, 2)))
     time = np.linspace(0.0, 1e-3, 5)
     path = dem.PrescribedMotion(time, np.column_stack([0.1 * np.sin(1e4 * time), np.ones(5)]))
-    wall = dem.Drive((None, -1.0), 1e-3)
+    floor, top = dem.box(side * pitch, side * pitch)[2:]
     scene = dem.Scene(
-        dem.Disc(np.full(side**2, 1e-3)),
+        dem.Disc(np.full(n, 1e-3)),
         dem.Material(restitution=0.7),
         friction=dem.Friction(),
-        walls=dem.box(side * pitch, side * pitch)[2:],
-        cylinder=dem.Cylinder(1e-3, (0.0, -0.1), path),
-        wall_motion=[None, wall],
-        held=[dem.Held(grid[:, 1] == 0, (0.1, 0.0)), dem.Held([side**2 - 1], ANCHOR)],
+        walls=[floor, dem.Wall(top, dem.Drive((None, -1.0), 1e-3))],
+        solids=dem.Cylinder(1e-3, axis, path),
+        held=[dem.Held(grid[:, 1] == 0, (0.1, 0.0)), dem.Held([n - 1], ANCHOR)],
         gravity=(0.0, -1.0),
         periodic=(side * pitch, None),
     )
@@ -508,9 +511,9 @@ def test_an_interrupt_is_answered_and_leaves_what_was_simulated(call, threads):
     path = dem.PrescribedMotion([0.0, 1.0], [[0.0, 1.0], [0.0, 1.0]])
     scene = replace(
         scene,
-        walls=scene.walls * [1.0, 1.0, 0.0] + [0.0, 0.0, 1e3],
+        walls=scene.planes * [1.0, 1.0, 0.0] + [0.0, 0.0, 1e3],
         held=[dem.Held([0], (1e-3, 0.0)), dem.Held([n - 1], ANCHOR)],
-        cylinder=dem.Cylinder(1e-3, (0.0, 1.0), path),
+        solids=dem.Cylinder(1e-3, (0.0, 1.0), path),
         periodic=(3e-3 * n, None),
     )
     run = dem.Simulation(scene, dem.State(place), threads=threads, time_step=1e-9)
@@ -528,9 +531,7 @@ def test_an_interrupt_is_answered_and_leaves_what_was_simulated(call, threads):
     assert_allclose(state.velocity[1:-1, 1], -at, rtol=1e-9)  # at a full step
     assert_allclose(state.position[1:-1, 1], -0.5 * at**2, rtol=1e-6)
     assert_allclose(state.position[0, 0], 1e-3 * at, rtol=1e-9)
-    assert run.world.boundaries.motion[run.world.cylinder.first, 1] == pytest.approx(
-        1.0 + at, rel=1e-10
-    )
+    assert run.world.boundaries.motion[2, 1] == pytest.approx(1.0 + at, rel=1e-10)
     run.advance(1e-7)
     assert run.time == pytest.approx(at + 1e-7, rel=1e-12) and run.steps == steps + 100
 
@@ -645,8 +646,9 @@ def test_a_copy_of_a_simulation_goes_on_with_the_same_bits(make, threads):
 def test_what_cannot_be_written_cannot_be_written_in_a_copy(make):
     """Sizes, walls, paths and groups of a scene: a simulation relies on them."""
     scene = make(crowd()[0])
-    kept = scene.shape.radius, scene.walls, scene.cylinder.velocity.time, scene.held[0].granules
-    assert [each.flags.writeable for each in kept] == 4 * [False]
+    solid, wall, group = scene.solids[0], scene.walls[0], scene.held[0]
+    kept = scene.shape.radius, wall.plane, solid.outline.radius, solid.velocity.time, group.granules
+    assert [array.flags.writeable for array in kept] == 5 * [False]
 
 
 def test_an_experiment_is_interrupted_within_seconds(monkeypatch):

@@ -1,45 +1,47 @@
 """The world has no preferred direction and no preferred order: whole scenes seen in a mirror."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from dem import Cylinder, Scene, Simulation, State
+from dem import Scene, Simulation, State
 from dem.shapes import KINDS
 
 STEP, STEPS = 4e-8, 500
 
 
 def run(scene, state):
-    """Final state and mean forces on cylinder (x, y) and walls."""
+    """Final state and mean forces on solids (x, y) and walls."""
     simulation = Simulation(scene, state, STEP)
     simulation.advance(STEP * STEPS)
-    on_cylinder, on_walls = simulation.collect_impulses()
-    return simulation.state, on_cylinder.sum(axis=0), on_walls
+    on_solids, on_walls = simulation.collect_impulses()
+    return simulation.state, on_solids.sum(axis=1), on_walls
 
 
 def start(small):
     """A bed with friction that the cylinder disturbs askew, all granules with velocity and spin."""
     rng = np.random.default_rng(4)
     n = len(small.diameters)
-    cylinder = Cylinder(small.cylinder.diameter, small.cylinder.position, (0.7, 2.0))
+    cylinder = replace(small.cylinder, velocity=(0.7, 2.0))
     state = State(
         small.bed.position, rng.normal(size=(n, 2)), small.bed.angle, rng.normal(scale=1e3, size=n)
     )
-    return small.scene(cylinder=cylinder), state
+    return small.scene(solids=cylinder), state
 
 
 def mapped(scene, state, matrix):
     """Scene and state seen through an orthogonal matrix."""
     matrix = np.array(matrix)
     hand = np.linalg.det(matrix)
-    walls = np.column_stack([scene.walls[:, :2] @ matrix.T, scene.walls[:, 2]])
-    cylinder = Cylinder(
-        scene.cylinder.diameter,
-        *(tuple(matrix @ np.array(v)) for v in (scene.cylinder.position, scene.cylinder.velocity)),
-    )
+    walls = np.column_stack([scene.planes[:, :2] @ matrix.T, scene.planes[:, 2]])
+    solids = [
+        replace(solid, position=matrix @ solid.position, velocity=matrix @ solid.velocity)
+        for solid in scene.solids
+    ]
     new = Scene(
-        scene.shape, scene.material, scene.friction, walls, cylinder, thickness=scene.thickness
+        scene.shape, scene.material, scene.friction, walls, solids, thickness=scene.thickness
     )
     return new, map_state(state, matrix, hand)
 
@@ -73,11 +75,11 @@ def test_mirrors_and_quarter_turns(small_bed, kind, matrix):
     """A mirrored or turned scene moves as the mirror image of the scene, forces included."""
     small = small_bed(kind)
     scene, state = start(small)
-    after, on_cylinder, on_walls = run(scene, state)
-    seen, seen_on_cylinder, seen_on_walls = run(*mapped(scene, state, matrix))
+    after, on_solids, on_walls = run(scene, state)
+    seen, seen_on_solids, seen_on_walls = run(*mapped(scene, state, matrix))
     hand = np.linalg.det(matrix)
     agree(seen, map_state(after, np.array(matrix), hand), small.diameters.mean())
-    assert_allclose(seen_on_cylinder, np.array(matrix) @ on_cylinder, rtol=1e-6)
+    assert_allclose(seen_on_solids, on_solids @ np.transpose(matrix), rtol=1e-6)
     assert_allclose(seen_on_walls, on_walls, rtol=1e-6)
 
 
@@ -98,7 +100,7 @@ def test_the_order_of_granules_does_not_matter(small_bed, kind):
         scene.material,
         scene.friction,
         scene.walls,
-        scene.cylinder,
+        scene.solids,
         thickness=scene.thickness,
     )
     found, *_ = run(other, shuffled)

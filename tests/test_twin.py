@@ -1,5 +1,7 @@
 """Whole runs of every kind of scene, against the model in plain numpy (twin.py)."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import twin
@@ -23,7 +25,17 @@ LID = dem.Drive(force=(None, -0.2), mass=5e-6, velocity=(0.3, 0.0))
 DAMPED = dem.Drive(force=(0.1, -0.3), mass=2e-5, damping=0.05, velocity=(1.0, 2.0))
 GUIDED = dem.Drive(force=(None, -0.3), mass=2e-5, damping=0.05, velocity=(1.0, 2.0))
 FREE = dem.Drive(force=(0.1, -0.3), mass=2e-5, velocity=(1.0, 2.0))
+TURN = dem.Turn(inertia=1e-10, torque=1e-5, damping=1e-6, spin=500.0)
 WALLS = dem.box(WIDTH, HEIGHT)
+WEDGE = dem.Polygon([[-2.5e-4, -2e-4], [3e-4, -1.5e-4], [0.0, 2.5e-4]], radius=1.6e-4)
+PLATE = dem.plate(length=9e-4, thickness=3.2e-4)
+OVAL = dem.Ellipse([4.5e-4], [2.5e-4])
+
+
+def moving(*motions, **last):
+    """Walls of the box that move so; the last one is also of these values."""
+    *walls, top = map(dem.Wall, WALLS, motions)
+    return [*walls, replace(top, **last)]
 
 
 def granules(make, columns=5, rows=4):
@@ -42,6 +54,7 @@ def scene_of(name):
     """Scenes that together have everything, in as few kernels as can be."""
     rough = dem.Friction(0.3, 0.5, 0.2, stiffness=0.7)
     damped, elastic = dem.Material(restitution=0.6, **SOFT), dem.Material(restitution=1.0, **SOFT)
+    steel = dem.Material(2e3, 2e8, 0.2, 0.9)
     cylinder = dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), (1.0, 2.0), spin=500.0)
 
     def ellipses(**options):
@@ -53,25 +66,50 @@ def scene_of(name):
     if name == "discs":
         shape, state = granules(dem.Disc)
         return dem.Scene(
-            shape, damped, rough, WALLS,
-            dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), DAMPED, spin=500.0),
-            gravity=(3e3, -1e4), thickness=1e-3, boundary=dem.Material(2e3, 2e8, 0.2, 0.9),
-            wall_motion=[None, (-1.0, 2.0), path(*TO_AND_FRO), LID],
+            shape, [damped, elastic], dem.Friction([[0.3, 0.1], [0.1, 0.6]], 0.5, 0.2, 0.7),
+            moving((0.0, 0.0), (-1.0, 2.0), path(*TO_AND_FRO), LID, friction=0.1, material=elastic),
+            [dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), DAMPED, TURN),
+             dem.Cylinder(6e-4, (4.8e-3, 3.75e-3), (0.5, 0.0), -900.0, friction=0.9, material=elastic)],
+            gravity=(3e3, -1e4), thickness=1e-3, boundary=steel, species=np.arange(20) % 2,
             held=[dem.Held([0, 1], (0.5, 1.0)), dem.Held([9, 13, 14], GUIDED)],
         ), state  # fmt: skip
     if name == "smooth discs":
         shape, state = granules(dem.Disc)
         state.angular_velocity[:] = 0.0
         return dem.Scene(
-            shape, damped, None, WALLS, dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), FREE),
-            gravity=(3e3, -1e4), wall_motion=[None, None, path(*TO_AND_FRO), LID],
+            shape, damped, None, moving((0.0, 0.0), (0.0, 0.0), path(*TO_AND_FRO), LID),
+            dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), FREE), gravity=(3e3, -1e4),
             held=[dem.Held([3, 4], path(*TO_AND_FRO)), dem.Held([9, 13, 14], GUIDED)],
         ), state  # fmt: skip
+    if name == "discs around solids":
+        shape, state = granules(dem.Disc)
+        own = {"friction": 0.9, "material": steel}
+        solids = [
+            dem.Solid(WEDGE, (2.4e-3, 2.5e-3), 0.4, DAMPED, TURN, **own),
+            dem.Solid(PLATE, (3.6e-3, 1.25e-3), 0.9, path(*TO_AND_FRO, spin=[0.0, 4e3, 9e3, -5e3])),
+            dem.Solid(OVAL, (1.2e-3, 3.75e-3), 0.3, (0.5, -1.0), 4e3, **own),
+            dem.Cylinder(5e-4, (4.8e-3, 2.5e-3), GUIDED, -900.0),
+        ]
+        return dem.Scene(shape, damped, rough, WALLS, solids), state
+    if name == "smooth discs around solids":
+        shape, state = granules(dem.Disc)
+        solids = [
+            dem.Solid(WEDGE, (2.4e-3, 2.5e-3), 0.4, FREE, TURN),
+            dem.Solid(PLATE, (3.6e-3, 1.25e-3), 0.9, (0.0, 1.0), 4e3),
+        ]
+        return dem.Scene(shape, damped, None, WALLS, solids), state
+    if name == "ellipses around solids":
+        shape, state = granules(ellipses())
+        solids = [
+            dem.Solid(WEDGE, (2.4e-3, 2.5e-3), 0.4, (1.0, 2.0), 4e3),
+            dem.Solid(OVAL, (1.2e-3, 3.75e-3), 0.3, (0.5, -1.0), TURN),
+        ]
+        return dem.Scene(shape, damped, rough, WALLS, solids), state
     if name == "dumbbells":
         shape, state = granules(lambda r: dem.Dumbbell(0.55 * r))
         turning = path(*TO_AND_FRO, spin=[0.0, 900.0, -500.0, 0.0])
         return dem.Scene(
-            shape, damped, rough, cylinder=dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), turning),
+            shape, damped, rough, solids=dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), turning),
             periodic=(WIDTH, HEIGHT),
         ), state  # fmt: skip
     if name == "ellipses":
@@ -92,8 +130,8 @@ def scene_of(name):
 
 
 SCENES = (
-    "box of discs", "discs", "smooth discs", "dumbbells", "ellipses", "ellipses of local radius",
-    "ellipses by the chord", "superellipses",
+    "box of discs", "discs", "smooth discs", "discs around solids", "smooth discs around solids", "dumbbells",
+    "ellipses", "ellipses of local radius", "ellipses by the chord", "ellipses around solids", "superellipses",
 )  # fmt: skip
 
 
@@ -124,7 +162,9 @@ def test_a_run_is_that_of_the_model(name):
         scene, state, STEPS * TIME_STEP, TIME_STEP, FRAMES, skin=0.3, allow_unstable=True
     )
     # normals of ellipses that are apart are exact from the third step on
-    assert_same(result, expected, close=1e-6 if name == "ellipses" else 1e-9)
+    assert_same(
+        result, expected, close=1e-6 if name in ("ellipses", "ellipses around solids") else 1e-9
+    )
 
 
 @pytest.mark.parametrize("threads", [1, 2])
@@ -162,7 +202,7 @@ def test_a_run_of_a_configuration_is_that_of_the_model():
     cylinder = dem.Cylinder(1.5e-3, (4e-3, 0.25 * height), (0.0, 2.0))
     thickness = material.pop("thickness")
     scene = dem.Scene(
-        dem.Disc(radius), dem.Material(2e3, **material), dem.Friction(**friction),
+        dem.Disc(radius), dem.Material(2e3, **material), dem.Friction(*friction.values()),
         dem.box(8e-3, height), cylinder, thickness=thickness,
     )  # fmt: skip
     first = run.isel(snapshot=0)
@@ -178,13 +218,13 @@ def test_a_run_of_a_configuration_is_that_of_the_model():
     np.testing.assert_allclose(run.kinetic_energy, energy, rtol=1e-9)
     force = np.nanmax(np.abs(expected["wall_force"]))
     for name, values in {
-        "drag": -expected["cylinder_force"][1:, 1],
-        "transverse_force": expected["cylinder_force"][1:, 0],
+        "drag": -expected["solid_force"][1:, 0, 1],
+        "transverse_force": expected["solid_force"][1:, 0, 0],
         "wall_force": expected["wall_force"][1:].T,
     }.items():
         np.testing.assert_allclose(run[name], values, rtol=0.0, atol=1e-9 * force, err_msg=name)
-    assert np.abs(expected["cylinder_force"][1:, 1]).max() > 1e-3 * force
+    assert np.abs(expected["solid_force"][1:, 0, 1]).max() > 1e-3 * force
     for axis, name in enumerate(("granule_x", "granule_y")):
         seen = expected["position"][::every, :, axis]
         np.testing.assert_allclose(run[name] - seen[0], seen - seen[0], rtol=0.0, atol=1e-15)
-    np.testing.assert_allclose(run.cylinder_y, expected["cylinder_position"][::every, 1])
+    np.testing.assert_allclose(run.cylinder_y, expected["solid_position"][::every, 0, 1])

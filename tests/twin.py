@@ -1,14 +1,15 @@
 """The model in plain numpy: what `dem.simulate` computes with a fixed time step, without its kernels.
 
-Written from docs/explanation and from the docstrings of `dem.Scene`, `dem.PrescribedMotion`, `dem.Drive` and
-`dem.Held`; it knows no neighbour list, no blocks and no threads. Of `dem` it uses public names, to read
-a scene. SI units, angles anticlockwise; n leads from body 1 to body 2 and t = (-ny, nx).
+Written from docs/explanation and from the docstrings of `dem.Scene`, `dem.Solid`, `dem.Wall`,
+`dem.PrescribedMotion`, `dem.Drive`, `dem.Turn` and `dem.Held`; it knows no neighbour list, no blocks and no
+threads. Of `dem` it uses public names, to read a scene. SI units, angles anticlockwise; n leads from body 1
+to body 2 and t = (-ny, nx).
 
 Every contact is one of two *constituents*, convex outlines about a centre: both discs of a dumbbell, or
 the granule itself. All outlines are given by their support function.
 """
 
-from copy import deepcopy
+from copy import copy, deepcopy
 from typing import NamedTuple
 
 import numpy as np
@@ -143,13 +144,40 @@ def chord(d, one, two):
     return Touch(overlap, e / length[:, None], x1 - 0.5 * e, (rho1, rho2))
 
 
+def polygon_touch(d, one, corners, radius):
+    """Contacts with a convex polygon of these corners (k, 2) and a rounding (m), about a place that d (m)
+    leads to: common normals of convex outlines, of which one has faces and corners.
+
+    The gap s(n) is greatest at the normal of a face, or where that to one corner is greatest.
+    """
+    circle = Outline(*np.zeros((1, len(d))), *np.full((2, len(d)), radius))
+    edges = np.roll(corners, -1, axis=0) - corners
+    into = turned(edges) / np.hypot(*edges.T)[:, None]
+    normals = [np.broadcast_to(n, d.shape) for n in into]
+    normals += [common_normal(d + corner, one, circle).normal for corner in corners]
+
+    def gap(n):
+        return dot(n, d) - support(one, n)[0] - radius + (n @ corners.T).min(axis=-1)
+
+    n = np.stack(normals)[np.argmax([gap(n) for n in normals], axis=0), np.arange(len(d))]
+    (h, q, rho), s = support(one, n), gap(n)
+    point = (h + 0.5 * s)[:, None] * n + q[:, None] * turned(n)
+    return Touch(-s, n, point, (rho, np.full_like(rho, np.inf)))
+
+
+def search_of(shape):
+    """How granules of a shape find a contact."""
+    by_chord = isinstance(getattr(shape, "contact", None), dem.GeometricPotential)
+    return chord if by_chord else common_normal
+
+
 class Granules:
     """What the granules of a scene are: constituents (p,) with their owner, offset from its centre (m, along
     its axis) and radius R (m) in Hertz's law; mass (kg), inertia (kg m2) and reach (m) of each granule."""
 
     def __init__(self, scene):
-        shape, self.search, self.local = scene.shape, common_normal, False
-        self.shape = shape
+        shape, self.local = scene.shape, False
+        self.search = search_of(shape)
         self.owner, self.exponent = np.arange(scene.granules), 2.0
         self.offset, self.c = np.zeros(scene.granules), None
         if isinstance(shape, dem.Disc):
@@ -164,8 +192,6 @@ class Granules:
         elif isinstance(shape, dem.Ellipse):
             self.a, self.b = shape.semi_major, shape.semi_minor
             self.radius, self.local = np.sqrt(self.a * self.b), shape.local_curvature
-            if isinstance(shape.contact, dem.GeometricPotential):
-                self.search = chord
             area, gyration_squared = np.pi * self.a * self.b, (self.a**2 + self.b**2) / 4.0
             self.reach = self.a
         else:
@@ -176,7 +202,8 @@ class Granules:
             area = np.pi * (h * rho).mean(axis=1)
             gyration_squared = 0.5 * np.pi * ((h**2 + q**2) * h * rho).mean(axis=1) / area
             self.radius, self.reach = np.sqrt(area / np.pi), 1.01 * np.hypot(h, q).max(axis=1)
-        self.mass = scene.material.density * area * scene.thickness
+        density = np.array([material.density for material in scene.materials])
+        self.mass = density[scene.species] * area * scene.thickness
         self.inertia = self.mass * gyration_squared
 
     def outline(self, angle):
@@ -218,24 +245,31 @@ def mean_root(overlap, change):
     return np.where(far, np.maximum(overlap, 0.0), near) ** 0.25
 
 
-class Law:
-    """The force law of one kind of contact: granule, wall or cylinder."""
+CONSTANTS = "young", "shear", "alpha", "friction"
 
-    def __init__(self, scene, kind):
-        meets = [scene.material]
-        if kind == "granule" or scene.boundary is not None:  # else the partner is rigid
-            meets.append(scene.material if kind == "granule" else scene.boundary)
+
+class Law:
+    """The force law of one kind of contact: E* and G* (Pa), dashpot constant, coefficient of friction.
+
+    other: material of the partner, None if it is rigid; stiffness: of the tangential springs over Mindlin's;
+    turns: whether contacts turn anything in the scene.
+    """
+
+    def __init__(self, material, other, friction, stiffness=1.0, turns=True):
+        meets = [material] if other is None else [material, other]
         self.young = 1.0 / sum((1.0 - m.poisson_ratio**2) / m.young_modulus for m in meets)
-        self.shear = 1.0 / sum(
+        self.shear = stiffness / sum(
             2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.young_modulus for m in meets
         )
-        self.alpha = dashpot_constant(scene.material.restitution)
-        self.turns = scene.friction is not None or not isinstance(scene.shape, dem.Disc)
-        if scene.friction is None:
-            self.friction, self.shear = 0.0, 0.0
-        else:
-            self.friction = getattr(scene.friction, kind)
-            self.shear *= scene.friction.stiffness
+        restitution = np.prod([m.restitution for m in meets]) ** (1.0 / len(meets))
+        self.alpha, self.friction, self.turns = dashpot_constant(restitution), friction, turns
+
+    def of(self, index):
+        """Those of contacts with these numbers."""
+        law = copy(self)
+        for name in CONSTANTS:
+            setattr(law, name, getattr(self, name)[index])
+        return law
 
     def push(self, memory, overlap, radius, mass, middle, rate, dt):
         """N and T (N) on body 2, and the memory afterwards: the spring (N) and the overlap (m).
@@ -284,16 +318,21 @@ class Bodies:
 
 
 class Boundaries(Bodies):
-    """Walls, the cylinder or held groups: bodies with a motion each, and the force (N) of contacts on them."""
+    """Walls, solids or held groups: bodies with a motion and a spin each, and the force (N) and torque (N m) of
+    contacts on them."""
 
-    def __init__(self, position, motions, spin=0.0):
-        self.motions = [(0.0, 0.0) if each is None else each for each in motions]
-        count = len(self.motions)
-        super().__init__(position, np.zeros((count, 2)), np.zeros(count), np.full(count, spin))
-        self.force, self.last = np.zeros((count, 2)), np.zeros((count, 2))
-        for b, each in enumerate(self.motions):
-            if not isinstance(each, dem.PrescribedMotion):
-                self.velocity[b] = each.velocity if isinstance(each, dem.Drive) else each
+    def __init__(self, motions, spins=None, position=None, angle=None):
+        self.motions, count = motions, len(motions)
+        self.spins = count * [0.0] if spins is None else spins
+        position = np.zeros((count, 2)) if position is None else position
+        angle = np.zeros(count) if angle is None else angle
+        super().__init__(position, np.zeros((count, 2)), angle, np.zeros(count))
+        self.force, self.torque = np.zeros((count, 2)), np.zeros(count)
+        self.last = np.zeros((count, 3))
+        for b, (motion, spin) in enumerate(zip(motions, self.spins, strict=True)):
+            self.spin[b] = spin.spin if isinstance(spin, dem.Turn) else spin
+            if not isinstance(motion, dem.PrescribedMotion):
+                self.velocity[b] = motion.velocity if isinstance(motion, dem.Drive) else motion
         self.follow(0.0, 0.0)
 
     def follow(self, time, dt):
@@ -311,17 +350,27 @@ class Boundaries(Bodies):
     def kick(self, time, kick, dt):
         """Velocities for the next step of dt (s), after forces have acted for `kick` (s)."""
         self.follow(time, dt)
-        for b, drive in enumerate(self.motions):
+        for b, (drive, turn) in enumerate(zip(self.motions, self.spins, strict=True)):
             for axis, push in enumerate(drive.force if isinstance(drive, dem.Drive) else ()):
-                if push is None:
-                    continue
-                before, pushed = self.velocity[b, axis], push + self.force[b, axis]
-                drag = 0.5 * kick * drive.damping  # at the mean velocity of the kick
-                after = (before * (drive.mass - drag) + kick * pushed) / (drive.mass + drag)
-                self.velocity[b, axis] = after
-                now = (pushed - drive.damping * 0.5 * (before + after)) / drive.mass
-                self.change[b, axis] = 0.5 * dt * (2.0 * now - self.last[b, axis])
-                self.last[b, axis] = now
+                if push is not None:
+                    pushed = push + self.force[b, axis]
+                    self.velocity[b, axis], self.change[b, axis] = self.yielded(
+                        b, axis, self.velocity[b, axis], pushed, drive.damping, drive.mass, kick, dt
+                    )
+            if isinstance(turn, dem.Turn):
+                pushed = turn.torque + self.torque[b]
+                self.spin[b], self.spin_change[b] = self.yielded(
+                    b, 2, self.spin[b], pushed, turn.damping, turn.inertia, kick, dt
+                )
+
+    def yielded(self, b, axis, before, pushed, damping, mass, kick, dt):
+        """Velocity after a kick, and its change to the end of the step; of translation or rotation."""
+        drag = 0.5 * kick * damping  # at the mean velocity of the kick
+        after = (before * (mass - drag) + kick * pushed) / (mass + drag)
+        now = (pushed - damping * 0.5 * (before + after)) / mass
+        change = 0.5 * dt * (2.0 * now - self.last[b, axis])
+        self.last[b, axis] = now
+        return after, change
 
 
 def lightness_of(motions):
@@ -335,14 +384,16 @@ def lightness_of(motions):
 
 
 class Contacts:
-    """All contacts of one kind that there could be: constituents `one`, and `two`: constituents or boundaries.
+    """All contacts that there could be of constituents `one` with `two`: constituents or boundaries.
 
-    lightness (k, 2): the sum of inverse masses (1/kg) of both along x and y; where nothing yields, that of the
-    granule.
+    laws: of which `which` (k,) tells that of each; lightness (k, 2): the sum of inverse masses (1/kg) of both along
+    x and y; where nothing yields, that of the granule.
     """
 
-    def __init__(self, scene, kind, one, two, lightness, mass):
-        self.law, self.one, self.two = Law(scene, kind), one, two
+    def __init__(self, laws, which, one, two, lightness, mass):
+        self.one, self.two, self.law = one, two, copy(laws[0])
+        for name in CONSTANTS:
+            setattr(self.law, name, np.array([getattr(law, name) for law in laws])[which])
         self.lightness = np.where(lightness > 0.0, lightness, 1.0 / mass[:, None])
         self.memory = np.zeros(len(one)), np.zeros(len(one))
 
@@ -360,9 +411,29 @@ class Twin:
         self.group = np.full(n, -1)
         for b, each in enumerate(scene.held):
             self.group[each.granules] = b
-        self.held = Boundaries(np.zeros((len(scene.held), 2)), [h.motion for h in scene.held])
+        self.held = Boundaries([h.motion for h in scene.held])
         self.start = self.bodies.position.copy()
         self.carry()
+        self.planes, solids = scene.planes.copy(), scene.solids
+        self.walls = Boundaries([wall.motion for wall in scene.walls])
+        self.solids = Boundaries(
+            [solid.velocity for solid in solids], [solid.spin for solid in solids],
+            np.array([solid.position for solid in solids]).reshape(-1, 2),
+            [solid.angle for solid in solids],
+        )  # fmt: skip
+
+        materials, species = scene.materials, scene.species[owner]
+        rough = scene.friction or dem.Friction(0.0, 0.0, 0.0)
+        table = np.broadcast_to(rough.granule, 2 * (len(materials),))
+        own = [
+            [rough.wall if wall.friction is None else wall.friction for wall in scene.walls],
+            [rough.solid if solid.friction is None else solid.friction for solid in solids],
+        ]
+        turns = np.any(table > 0.0) or any(mu > 0.0 for each in own for mu in each)
+        turns |= not isinstance(scene.shape, dem.Disc) or not all(s.is_round for s in solids)
+
+        def law(one, other, friction):
+            return Law(one, other, friction, rough.stiffness, turns)
 
         free = self.group < 0
         one, two = np.triu_indices(len(owner), 1)
@@ -373,36 +444,35 @@ class Twin:
         )  # of held granules, that of their group
         lightness[~free] = lightness_of(self.held.motions)[self.group[~free]]
         lightness, mass = lightness[owner], mass[owner]
-        self.pairs = Contacts(
-            scene, "granule", one, two, lightness[one] + lightness[two], mass[one]
-        )  # fmt: skip
+        laws = [
+            law(first, second, table[a, b])
+            for a, first in enumerate(materials)
+            for b, second in enumerate(materials)
+        ]
+        which = len(materials) * species[one] + species[two]
+        both = lightness[one] + lightness[two]
+        self.pairs = Contacts(laws, which, one, two, both, mass[one])
 
-        self.planes = np.zeros((0, 3)) if scene.walls is None else np.array(scene.walls)
-        count = len(self.planes)
-        self.walls = Boundaries(np.zeros((count, 2)), scene.wall_motion or [None] * count)
-        one, two = np.divmod(np.arange(len(owner) * count), max(count, 1))
-        yields = lightness_of(self.walls.motions)
-        self.at_walls = Contacts(scene, "wall", one, two, lightness[one] + yields[two], mass[one])
+        def around(bodies, moving, friction):
+            yields, every = lightness_of(moving.motions), np.arange(len(owner))
+            for k, (body, mu) in enumerate(zip(bodies, friction, strict=True)):
+                partner = body.material or scene.boundary
+                laws = [law(material, partner, mu) for material in materials]
+                two = np.full(len(owner), k)
+                yield Contacts(laws, species, every, two, lightness + yields[k], mass)
 
-        self.cylinder, self.at_cylinder = None, None
-        if scene.cylinder is not None:
-            self.cylinder = Boundaries(
-                [scene.cylinder.position], [scene.cylinder.velocity], scene.cylinder.spin
-            )
-            one = np.arange(len(owner))
-            yields = lightness_of(self.cylinder.motions)
-            self.at_cylinder = Contacts(scene, "cylinder", one, 0 * one, lightness + yields, mass)
+        self.at_walls = list(around(scene.walls, self.walls, own[0]))
+        self.at_solids = list(around(solids, self.solids, own[1]))
         self.sums, self.kicked = self.no_sums(), 0.0
         self.find_forces(0.0)
         self.last = self.accelerations()
-        for each in (self.walls, self.cylinder, self.held):
-            if each is not None:
-                each.kick(0.0, 0.0, 0.0)
+        for each in (self.walls, self.solids, self.held):
+            each.kick(0.0, 0.0, 0.0)
 
     def no_sums(self):
         """Forces (N) and torques (N m) on boundaries, summed over time: nothing yet."""
-        walls, zero = np.zeros(len(self.planes)), np.zeros(2)
-        return {"cylinder_force": zero, "cylinder_torque": 0.0, "wall_force": walls,
+        walls, solids = np.zeros(len(self.planes)), np.zeros((len(self.scene.solids), 2))
+        return {"solid_force": solids, "solid_torque": solids[:, 0], "wall_force": walls,
                 "wall_tangential_force": walls, "held_force": np.zeros((len(self.scene.held), 2))}  # fmt: skip
 
     def nearest(self, d):
@@ -449,37 +519,52 @@ class Twin:
             normal, offset = self.planes[two, :2], self.planes[two, 2]
             return dot(normal, centre[one]) + granules.reach[one] + EARLY > offset
 
-        wall_of, force, _ = self.act(self.at_walls, self.walls, near_walls, wall, dt)
         self.walls.force[:] = 0.0
-        np.add.at(self.walls.force, wall_of, force)
+        for contacts in self.at_walls:
+            wall_of, force, _ = self.act(contacts, self.walls, near_walls, wall, dt)
+            np.add.at(self.walls.force, wall_of, force)
         n = self.planes[:, :2]
         self.loads = {
             "wall_force": dot(n, self.walls.force),
             "wall_tangential_force": dot(turned(n), self.walls.force),
         }
 
-        if self.cylinder is not None:
-            radius = 0.5 * self.scene.cylinder.diameter
+        def near_solids(one, two):
+            d = self.nearest(self.solids.position[two] - centre[one])
+            reach = np.array([solid.radius for solid in self.scene.solids])[two]
+            return dot(d, d) < (granules.reach[one] + reach + EARLY) ** 2
 
-            def near_circle(one, two):
-                d = self.nearest(self.cylinder.position - centre[one])
-                return dot(d, d) < (granules.reach[one] + radius + EARLY) ** 2
+        def solid(one, two):
+            d = self.nearest(self.solids.position[two] - centre[one])
+            k = two[:1]
+            body, angle = self.scene.solids[k[0]], self.solids.angle[k]
+            touch, radius = self.touch_solid(d, outline.of(one), body.outline, angle)
+            return touch, d + offset[one], (granules.radius[one], np.full(len(one), radius))
 
-            def circle(one, two):
-                d = self.nearest(self.cylinder.position - centre[one])
-                size = np.full(len(one), radius)
-                touch = granules.search(d, outline.of(one), Outline(0.0 * size, size, size))
-                return touch, d + offset[one], (granules.radius[one], size)
-
-            _, force, arm = self.act(self.at_cylinder, self.cylinder, near_circle, circle, dt)
-            self.cylinder.force = force.sum(axis=0)[None]
-            self.loads["cylinder_force"] = self.cylinder.force[0]
-            self.loads["cylinder_torque"] = cross(arm, force).sum()
+        self.solids.force[:], self.solids.torque[:] = 0.0, 0.0
+        for contacts in self.at_solids:
+            solid_of, force, arm = self.act(contacts, self.solids, near_solids, solid, dt)
+            np.add.at(self.solids.force, solid_of, force)
+            np.add.at(self.solids.torque, solid_of, cross(arm, force))
+        self.loads["solid_force"] = self.solids.force.copy()
+        self.loads["solid_torque"] = self.solids.torque.copy()
 
         self.held.force[:] = 0.0
         member = self.group >= 0
         np.add.at(self.held.force, self.group[member], self.force[member])
         self.loads["held_force"] = self.held.force.copy()
+
+    def touch_solid(self, d, one, outline, angle):
+        """Contacts with a solid of an outline at an angle (1,) in rad, and its radius (m) in Hertz's law."""
+        if isinstance(outline, dem.Polygon):
+            axis = unit(angle)
+            corners = outline.corners[:, :1] * axis + outline.corners[:, 1:] * turned(axis)
+            return polygon_touch(d, one, corners, outline.radius), np.inf
+        round_ = isinstance(outline, dem.Disc)
+        a, b = 2 * [outline.radius] if round_ else (outline.semi_major, outline.semi_minor)
+        two = Outline(*(np.repeat(each, len(d)) for each in (angle, a, b)))
+        search = self.granules.search if round_ else search_of(outline)
+        return search(d, one, two), np.sqrt(a * b)
 
     def act(self, contacts, partners, near, geometry, dt):
         """Forces of all contacts of a kind on the granules; returns for those that may touch the partner, the
@@ -487,6 +572,9 @@ class Twin:
         owner = self.granules.owner
         may = np.flatnonzero(near(contacts.one, contacts.two))
         one, two = contacts.one[may], contacts.two[may]
+        if not len(may):
+            contacts.memory = np.zeros((2, len(contacts.one)))
+            return two, np.zeros((0, 2)), np.zeros((0, 2))
         touch, away, radii = geometry(one, two)
         n, t = touch.normal, turned(touch.normal)
         radii = touch.curvature if self.granules.local else radii
@@ -499,7 +587,7 @@ class Twin:
         middle, end = theirs[0] - mine[0], theirs[1] - mine[1]
         memory = [each[may] for each in contacts.memory]
         mass = 1.0 / (contacts.lightness[may] * n**2).sum(axis=1)  # m*, along the normal
-        normal, tangential, memory = contacts.law.push(
+        normal, tangential, memory = contacts.law.of(may).push(
             memory, touch.overlap, 1.0 / (1.0 / radii[0] + 1.0 / radii[1]), mass,
             (dot(middle, n), dot(middle, t)), (dot(end, n), dot(end, t)), dt,
         )  # fmt: skip
@@ -534,10 +622,9 @@ class Twin:
         bodies.drift(dt)
         for name, each in self.loads.items():
             self.sums[name] = self.sums[name] + kick * each
-        for each in (self.walls, self.held, self.cylinder):
-            if each is not None:
-                each.kick(self.time, kick, dt)
-                each.drift(dt)
+        for each in (self.walls, self.held, self.solids):
+            each.kick(self.time, kick, dt)
+            each.drift(dt)
         self.planes[:, 2] += dt * dot(self.planes[:, :2], self.walls.velocity)
         self.carry()
         self.time += dt
@@ -571,9 +658,8 @@ def simulate(scene, state, dt, steps, frames=1):
     def keep(twin, forces):
         bodies = twin.bodies
         now = {"time": twin.time, "position": bodies.position, "velocity": bodies.velocity,
-               "angle": bodies.angle, "angular_velocity": bodies.spin, "wall_offset": twin.planes[:, 2]}  # fmt: skip
-        if twin.cylinder is not None:
-            now["cylinder_position"] = twin.cylinder.position[0]
+               "angle": bodies.angle, "angular_velocity": bodies.spin, "wall_offset": twin.planes[:, 2],
+               "solid_position": twin.solids.position, "solid_angle": twin.solids.angle}  # fmt: skip
         kept.append({name: np.array(each) for name, each in (now | forces).items()})
 
     keep(twin, {name: np.nan * each for name, each in twin.no_sums().items()})

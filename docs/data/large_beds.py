@@ -65,7 +65,7 @@ def measured(case: Case) -> dict:
     sizes = DIAMETER * rng.uniform(1.0 - SPREAD, 1.0 + SPREAD, case.granules)
     shape = of_size(kind_of(case.kind, None).shape, sizes, RATIOS[case.kind])
     width = float(np.sqrt(shape.area.sum() / (case.fraction or NOMINAL)))
-    room, job = Room(width, width, None, case.seed), Job(case.threads)
+    room, job = Room(width, width, (), case.seed), Job(case.threads)
     wall, spent = time.perf_counter(), time.process_time()
     try:
         if case.fraction:

@@ -29,18 +29,18 @@ SEED = 1
 def our_drag(case: Case, time_step: float, window) -> tuple[float, float]:
     """Mean drag (N) between two displacements (m) of the cylinder, and processor time (s) up to
     there."""
-    start, stop = (x / case.scene.cylinder.velocity[1] for x in window)
+    start, stop = (x / case.scene.solids[0].velocity[1] for x in window)
     run = Simulation(case.scene, case.state, time_step, allow_unstable=True)
     began = time.process_time()
     run.advance(start)
     record = run.record(stop - start, 1)
-    drag = -float(record.normal_force[0, 1] + record.tangential_force[0, 1])
+    drag = -float(record.normal_force[0, 0, 1] + record.tangential_force[0, 0, 1])
     return drag, time.process_time() - began
 
 
 def lammps_drag(case: Case, time_step: float, window, same: bool = False) -> tuple[float, float]:
     """The same; see studies.common.peers.lammps.Run."""
-    start, stop = (round(x / case.scene.cylinder.velocity[1] / time_step) for x in window)
+    start, stop = (round(x / case.scene.solids[0].velocity[1] / time_step) for x in window)
     with lammps.Run(case.scene, case.state, time_step, True, same) as run:
         began = time.process_time()
         run.advance(start)

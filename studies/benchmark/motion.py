@@ -23,13 +23,13 @@ def checks(cases: dict[str, Case]) -> dict[str, Case]:
     found = {}
     for kind in (kind for kind in KINDS if kind in cases):
         scene, start, time_step = cases[kind]
-        still = replace(scene.cylinder, velocity=(0.0, 0.0))
+        still = replace(scene.solids[0], velocity=(0.0, 0.0))
         elastic = replace(scene.material, restitution=1.0)
         rng = np.random.default_rng(SEED)
         velocity = SPEED * rng.normal(size=start.position.shape)
         state = State(start.position, velocity, start.angle)
         for friction, words in ((None, "no friction"), (scene.friction, "friction")):
-            changed = replace(scene, cylinder=still, material=elastic, friction=friction)
+            changed = replace(scene, solids=still, material=elastic, friction=friction)
             found[f"{kind}s, {words}"] = Case(changed, state, time_step)
     return found
 

@@ -8,10 +8,12 @@ import numpy as np
 
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
 from dem.experiment.box import height_of_box, sample_diameters
+from dem.material import Friction, Material
 from dem.packing.random import pack
 from dem.packing.tiling import tiled
-from dem.scene import Friction, Material, Scene, box
+from dem.scene import Scene
 from dem.shapes.disc import Disc
+from dem.solids import box
 from dem.sweep.config import Sweep
 from studies.common.peers import lammps
 

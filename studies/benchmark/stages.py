@@ -64,7 +64,9 @@ def pairs(world, dt, times, wanted):
             if wanted.geometry is not None:
                 find_contacts(shape, turns, contacts, start, stop, lanes)
             if wanted.forces is not None:
-                contact_forces(contacts.friction, shape, turns, contacts, start, stop, dt, lanes)
+                contact_forces(
+                    contacts.friction, shape, None, turns, contacts, start, stop, dt, lanes
+                )
             if wanted.sums is not None:
                 accumulate(contacts, start, stop, lanes.values, turns, flat)
 
@@ -74,7 +76,7 @@ def boundaries(world, dt, times):
     world = by_address(world)
     for _ in range(times):
         boundary_contacts(world.walls, world, dt)
-        boundary_contacts(world.cylinder, world, dt)
+        boundary_contacts(world.circles, world, dt)
 
 
 @compiled

@@ -6,7 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from dem.dynamics.simulation import Simulation
-from dem.scene import Cylinder, Friction, State
+from dem.material import Friction
+from dem.scene import State
+from dem.solids import Cylinder
 from studies.stability.scenes import (
     free,
     granules,
@@ -145,7 +147,7 @@ def pinch(sweep, shape, change) -> dict:
     scene = replace(
         free(sweep, one, change, side),
         friction=Friction(),
-        cylinder=cylinder,
+        solids=cylinder,
         material=material_of(sweep, change),
     )
     # off the cylinder's axis, so that the granule is pressed aside and slides

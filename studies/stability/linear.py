@@ -43,7 +43,7 @@ class Nudged:
         self.world = world
         self.size = math.sqrt((scene.inertia / scene.mass).mean())  # m: makes turns lengths
         self.unit = NUDGE * world.bodies[:, :2].max()
-        self._lists = [world.pairs, world.walls.contacts, world.cylinder.contacts]
+        self._lists = [world.pairs, world.walls.contacts, world.circles.contacts]
         self._lists = [
             contacts for contacts in self._lists if contacts.tangential_force is not None
         ]

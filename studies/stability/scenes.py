@@ -9,8 +9,10 @@ from dem.dynamics.simulation import STEP_FRACTION, Simulation
 from dem.experiment.bed import make_bed
 from dem.experiment.config import Replicate
 from dem.experiment.scene import make_scene
-from dem.scene import Friction, Material, Scene, State, box
+from dem.material import Friction, Material
+from dem.scene import Scene, State
 from dem.shapes import KINDS
+from dem.solids import box
 from dem.sweep.config import Sweep
 from studies.stability.catalogue import Changes
 
@@ -48,7 +50,7 @@ def start(replicate: Replicate, still: bool = False) -> Simulation:
     bed, numerics = bed_of(replicate), replicate.configuration.numerics
     scene = make_scene(replicate, bed)
     if still:
-        scene = replace(scene, cylinder=replace(scene.cylinder, velocity=(0.0, 0.0)))
+        scene = replace(scene, solids=replace(scene.solids[0], velocity=(0.0, 0.0)))
     return Simulation(
         scene,
         bed.state,

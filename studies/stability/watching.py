@@ -8,7 +8,7 @@ from dem.contacts.force_law import effective_modulus
 from dem.dynamics.checkpoint import writable
 from dem.dynamics.forces import forces
 from dem.dynamics.simulation import Simulation
-from dem.dynamics.world import World
+from dem.dynamics.world import COEFFICIENT, World
 from dem.jit.block_memory import FORCE_X, FORCE_Y, NX, NY
 from dem.jit.columns import X, Y
 
@@ -23,7 +23,7 @@ def watch(simulation: Simulation, interval: float, between=lambda look: None) ->
         record = simulation.record(interval, 1)
         residuals.append(simulation.ledger().residual)
         excesses.append(friction_excess(simulation))
-        loads.append((record.normal_force + record.tangential_force)[0])
+        loads.append((record.normal_force + record.tangential_force)[0].sum(axis=0))
     late = np.array(loads[LOOKS // 2 :])
     size = np.linalg.norm(late, axis=1).max()
     return {
@@ -40,13 +40,12 @@ def friction_excess(simulation: Simulation, share: float = 1.0) -> float:
     The forces are computed again, in a copy: the cylinder's contacts, which are the last and less
     than a block, are then in the lanes.
     """
-    cylinder = simulation.world.cylinder
-    if cylinder.contacts.friction is None:
+    if simulation.world.circles.contacts.friction is None:
         return 0.0
     world = writable(simulation.world)
     forces(world, 0.0, math.inf)
-    contacts, values = world.cylinder.contacts, world.lanes.values
-    count, mu = len(contacts.constituent), share * contacts.friction.coefficient
+    contacts, values = world.circles.contacts, world.lanes.values
+    count, mu = len(contacts.constituent), share * contacts.friction[COEFFICIENT]
     nx, ny, fx, fy = (values[int(at) : int(at) + count] for at in (NX, NY, FORCE_X, FORCE_Y))
     normal, tangential, size = (
         np.abs(fx * nx + fy * ny),

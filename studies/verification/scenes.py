@@ -1,8 +1,5 @@
 """What the cases share: a sphere in planar motion, granules above a floor, one impact and its
 scales.
-
-All scenes have friction, a wall and gravity, of zero where a case has none, so that few kernels are
-compiled.
 """
 
 import math

@@ -36,6 +36,7 @@ class Mutant(NamedTuple):
 
 
 BOX, DISCS, SMOOTH = (TWIN.format(each) for each in ("box of discs", "discs", "smooth discs"))
+SOLIDS, TURNED = TWIN.format("discs around solids"), TWIN.format("ellipses around solids")
 DUMBBELLS, ELLIPSES = TWIN.format("dumbbells"), TWIN.format("ellipses")
 LOCAL, CHORD = TWIN.format("ellipses of local radius"), TWIN.format("ellipses by the chord")
 SUPER, ONE_THREAD, TWO_THREADS = TWIN.format("superellipses"), LARGE.format(1), LARGE.format(2)
@@ -65,6 +66,8 @@ MUTANTS = (
     Mutant("contacts/blocks.py", "sign", "motion[at] += shift[p]", "motion[at] -= shift[p]", DUMBBELLS),
     Mutant("contacts/loops.py", "not summed", "loads[b, 0] += normal", "loads[b, 0] = normal", BOX),
     Mutant("contacts/loops.py", "missing term", "on[b, FX] += shares[0] + shares[2]", "on[b, FX] += shares[0]", DISCS),
+    Mutant("contacts/loops.py", "not summed", "on[b, TAU] += torque", "on[b, TAU] = torque", DISCS),
+    Mutant("dynamics/assembly.py", "missing term", "math.sqrt(restitution * partner.restitution)", "partner.restitution", DISCS),
     # motion
     Mutant("dynamics/forces.py", "index", "contact_forces[b, 1] = on[b, FX], on[b, FY]", "contact_forces[b, 1] = on[b, FX], on[b, FX]", SMOOTH),
     Mutant("dynamics/forces.py", "not cleared", "force[source + c] = 0.0", "force[source + c] *= 1.0", ONE_THREAD),
@@ -78,6 +81,7 @@ MUTANTS = (
     Mutant("dynamics/boundaries.py", "time", "after, 0.5 * (time + stop), c)", "after, stop, c)", SMOOTH),
     Mutant("dynamics/boundaries.py", "sign", "end, c) - motion[b, VX + c]", "end, c) + motion[b, VX + c]", SMOOTH),
     Mutant("dynamics/boundaries.py", "factor", "account[WORK] -= 0.5 * kick", "account[WORK] -= kick", "tests/test_motion.py::test_the_work_of_a_driven_boundary_is_what_it_loses"),
+    Mutant("dynamics/boundaries.py", "sign", "boundaries.angle[b], dt * motion[b, W])", "boundaries.angle[b], -dt * motion[b, W])", SOLIDS),
     Mutant("dynamics/neighbor_list.py", "missing term", "mass * inverse_masses[c] if inverse_masses[c] > 0.0 else 1.0", "1.0", SMOOTH),
     Mutant("dynamics/diagnostics.py", "missing term", "squared += 2.0 * skin * driven_acceleration", "squared += 0.0 * driven_acceleration", "tests/test_motion.py::test_the_work_of_a_driven_boundary_is_what_it_loses"),
     Mutant("dynamics/neighbor_list.py", "memory lost", "new[p] = old[source[p]]", "new[p] = 0.0", BOX),
@@ -101,6 +105,8 @@ MUTANTS = (
     Mutant("shapes/geometric_potential.py", "comparison", "if g1 >= 0.0:", "if g1 >= -0.1:", CHORD),
     Mutant("shapes/smooth.py", "constant", "return 0.25 * _integral", "return 0.5 * _integral", SUPER),
     Mutant("shapes/superellipse.py", "sign", "root + (1.0 - q) * root", "root - (1.0 - q) * root", SUPER),
+    Mutant("shapes/polygon.py", "sign", "place = -(x * ny - y * nx)", "place = (x * ny - y * nx)", SOLIDS),
+    Mutant("shapes/polygon.py", "sign", "ry * nx - rx * ny", "rx * ny - ry * nx", TURNED),
     # beds
     Mutant("packing/minimise.py", "missing call", "        forces(view, 0.0, math.inf)\n    return", "    return", BED),
     Mutant("packing/random.py", "missing term", "(r + radius[near]) ** 2", "radius[near] ** 2", BED),

@@ -29,6 +29,6 @@ def test_granules_without_symmetry_pack():
     """Eggs pack to rest, without large overlaps."""
     radius = 1e-3 * np.random.default_rng(1).uniform(0.4, 0.6, 50)
     cylinder = dem.Cylinder(1.5e-3, (4e-3, 2e-3))
-    area = Egg(radius).area.sum() / 0.84 + 0.25 * np.pi * cylinder.diameter**2
+    area = Egg(radius).area.sum() / 0.84 + np.pi * cylinder.radius**2
     bed = dem.pack(Egg(radius), 8e-3, area / 8e-3, cylinder, 1)
     assert bed.pressure > 0.0 and bed.max_overlap < 0.2 and bed.net_force < 1e-9

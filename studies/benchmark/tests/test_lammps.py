@@ -89,7 +89,7 @@ def test_the_force_on_the_cylinder_is_the_same(small_bed):
     scene, step = small.scene(friction=None, material=ELASTIC), 5e-8
     record = dem.Simulation(scene, small.state, time_step=step).record(200 * step, 1)
     with lammps.Run(scene, small.state, step, force=True) as run:
-        assert run.mean_force(200, every=1) == pytest.approx(record.normal_force[0], rel=1e-2)
+        assert run.mean_force(200, every=1) == pytest.approx(record.normal_force[0, 0], rel=1e-2)
 
 
 @pytest.mark.skipif(lammps.mpiexec() is None, reason="there is no mpiexec beside Python")

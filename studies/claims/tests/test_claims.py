@@ -346,7 +346,7 @@ def test_a_bed_has_pressure_only_above_its_jamming_fraction():
     """The line through the pressures of a bed ends between its last loose and its first tight
     state."""
     small = make_small_bed("disc")
-    press = Press(small.shape, Room(small.bed.width, small.bed.height, small.cylinder, 1))
+    press = Press(small.shape, Room(small.bed.width, small.bed.height, (small.cylinder,), 1))
     fractions = 0.74 + 0.005 * np.arange(28)
     loads = np.array([press.press(each) for each in fractions]) / small.diameters.mean()
     jamming, _ = line(fractions, loads)

@@ -1,7 +1,7 @@
 """Our scene as a run of LAMMPS (https://www.lammps.org), by its Python module.
 
 The same in both codes: masses and moments of inertia, Hertz's law with our E*, 8 G* and Coulomb's
-mu, rigid walls and cylinder, velocity Verlet, order of the granules. Not the same: the dashpot (see
+mu, rigid walls and a rigid cylinder, velocity Verlet, order of the granules. Not the same: the dashpot (see
 studies.common.peers.material); the tangential spring, which remembers its length in LAMMPS and its
 force in ours; and the arm of the tangential force, the full radius in LAMMPS and radius - overlap /
 2 in ours. LAMMPS has our dashpot and our spring too, in a style that takes longer for a step; only
@@ -216,14 +216,16 @@ def _check(scene):
         raise InputError(f"LAMMPS has no {type(scene.shape).__name__.lower()} with Hertz's law.")
     if scene.gravity is not None or scene.periodic is not None:
         raise InputError("gravity and periodic sides are not handed on to LAMMPS.")
+    if len(scene.materials) > 1 or [solid.is_round for solid in scene.solids] not in ([], [True]):
+        raise InputError("LAMMPS gets one material and at most one solid, a round one.")
 
 
 def _space(scene, state, per):
     """The box that holds the spheres, with room where no wall ends it."""
     low, high = state.position.min(axis=0), state.position.max(axis=0)
     low, high = low - (high - low) - 1.0e-3, high + (high - low) + 1.0e-3
-    if scene.walls is not None:
-        low, high = np.zeros(2), np.asarray(scene.walls)[[1, 3], 2]
+    if scene.walls:
+        low, high = np.zeros(2), scene.planes[[1, 3], 2]
     yield from ("units si", "dimension 2", "boundary f f p", "atom_style sphere", "newton off")
     yield from ("atom_modify map array", "comm_modify vel yes")
     if per > 1:
@@ -296,22 +298,20 @@ def _motion(scene, state, file):
 
 
 def _boundary(scene, time_step, seen, same):
-    if scene.walls is not None:
-        width, height = (repr(float(v)) for v in np.asarray(scene.walls)[[1, 3], 2])
+    if scene.walls:
+        width, height = (repr(float(v)) for v in scene.planes[[1, 3], 2])
         yield f"fix sides all wall/gran {_law(scene, 'wall', same)} xplane 0.0 {width}"
         yield f"fix ends all wall/gran {_law(scene, 'wall', same)} yplane 0.0 {height}"
-    if scene.cylinder is not None:
-        (x, y), (vx, vy) = scene.cylinder.position, scene.cylinder.velocity
-        radius = (
-            0.5 * scene.cylinder.diameter
-        )  # of a sphere: LAMMPS doubles the radius of a cylinder
+    for cylinder in scene.solids:
+        (x, y), (vx, vy) = cylinder.position, cylinder.velocity
+        radius = cylinder.radius  # of a sphere: LAMMPS doubles the radius of a cylinder
         for name, speed in (("x", vx), ("y", vy)):
             yield f"variable moved_{name} equal {float(speed)!r}*step*{float(time_step)!r}"
         yield (
             f"region roller sphere {float(x)!r} {float(y)!r} 0.0 {float(radius)!r} side out "
             "move v_moved_x v_moved_y NULL"
         )
-        law = _law(scene, "cylinder", same)
+        law = _law(scene, "solid", same)
         yield f"fix roller all wall/gran/region {law} region roller{seen}"
 
 

@@ -1,7 +1,7 @@
 """Our discs as a run of LIGGGHTS (https://www.cfdem.com), by its program: for time, not for motion.
 
 Its Hertz contact is ours up to the value of the dashpot; its tangential spring remembers a length.
-Walls and cylinder are of a material RIGID times stiffer than the granules, and the cylinder is a
+Walls and the cylinder are of a material RIGID times stiffer than the granules, and the cylinder is a
 disc HEAVY times denser with a prescribed velocity: LIGGGHTS has no moving cylinder.
 """
 
@@ -82,14 +82,15 @@ def seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int)
 
 def _bed(scene, state):
     """Data file. In two dimensions the program takes pi r^2 times density for mass."""
-    density, radius = scene.material.density * scene.thickness, 0.5 * scene.cylinder.diameter
-    position = np.vstack([state.position, scene.cylinder.position])
-    velocity = np.vstack([state.velocity, scene.cylinder.velocity])
+    (cylinder,) = scene.solids
+    density, radius = scene.material.density * scene.thickness, cylinder.radius
+    position = np.vstack([state.position, cylinder.position])
+    velocity = np.vstack([state.velocity, cylinder.velocity])
     size = 2.0 * np.append(scene.shape.radius, radius)
     kind = [1] * scene.granules + [3]
     weight = [density] * scene.granules + [HEAVY * density]
     spin = np.append(state.angular_velocity, 0.0)
-    width, height = np.asarray(scene.walls)[[1, 3], 2]
+    width, height = scene.planes[[1, 3], 2]
     lines = ["bed", "", f"{len(size)} atoms", "3 atom types", ""]
     lines += [f"0 {width:.17g} xlo xhi", f"0 {height:.17g} ylo yhi"]
     lines += [f"{-radius:.17g} {radius:.17g} zlo zhi", "", "Atoms", ""]
@@ -104,8 +105,8 @@ def _bed(scene, state):
 
 def _input(scene, time_step, warm, steps):
     material, mu = scene.material, scene.friction
-    kinds = mu.granule, mu.wall, mu.cylinder
-    width, height = np.asarray(scene.walls)[[1, 3], 2]
+    kinds = mu.granule, mu.wall, mu.solid
+    width, height = scene.planes[[1, 3], 2]
     return INPUT.format(
         modulus=material.young_modulus,
         rigid=RIGID * material.young_modulus,
@@ -116,7 +117,7 @@ def _input(scene, time_step, warm, steps):
         time_step=time_step,
         width=width,
         height=height,
-        speed=scene.cylinder.velocity,
+        speed=scene.solids[0].velocity,
         warm=warm,
         steps=steps,
     )

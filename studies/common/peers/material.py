@@ -7,16 +7,15 @@ from typing import NamedTuple
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from dem.contacts.force_law import effective_modulus, effective_shear_modulus
-from dem.dynamics.assembly import partners
+from dem.dynamics.assembly import laws_of
 from dem.scene import Scene
 
-RIGID = 1e6  # modulus of walls and cylinder over the granules', in codes without rigid bodies
+RIGID = 1e6  # modulus of walls and solids over the granules', in codes without rigid bodies
 SPEED = 1.0  # m/s, at which a central collision has the wanted coefficient of restitution
 
 
 class Hertz(NamedTuple):
-    """Coefficients of one kind of contact (granule, wall or cylinder), as in LAMMPS's gran/hertz.
+    """Coefficients of one kind of contact (granule, wall or solid), as in LAMMPS's gran/hertz.
 
     normal: 4/3 E* (Pa); tangential: 8 G* (Pa); damping, shear_damping: gamma (1/(m s)) of the
     dashpot m* gamma sqrt(R* delta) v, normal and tangential; friction: Coulomb's mu.
@@ -32,24 +31,18 @@ class Hertz(NamedTuple):
 def hertz(scene: Scene, kind: str) -> Hertz:
     """Coefficients of the contacts of a kind.
 
-    Walls and cylinder are rigid, so their contacts are about twice as stiff as those of two
+    Walls and solids are rigid, so their contacts are about twice as stiff as those of two
     granules. The dashpot differs from ours, alpha sqrt(m* k) delta^(1/4) v, so that restitution
     depends on speed: gamma is such that two mean granules, or one and a flat wall, part at the
     scene's coefficient of restitution after they met at SPEED. Tangential and normal damping are in
     our ratio.
     """
-    materials = partners(scene, boundary=kind != "granule")
-    spring = scene.friction.stiffness if scene.friction else 1.0
-    shear = spring * effective_shear_modulus(*materials)
-    normal = 4.0 / 3.0 * effective_modulus(*materials)
+    row = {"granule": 0, "wall": 1, "solid": 1 + len(scene.walls)}[kind]
+    normal, _, friction, stiffness, ratio = laws_of(scene)[row, 0].tolist()
     share = 0.5 if kind == "granule" else 1.0
     radius, mass = share * scene.shape.constituent_radius.mean(), share * scene.mass.mean()
     damping = damping_rate(scene.material.restitution, normal, radius, mass)
-    friction = getattr(scene.friction, kind) if scene.friction else 0.0
-    ratio = math.sqrt(
-        8.0 * shear / (1.5 * normal)
-    )  # sqrt(k_t/k_n), as in dem.dynamics.assembly.friction_parameters
-    return Hertz(normal, 8.0 * shear, damping, ratio * damping, friction)
+    return Hertz(normal, stiffness * normal, damping, ratio * damping, friction)
 
 
 def damping_rate(restitution, normal, radius, mass) -> float:

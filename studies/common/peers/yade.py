@@ -1,7 +1,7 @@
 """Our discs as a run of YADE (https://yade-dem.org), by its program: for time, not for motion.
 
 Its contact has Hertz's law, our E* and G*, and a dashpot of our form; its spheres are kept in the
-plane and get our masses. Walls and cylinder are of a material RIGID times stiffer than the granules.
+plane and get our masses. Walls and the cylinder are of a material RIGID times stiffer than the granules.
 """
 
 import json
@@ -95,7 +95,7 @@ def seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int)
 
 
 def _values(scene, state):
-    material, friction, cylinder = scene.material, scene.friction, scene.cylinder
+    material, friction, (cylinder,) = scene.material, scene.friction, scene.solids
     columns = (
         state.position,
         state.velocity,
@@ -109,9 +109,9 @@ def _values(scene, state):
         "poisson_ratio": material.poisson_ratio,
         "restitution": material.restitution,
         "rigid": RIGID,
-        "angles": [math.atan(mu) for mu in (friction.granule, friction.wall, friction.cylinder)],
+        "angles": [math.atan(mu) for mu in (friction.granule, friction.wall, friction.solid)],
         "skin": SKIN * float(scene.shape.radius.mean()),
         "discs": list(zip(*(np.asarray(column).tolist() for column in columns), strict=True)),
-        "cylinder": [list(cylinder.position), list(cylinder.velocity), 0.5 * cylinder.diameter],
-        "box": np.asarray(scene.walls)[[1, 3], 2].tolist(),
+        "cylinder": [list(cylinder.position), list(cylinder.velocity), cylinder.radius],
+        "box": scene.planes[[1, 3], 2].tolist(),
     }

@@ -47,7 +47,7 @@ def measure() -> list[Row]:
 def pressed() -> Row:
     """Greatest overlap with the cylinder, which depends on its radius too; the spins do not."""
     made = dem.Material(*ALLOY, RESTITUTION)
-    seen = scene(Sphere([RADIUS]), made, FRICTION, cylinder=LARGE)
+    seen = scene(Sphere([RADIUS]), made, FRICTION, solids=LARGE)
     scales = impact(made, 1, RADIUS * 5.0 / 6.0, seen.mass[0], SPEED)
     state = dem.State([[0.0, HIGH + 6.0 * RADIUS]], [[0.0, -SPEED]])
     run = dem.simulate(seen, state, 1.2 * scales.duration, frames=FRAMES)
@@ -66,7 +66,7 @@ def hit(name, material, partner, spin):
         place = [[0.0, HIGH + RADIUS], [0.0, HIGH - RADIUS]]
     if partner == "cylinder":
         curvature = RADIUS * 5.0 / 6.0
-        more["cylinder"] = LARGE
+        more["solids"] = LARGE
         place = [[0.0, HIGH + 6.0 * RADIUS]]
     seen = scene(Sphere(count * [RADIUS]), made, FRICTION, **more)
     mass = seen.mass[0]
