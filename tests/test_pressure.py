@@ -9,9 +9,8 @@ import pytest
 
 from dem.analysis.one_run import snapshots_of
 from dem.base.errors import InputError, PackingError
-from dem.dynamics.contact_list import FIRST_WALL
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import cylinder, diameters, make_bed
+from dem.experiment.bed import diameters, make_bed, solids
 from dem.experiment.box import height_of_box
 from dem.experiment.config import parse
 from dem.experiment.kinds import drag
@@ -92,7 +91,7 @@ def test_a_snapshot_shows_the_top_wall_where_it_is():
     run = asked()
     motion = snapshots_of("drawn", run, drawn() | drag.axes(run.configuration))
     found = motion.contacts(-1)
-    on_top = found.partner == FIRST_WALL - 1  # the second wall, after the bottom
+    on_top = found.partner == -3  # after the cylinder and the bottom
     assert found.force[on_top].sum() / area_of(run) == pytest.approx(PRESSURE, rel=0.1)
     frames = of_motion(motion)
     scene = Scene(frames, "speed", forces=False)
@@ -118,7 +117,7 @@ def test_more_pressure_makes_a_lower_box_around_the_same_cylinder():
     """The cylinder is where it is before the height is known."""
     beds = {pressure: bed_under(pressure) for pressure in (5e6, PRESSURE)}
     assert beds[5e6].height > beds[PRESSURE].height
-    places = {cylinder(asked(p), bed.height).position for p, bed in beds.items()}
+    places = {solids(asked(p), bed.height)[0].position for p, bed in beds.items()}
     assert len(places) == 1
 
 
@@ -131,7 +130,7 @@ def test_a_box_too_low_for_the_stroke_is_refused():
     """Of the box at a packing fraction of 0.84 the stroke leaves a micrometre; the bed is lower."""
     run, bed = asked(HIGH), bed_under(HIGH)
     nominal = height_of_box(run.configuration, diameters(run))
-    at = cylinder(run, bed.height)
+    (at,) = solids(run, bed.height)
     stroke = nominal - at.position[1] - at.radius - 1e-6
     assert bed.height < nominal
     with pytest.raises(PackingError, match="would leave it during its stroke; at most"):
