@@ -49,7 +49,7 @@ REFUSED = [
     ("colour", "red", "colour is not a known key; there are experiment, box_width,"),
     ("seeds", 5, "seeds is not a known key; the nearest is sweep."),
     ("material.young", 1e9, "material.young is not a known key; there are young_modulus,"),
-    ("cylinder.speed", 2.0, "not a known key; there are diameter, velocity, start, stroke."),
+    ("cylinder.speed", 2.0, "not a known key; there are diameter, velocity, start, stroke,"),
     ("box_width", "20 mm", "box_width is '20 mm'; it must be a number, in m."),
     ("gravity", True, "gravity is True; it must be a number, in m s-2."),
     ("gravity", math.nan, "gravity is nan; it must be finite, at most 1e+20 in size, in m s-2."),
