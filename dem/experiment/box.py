@@ -47,44 +47,45 @@ def check_room(configuration, label: str, *seeds: int) -> None:
 
 def _check_box(configuration, label: str, height: float, largest: float) -> None:
     """Raise InputError where cylinder or the largest granule (m) do not fit into a box (m)."""
-    shape, cylinder = configuration.shapes[label], configuration.cylinder
-    where = f"with shapes.{label} the box is {configuration.box_width:.4g} m by {height:.4g} m"
-    turns = [each in configuration.periodic for each in "xy"]  # "none" has neither
+    shape, cylinder, width = (
+        configuration.shapes[label],
+        configuration.cylinder,
+        configuration.box_width,
+    )
+    where = f"with shapes.{label} the box is {width:.4g} m by {height:.4g} m"
     if cylinder is not None:
-        _check_cylinder(configuration, height, where, turns)
+        _check_cylinder(cylinder, width, height, where, "y" in configuration.periodic)
     length = largest * math.sqrt(shape.ratio)
-    if length > min(configuration.box_width, height):
+    if length > min(width, height):
         raise InputError(
             f"shapes.{label}.diameter is {shape.diameter:g} m: {where}, and a granule of length "
             f"{length:.3g} m cannot fit."
         )
     least = ROOM * 0.5 * (length + max(length, cylinder.diameter if cylinder else 0.0))
-    for key, side, turn in zip("xy", (configuration.box_width, height), turns, strict=True):
-        if turn and side < least:
+    for key, side in {"x": width, "y": height}.items():
+        if key in configuration.periodic and side < least:  # "none" has neither
             raise InputError(
                 f"periodic is {configuration.periodic}: {where}; along {key} it must be at least "
                 f"{least:.4g} m, {ROOM:g} times the greatest distance at which two bodies touch."
             )
 
 
-def _check_cylinder(configuration, height: float, where: str, turns: list[bool]) -> None:
-    """Raise InputError where the cylinder does not fit into a box of this height (m)."""
-    cylinder, half = configuration.cylinder, 0.5 * configuration.cylinder.diameter
-    bottom, top = cylinder.start * height - half, cylinder.start * height + cylinder.stroke + half
-    if cylinder.diameter >= configuration.box_width:
+def _check_cylinder(cylinder, width: float, height: float, where: str, turns: bool) -> None:
+    """Raise InputError where the cylinder does not fit into a box (m); turns: it may leave at the top."""
+    if cylinder.diameter >= width:
         raise InputError(
             f"cylinder.diameter is {cylinder.diameter:g} m; it must be less than box_width, "
-            f"{configuration.box_width:g} m."
+            f"{width:g} m."
         )
-    beyond = {"below its floor": bottom < 0, "above its top": top - cylinder.stroke > height}
-    for side, out in beyond.items():
-        if out and not turns[1]:
-            raise InputError(
-                f"cylinder.start is {cylinder.start:g}: {where}, and the cylinder would begin "
-                f"{side}."
-            )
-    if top > height and not turns[1]:
+    below = cylinder.start * height - 0.5 * cylinder.diameter
+    above = (1.0 - cylinder.start) * height - 0.5 * cylinder.diameter
+    if min(below, above) < 0.0 and not turns:
+        side = "below its floor" if below < 0.0 else "above its top"
+        raise InputError(
+            f"cylinder.start is {cylinder.start:g}: {where}, and the cylinder would begin {side}."
+        )
+    if above < cylinder.stroke and not turns:
         raise InputError(
             f"cylinder.stroke is {cylinder.stroke:g} m: {where}, and the cylinder would leave it "
-            f"during its stroke; at most {cylinder.stroke + height - top:.3g} m fit."
+            f"during its stroke; at most {above:.3g} m fit."
         )
