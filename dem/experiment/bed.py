@@ -41,19 +41,19 @@ def cylinder(replicate: Replicate, height: float) -> Cylinder | None:
     Where packing.pressure is given, this is the height of a box at the packing fraction NOMINAL
     (dem.experiment.box): that of the bed is known only once it is packed around the cylinder.
     """
-    c = replicate.configuration
-    if c.cylinder is None:
+    own = replicate.configuration
+    if own.packing.pressure is not None:
+        height = height_of_box(own, diameters(replicate))
+    wanted, width = own.cylinder, own.box_width
+    if wanted is None:
         return None
-    if c.packing.pressure is not None:
-        height = height_of_box(c, diameters(replicate))
-    axis = 0.5 * c.box_width, c.cylinder.start * height
-    return Cylinder(c.cylinder.diameter, axis, (0.0, c.cylinder.velocity))
+    return Cylinder(wanted.diameter, (0.5 * width, wanted.start * height), (0.0, wanted.velocity))
 
 
 def periods(replicate: Replicate, height: float) -> Periods:
     """Periods (m) of a box of the given height (m)."""
-    c = replicate.configuration
-    return periods_of(c.box_width, height, c.periodic)
+    own = replicate.configuration
+    return periods_of(own.box_width, height, own.periodic)
 
 
 def thickness(replicate: Replicate) -> float:
@@ -63,20 +63,21 @@ def thickness(replicate: Replicate) -> float:
 
 def room_of(replicate: Replicate) -> tuple:
     """The granules of a bed, and the room in which they are packed."""
-    c, sizes = replicate.configuration, diameters(replicate)
-    height = height_of_box(c, sizes)
-    axis = cylinder(replicate, height)
-    room = Room(c.box_width, height, axis, replicate.seed, c.periodic)
+    own, sizes = replicate.configuration, diameters(replicate)
+    height = height_of_box(own, sizes)
+    at = cylinder(replicate, height)
+    room = Room(own.box_width, height, at, replicate.seed, own.periodic)
     return shaped(replicate, sizes), room
 
 
 def packed(configuration, shape, room: Room, job: Job | None = None) -> Bed:
     """The bed in a room, at the packing fraction of the room."""
-    packing, job = configuration.packing, job or Job()
-    prepare = PREPARATIONS[packing.preparation]
-    if packing.friction:
-        return compact(shape, room, packing.friction, prepare, job)
-    return prepare(shape, room, job)
+    friction, prepare = (
+        configuration.packing.friction,
+        PREPARATIONS[configuration.packing.preparation],
+    )
+    job = job or Job()
+    return compact(shape, room, friction, prepare, job) if friction else prepare(shape, room, job)
 
 
 def make_bed(replicate: Replicate, checkpoint: Path | None = None, report=ignored) -> Bed:
@@ -86,18 +87,18 @@ def make_bed(replicate: Replicate, checkpoint: Path | None = None, report=ignore
     dem.packing.job.Job. Raises PackingError where no bed is found, or where it leaves no room for
     the stroke.
     """
-    c, (shape, room) = replicate.configuration, room_of(replicate)
-    job, pressure = Job(c.threads, checkpoint, report), c.packing.pressure
+    own, (shape, room) = replicate.configuration, room_of(replicate)
+    job = Job(own.threads, checkpoint, report)
     job.begin(replicate.bed_id)
-    if pressure is None:
-        return packed(c, shape, room, job)
+    if own.packing.pressure is None:
+        return packed(own, shape, room, job)
     loose = room._replace(height=room.height * NOMINAL / START)
-    load = pressure * thickness(replicate) / effective_modulus(c.material, c.material)
+    load = own.packing.pressure * thickness(replicate) / effective_modulus(*2 * [own.material])
     bed = pack_under(shape, loose, load, job)
-    stroke = bed.height - room.cylinder.position[1] - 0.5 * room.cylinder.diameter
-    if stroke < c.cylinder.stroke:
+    top = room.cylinder.position[1] + own.cylinder.stroke + 0.5 * room.cylinder.diameter
+    if top > bed.height:
         raise PackingError(
-            f"under {pressure:g} Pa the box is {bed.height:.4g} m high, and the cylinder would "
-            f"leave it during its stroke; at most {stroke:.3g} m fit."
+            f"under {own.packing.pressure:g} Pa the box is {bed.height:.4g} m high, and the cylinder "
+            f"would leave it during its stroke; at most {own.cylinder.stroke + bed.height - top:.3g} m fit."
         )
     return bed
