@@ -310,15 +310,22 @@ class Replicate:
 
     @property
     def variant(self) -> str:
-        """The values that select the machine code of the run, as text: of each motion that it
-        computes, its own and those of its bed."""
-        c = self.configuration
-        motions, ellipse = c.module.motions(self), str(EllipseSection())
-        if c.packing.friction > 0:
-            motions.add((True, True, False, False, False, ellipse))
-        if c.packing.preparation == "grown":
-            motions.add((False, True, False, False, False, ellipse))
-        return f"{self.shape.kind} {c.periodic} {sorted(motions)}"
+        """The values that select the machine code of the run and of its bed, as text."""
+        c, kind = self.configuration, self.shape.kind
+        values = (
+            kind,
+            c.ellipse if kind == "ellipse" else None,
+            c.experiment,
+            c.periodic,
+            c.packing.preparation,
+            c.packing.friction > 0,
+            c.packing.pressure is not None,
+            any((c.friction.granule, c.friction.wall, c.friction.cylinder)),
+            c.material.restitution < 1,
+            c.gravity > 0,
+            "ledger" in c.observables,
+        )
+        return str(values)
 
     def _known(self, *paths: str) -> str:
         """The values at some paths and below them that this run is known by, as text."""
