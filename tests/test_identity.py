@@ -49,7 +49,7 @@ KEPT = {
     "experiment/kinds/heat.py": "SECTIONS = {}\n",
     "experiment/observables/heat.py": "VARIABLES = {}\n",
     "sweep/store.py": LINE,
-    "analysis/statistics.py": LINE,
+    "analysis/drag.py": LINE,
     "figures/style.py": LINE,
     "report/build.py": LINE,
     "cli/app.py": LINE,

@@ -11,12 +11,12 @@ from scipy import stats
 from typer.testing import CliRunner
 
 import dem
+from dem.analysis.drag import summarise
 from dem.analysis.means import compared, means, table_of, write_means
-from dem.analysis.statistics import summarise
 from dem.analysis.tables import TextTable
 from dem.base.errors import InputError
-from dem.base.intervals import mean_interval
 from dem.base.sources import ROOT
+from dem.base.statistics import mean_interval
 from dem.cli.app import app
 from dem.cli.show import PlainConsole, print_or_write
 from dem.io.checksums import seal

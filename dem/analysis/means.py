@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from dem.analysis.statistics import over_seeds
+from dem.analysis.drag import over_seeds
 from dem.analysis.values import designs_of
 from dem.base.errors import InputError
 from dem.base.files import atomic
-from dem.base.intervals import LEVEL, half_interval, ratio_interval
+from dem.base.statistics import LEVEL, half_interval, ratio_interval
 from dem.io.checksums import seal
 from dem.io.dataset import FORMAT
 from dem.io.lazily import open_lazily, require

@@ -16,7 +16,7 @@ import xarray as xr
 
 from dem.analysis.values import along, axes_beside, places_of, value_of
 from dem.base.errors import InputError
-from dem.base.intervals import half_interval
+from dem.base.statistics import half_interval
 
 AXIS = "shear_inertial_number"
 LEAST = {AXIS: 2}  # values that curves take

@@ -15,10 +15,10 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import over_seeds, summarise
+from dem.analysis.drag import over_seeds, summarise
 from dem.analysis.values import along, axes_beside, places_of, value_of
 from dem.base.errors import InputError
-from dem.base.intervals import Estimate, bootstrap_interval, bootstrap_weights
+from dem.base.statistics import Estimate, bootstrap_interval, bootstrap_weights
 
 AXIS = "cylinder_velocity"
 LEAST = {AXIS: 4, "seed": 3}  # values that a fit and its intervals take

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from dem.base.errors import InputError
-from dem.base.intervals import half_interval
+from dem.base.statistics import half_interval
 
 CHECK = "e0"  # shape label of the ellipse code at aspect ratio 1: a check, not a shape of Table 1
 
