@@ -450,8 +450,8 @@ def entries(
         if section:
             is_table = get_origin(field.annotation) is dict
             heads = [f"{path}.{label}." for label in shapes] if is_table else [f"{path}."]
-            for each in heads:
-                paths |= entries(shapes, section.model_fields, each)
+            for start in heads:
+                paths |= entries(shapes, section.model_fields, start)
         elif path not in FIXED_KEYS:
             unit = unit_of(field.rebuild_annotation())
             paths[path] = Entry(path, unit, field.description, field)

@@ -39,11 +39,11 @@ class RunData(NamedTuple):
     @property
     def snapshots(self) -> Snapshots:
         """The states as arrays, with all that is needed to draw and to measure them."""
-        own, height = self.replicate.configuration, np.full(len(self.states), self.bed.height)
-        if own.packing.pressure is not None:
+        c, height = self.replicate.configuration, np.full(len(self.states), self.bed.height)
+        if c.packing.pressure is not None:
             every = len(self.record.wall_offset) // (len(height) - 1)
             height[1:] = self.record.wall_offset[every - 1 :: every, -1]
-        displacement = np.linspace(0.0, own.cylinder.stroke, own.record.snapshots)
+        displacement = np.linspace(0.0, c.cylinder.stroke, c.record.snapshots)
         return Snapshots(
             self.replicate,
             height,
@@ -79,12 +79,12 @@ def run(
     itself every minute, and from which it goes on, bit for bit, if it was stopped; it is the caller's
     to remove once the result is on disk. Raises RunError where the run fails.
     """
-    bed, own = bed or make_bed(replicate), replicate.configuration
-    bins, every = own.record.bins, own.record.bins // (own.record.snapshots - 1)
-    observables = [module_of(name, own.beside) for name in own.record.observables]
+    bed, c = bed or make_bed(replicate), replicate.configuration
+    bins, every = c.record.bins, c.record.bins // (c.record.snapshots - 1)
+    observables = [module_of(name, c.beside) for name in c.record.observables]
     ledger = any(getattr(module, "LEDGER", False) for module in observables)
-    simulation = start(replicate, bed, ledger=ledger, threads=1 if ledger else own.threads)
-    interval = own.cylinder.stroke / own.cylinder.velocity / bins
+    simulation = start(replicate, bed, ledger=ledger, threads=1 if ledger else c.threads)
+    interval = c.cylinder.stroke / c.cylinder.velocity / bins
     simulation.check_duration(interval * bins)
 
     def look():
@@ -111,7 +111,7 @@ def run(
     for module in observables:
         if hasattr(module, "measure"):
             values |= module.measure(data)
-    modulus = effective_modulus(own.material, own.material)
+    modulus = effective_modulus(c.material, c.material)
     return values | {
         "box_height": bed.height,
         "packing_pressure": bed.pressure * modulus / thickness(replicate),

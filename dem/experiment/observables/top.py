@@ -19,10 +19,10 @@ VARIABLES = {
 
 def measure(run) -> dict:
     """Values of VARIABLES by name."""
-    own, periodic = run.replicate.configuration, run.bed.periodic
+    c, periodic = run.replicate.configuration, run.bed.periodic
     height = (
         run.record.wall_offset[:, -1] if walled(periodic)[-1] else np.nan * run.record.time_step
     )
     granules = 0.25 * math.pi * np.sum(np.square(diameters(run.replicate)))
-    room = own.box_width * height - 0.25 * math.pi * own.cylinder.diameter**2
+    room = c.box_width * height - 0.25 * math.pi * c.cylinder.diameter**2
     return {"top_height": height, "bed_fraction": granules / room}
