@@ -41,12 +41,6 @@ def test_uv_looks_where_pip_looks(install, tmp_path, monkeypatch):
     assert found["SSL_CERT_FILE"] == "/own.pem"
 
 
-def test_what_the_user_tells_uv_remains(install):
-    own = {"UV_DEFAULT_INDEX": "https://own.example/simple"}
-    found = install.uv_environment({"index-url": "https://a.example/simple"}, own)
-    assert found["UV_DEFAULT_INDEX"] == "https://own.example/simple"
-
-
 def test_pip_installs_if_uv_fails(tmp_path):
     """Without a network: the lock is empty, and uv can neither be fetched nor read its options."""
     lock = tmp_path / "an empty lock.txt"
