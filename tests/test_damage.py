@@ -185,8 +185,6 @@ FOREIGN = {
     "no size": {"size": 0},
     "numbers for texts": {"text_as_number": True},
     "window_start a text": {"attrs": ATTRS | {"window_start": "soon"}},
-    "window_start an array": {"attrs": ATTRS | {"window_start": [0.0, 1.0]}},
-    "window_start NaN": {"attrs": ATTRS | {"window_start": np.nan}},
     "no bin in the window": {"attrs": ATTRS | {"window_start": 5.0, "window_stop": 6.0}},
     "title a number": {"attrs": ATTRS | {"title": 3.0}},
     "configuration no JSON": {"attrs": ATTRS | {"configuration": "{"}},
