@@ -20,7 +20,7 @@ from test_stopping import Killed, combined, discs, killed_at, planned, simulate,
 from typer.testing import CliRunner
 
 from conftest import CONFIG, assert_not_blank, posix
-from dem.analysis.statistics import change, summarise
+from dem.analysis.drag import change, summarise
 from dem.base.errors import InputError, OverlapError, PackingError, RunError
 from dem.base.files import atomic
 from dem.cli.app import app

@@ -438,10 +438,8 @@ def test_an_observable_gives_grids_and_lists_of_any_length(tmp_path, length):
     found = dem.run_experiment(values)
     assert (found["contact_force"].count("contact") == found["contact_number"]).all()
     assert len(np.unique(found["contact_number"])) > 1
-    assert (
-        found["sector"].attrs["units"] == "rad"
-        and found["sector_granules"].sum() == found["granules"]
-    )
+    assert found["sector"].attrs["units"] == "rad"
+    assert found["sector_granules"].sum() == found["granules"]
 
 
 def test_an_experiment_gives_all_that_it_says(tmp_path):

@@ -19,8 +19,8 @@ import dem
 from conftest import posix
 from dem.analysis.means import means
 from dem.base.errors import InputError, RunError
-from dem.base.intervals import half_interval, ratio_interval
 from dem.base.sources import ROOT
+from dem.base.statistics import half_interval, ratio_interval
 from dem.report.info import summary as summary_of
 from dem.report.status import status
 from dem.sweep import precision

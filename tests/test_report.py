@@ -14,7 +14,7 @@ from made import made
 from test_means import text_of
 
 from conftest import assert_alone, assert_not_blank, places_shown
-from dem.analysis.statistics import summarise
+from dem.analysis.drag import summarise
 from dem.analysis.tables import TextTable
 from dem.base.errors import InputError
 from dem.figures.catalogue import draw, drawable_from

@@ -130,7 +130,6 @@ def stopped(folder, replicate, bed):
 
 DAMAGE = {
     "half": lambda content: content[: len(content) // 2],
-    "head only": lambda content: content[:200],
     "empty": lambda content: b"",
     "a flipped bit": lambda content: (
         content[: len(content) // 2]

@@ -7,7 +7,7 @@ Runs with the same seed start from the same bed but for rounding: the change is 
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.statistics import change, find, summarise
+from dem.analysis.drag import change, find, summarise
 from dem.base.errors import InputError
 from dem.figures import style
 

@@ -3,7 +3,7 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.statistics import summarise, table1
+from dem.analysis.drag import summarise, table1
 from dem.figures import style
 
 FILE = "drag"

@@ -6,7 +6,7 @@ A seed means one bed at all densities, so the interval of a change is one of pai
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.statistics import change, densities, summarise
+from dem.analysis.drag import change, densities, summarise
 from dem.base.errors import InputError
 from dem.figures import style
 

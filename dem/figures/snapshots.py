@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.statistics import find
+from dem.analysis.drag import find
 from dem.base.errors import InputError
 from dem.figures import bed, style
 from dem.periodic import Periods, periods_of, wrapped

@@ -9,9 +9,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from dem.analysis.statistics import edges_of_bins, running_mean, window_text
+from dem.analysis.drag import edges_of_bins, running_mean, window_text
 from dem.base.files import atomic
-from dem.base.intervals import half_interval
+from dem.base.statistics import half_interval
 from dem.shapes import KINDS
 
 RC: dict[Any, Any] = {

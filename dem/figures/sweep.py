@@ -17,7 +17,7 @@ from matplotlib.ticker import EngFormatter, MaxNLocator
 from dem.analysis.means import quantities_of, run_means
 from dem.analysis.values import designs_of, factors_of
 from dem.base.errors import InputError
-from dem.base.intervals import half_interval
+from dem.base.statistics import half_interval
 from dem.figures import style
 
 FILE = "drag"

@@ -12,7 +12,7 @@ from markupsafe import Markup
 from PIL import Image
 from plotly.io import to_html
 
-from dem.analysis.statistics import by_case, running_mean
+from dem.analysis.drag import by_case, running_mean
 from dem.analysis.tables import ROWS, number
 from dem.base.errors import InputError
 from dem.base.files import atomic

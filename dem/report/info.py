@@ -7,9 +7,9 @@ import xarray as xr
 from rich.console import Group
 from rich.text import Text
 
+from dem.analysis.drag import summarise, window_text
 from dem.analysis.means import WINDOW, heading, means_of, quantities_of, run_means, table_of
 from dem.analysis.one_run import replicate_of, values_of_runs
-from dem.analysis.statistics import summarise, window_text
 from dem.analysis.tables import TextTable
 from dem.analysis.values import value_of
 from dem.base.errors import InputError

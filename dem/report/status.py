@@ -11,7 +11,7 @@ from rich.text import Text
 
 from dem.analysis.tables import TextTable
 from dem.base.errors import InputError
-from dem.base.intervals import moments
+from dem.base.statistics import moments
 from dem.io.progress import span
 from dem.sweep.axis import POINT
 from dem.sweep.estimate import time_of

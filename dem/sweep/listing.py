@@ -14,7 +14,6 @@ from dem.sweep.prune import sweeps
 from dem.sweep.store import Store
 
 COLUMNS = "batch", "runs", "failed", "shape", "density kg/m3", "seeds", "values", "needed by"
-PRINTED = 5e-5  # relative tolerance of a number that a table prints, with five digits
 FEW = 5  # values that are listed one by one
 
 
@@ -73,7 +72,7 @@ def wanted_values(words: Iterable[str]) -> dict[str, str]:
     return wanted
 
 
-def is_written(value, text: str, tolerance: float = PRINTED) -> bool:
+def is_written(value, text: str, tolerance: float = 5e-5) -> bool:
     """Whether a value is what a text says; a real number also as tables print it, with five digits.
 
     tolerance: of real numbers, relative to their size.

@@ -19,8 +19,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from dem.base.errors import InputError, RunError
-from dem.base.intervals import Estimate, mean_interval, ratio_interval
 from dem.base.messages import did_you_mean
+from dem.base.statistics import Estimate, mean_interval, ratio_interval
 from dem.base.types import SEEDS, Count, Section, Seed, must
 from dem.io.dataset import AXES, OF_RUN, OF_STORE, read
 

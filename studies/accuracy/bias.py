@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from scipy.stats import t
 
-from dem.base.intervals import LEVEL
+from dem.base.statistics import LEVEL
 
 LARGEST = 1.2  # step fraction up to which no bed has been seen to break
 FAILED = 0.02  # share of failed runs up to which a step counts, because failures are not random

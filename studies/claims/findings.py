@@ -10,10 +10,10 @@ from rich.table import Table
 from rich.text import Text
 
 from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED, Comparison
-from dem.analysis.statistics import by_case
+from dem.analysis.drag import by_case
 from dem.analysis.tables import numbers
 from dem.base.errors import InputError
-from dem.base.intervals import Estimate
+from dem.base.statistics import Estimate
 from studies.claims.evidence import MARGIN, from_study, from_sweep, scaled_ratios
 from studies.claims.influence import Influence, influences, responses
 from studies.claims.remains import remaining

@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import t
 
-from dem.analysis.statistics import find
+from dem.analysis.drag import find
 from dem.base.errors import InputError
-from dem.base.intervals import LEVEL
+from dem.base.statistics import LEVEL
 
 HARMONICS = 4  # of RBD-FAST
 

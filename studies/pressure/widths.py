@@ -17,9 +17,9 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import over_seeds, summarise
+from dem.analysis.drag import over_seeds, summarise
 from dem.base.errors import InputError
-from dem.base.intervals import LEVEL, Estimate, student
+from dem.base.statistics import LEVEL, Estimate, student
 
 LEAST = {"box": 3, "shape": 2, "seed": 2}  # values that a line and its interval take
 OF_WIDTH = ("box", "box_width", "granules")  # all else boxes of one series have in common

@@ -3,7 +3,7 @@
 from rich.table import Table
 
 from dem.analysis.tables import numbers
-from dem.base.intervals import Estimate
+from dem.base.statistics import Estimate
 from studies.common.findings import estimate
 
 from .drag import drag

@@ -3,8 +3,8 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.statistics import find, table1
-from dem.base.intervals import half_interval
+from dem.analysis.drag import find, table1
+from dem.base.statistics import half_interval
 from dem.experiment.observables.flow import lag_of
 from dem.figures import style
 from studies.claims import MEASURES

@@ -71,7 +71,7 @@ def returned(name, kind, radius, material, friction, velocities):
     """Tangential impulse and spin after each impact."""
     made, e, ratio = dem.Material(*material), material[3], RATIO[kind]
     for along, down in velocities:
-        scales, run = on_floor(kind, radius, made, (along, down), 0.0, friction)
+        scales, run = on_floor(kind([radius]), made, (along, down), friction)
         unit, mass = -friction * (1.0 + e) * down, run.scene.mass[0]
         near = within(e, -down, scales, run.time_step)
         impulse, spin, tolerance = 1.0, 1.0 - ratio, near + 0.5 * scales.overlap / radius
