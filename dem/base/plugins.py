@@ -19,6 +19,7 @@ from dem.base.errors import InputError
 
 KEYS = "kind", "observables", "experiment"  # of configurations, that may name a file
 
+_added: list[str] = []  # the folder of such files that is on Python's path for the last of them
 _imported: dict[Path, dict[str, str]] = {}  # code of the files of users as this process runs them
 
 
@@ -125,18 +126,19 @@ def load(file: Path) -> ModuleType:
     is_first, code = file not in _imported, note(file)
     if code != sources.planned_codes(file):
         raise InputError(sources.EDITED.format(file))
-    folder = str(file.parent)
-    if folder not in sys.path:
-        sys.path.append(folder)
     files = {
-        _name(path, file.parent): path
+        _name(path, file.parent): path.resolve()
         for path in sources.with_imports(file)
         if path.is_relative_to(file.parent)
     }
-    if is_first:  # the user may have imported it before an edit
-        for name, path in files.items():
-            if _is_module(name, path):
-                sys.modules.pop(name, None)
+    for name, path in files.items():
+        imported = _file_of(name)  # from another folder of files of users, or before an edit
+        is_plugin_file = any(imported.is_relative_to(other.parent) for other in _imported)
+        if is_plugin_file and (is_first or imported != path):
+            sys.modules.pop(name)
+    sys.path[:] = [folder for folder in sys.path if folder not in _added]
+    _added[:] = [str(file.parent)] if str(file.parent) not in sys.path else []
+    sys.path += _added
     importlib.invalidate_caches()
     prefix, sys.pycache_prefix = sys.pycache_prefix, os.devnull  # whose times are of seconds
     try:
@@ -148,18 +150,17 @@ def load(file: Path) -> ModuleType:
     finally:
         sys.pycache_prefix = prefix
     for name, path in files.items():
-        if not _is_module(name, path):
+        if name in sys.modules and _file_of(name) != path:
             raise InputError(
-                f"{path}: Python has another module named {name}, of an installed package or of "
-                "another folder; give the file another name, or start Python again."
+                f"{path}: Python has another module named {name}, which is installed; give the "
+                "file another name."
             )
     return module
 
 
-def _is_module(name: str, path: Path) -> bool:
-    """Whether the module that Python has by a name, if any, is of a file."""
-    file = getattr(sys.modules.get(name), "__file__", None)
-    return name not in sys.modules or (file is not None and Path(file).resolve() == path.resolve())
+def _file_of(name: str) -> Path:
+    """The file of the module that Python has by a name; the root of the disk if it has none."""
+    return Path(getattr(sys.modules.get(name), "__file__", None) or "/").resolve()
 
 
 def note(file: Path) -> dict[str, str]:
