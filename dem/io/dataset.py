@@ -170,7 +170,7 @@ def add(file, name: str, dims: tuple, values, attrs: dict) -> None:
         values.dtype,
         dims,
         zlib=values.nbytes > COMPRESSED,
-        fletcher32=bool(dims),  # so that any program that reads the file notices damage
+        fletcher32=bool(dims) and values.dtype.kind != "S",  # so that any reader notices damage
         fill_value=False,
     )
     variable.set_auto_chartostring(False)
