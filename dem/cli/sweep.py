@@ -127,7 +127,7 @@ def store(
 ):
     """Show how many of the stored runs each sweep needs.
 
-    Example: dem store --prune
+    Example: dem store
     """
     from dem.base.errors import InputError
     from dem.sweep.prune import prune as remove
