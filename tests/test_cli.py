@@ -26,7 +26,7 @@ from dem.cli.app import app
 from dem.cli.terminal import reported
 from dem.figures import film
 from dem.io.progress import bar
-from dem.sweep.listing import is_written
+from dem.sweep.axis import is_written
 
 ROOT = Path(__file__).parent.parent
 RUN = shlex.split("simulate --config config/smoke.yaml --shape c1 --density 3900 --seed 1")
@@ -130,10 +130,6 @@ COMBINE = ("combine", "--config", "config/smoke.yaml", "-o", "OUT")
         ((*COMBINE, "--block", "drg"), "the nearest is drag"),
         ((*COMBINE, "--observable", "zz"), "observable is 'zz'"),
         (("figure", "13", "config/smoke.yaml", "-o", "OUT"), "there are figure07, figure08"),
-        (
-            ("store", "point=0"),
-            "'point=0' names no value of a run; write PATH=VALUE, such as shape=c1",
-        ),
         (
             ("draw", "docs/data/drag.nc", "-o", "OUT.avi"),
             "it must be the path of a file that ends in .mp4 or .gif or .png or .svg or .pdf or .pvd",
@@ -299,11 +295,8 @@ def test_a_sweep_that_is_stopped_says_what_is_kept_and_how_it_goes_on(tmp_path, 
         signal.raise_signal(signal.SIGINT)
 
     result = faked(monkeypatch, tmp_path, make)
-    file = ROOT / "config/smoke.yaml"
     assert result.exit_code == 130 and result.stdout == ""
-    assert result.stderr == (
-        f"Interrupted; 7 of 10 runs are kept; to go on, type: dem sweep {file} -j 2\n"
-    )
+    assert result.stderr == ("Interrupted; 7 of 10 runs are kept; run the same command to go on\n")
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP, read
 from dem.io.lazily import open_lazily
 from dem.report.build import build
 from dem.sweep import batch as making
-from dem.sweep.combined import combine_block
+from dem.sweep.combine import combine_block
 
 HOSTILE = "</script><script>alert(1)</script>"
 TITLE = "a [red]title[/red] \x1b[31m\x1b]0;name\x07 \x9b2J \u202egnp\u2069 [/nothing]"

@@ -19,8 +19,8 @@ def info(
     with bar(f"reading {data}"):
         from dem.report.info import summary  # this may take longer than the file
 
-        found = summary(data)
-    print_or_write(found, output)
+        table = summary(data)
+    print_or_write(table, output)
 
 
 def means(

@@ -14,7 +14,7 @@ from dem.analysis.tables import TextTable
 from dem.analysis.values import value_of
 from dem.base.errors import InputError
 from dem.io.dataset import LABELS
-from dem.io.lazily import open_combined, open_lazily, require
+from dem.io.lazily import open_lazily, require, require_drag
 from dem.sweep.axis import seed_words
 
 LEGEND = """\
@@ -31,16 +31,14 @@ def summary(path: Path) -> Group:
     files."""
     with open_lazily(path) as dataset:
         if "run_id" not in dataset:
-            raise InputError(
-                f"{path}: it holds no runs; name drag.nc or a file of runs{_study_of(path, dataset)}."
-            )
+            raise InputError(f"{path}: it holds no runs; name drag.nc or a file of runs.")
         require(dataset, path, {}, (), ORIGIN)
         if dataset["run_id"].dims == ("run",):
             return _shown(dataset.attrs, {}, runs_table(path, dataset))
         if "drag" not in dataset:
             return _shown(dataset.attrs, _runs_of(dataset), means_table(path, dataset))
-    with open_combined(path) as dataset:
-        require(dataset, path, {}, (), (*ORIGIN, "configuration"))
+        require_drag(dataset, path)
+        require(dataset, path, {}, (), ("configuration",))
         speed = value_of(dataset, "cylinder.velocity")
         window = f"{window_text(dataset)} of displacement, cylinder at {_range(speed)} m/s"
         return _shown(
@@ -48,18 +46,12 @@ def summary(path: Path) -> Group:
         )
 
 
-def _study_of(path: Path, dataset: xr.Dataset) -> str:
-    """What shows the file of a study, as the file itself says who wrote it."""
-    writer, _, rest = str(dataset.attrs.get("source", "")).partition(" -m studies ")
-    return f"; {writer} -m studies {rest.split()[0]} info {path} shows this one" if rest else ""
-
-
 def _shown(attrs: dict, about: dict, table: pd.DataFrame, legend: str = "") -> Group:
     """Title, where the numbers come from, more about them, and a table."""
     origin = {
         "written": attrs["history"],
         "revision": attrs["git_revision"],
-        "sources": ", ".join(each[:16] for each in attrs["source_hash"].split("; ")),
+        "sources": ", ".join(code[:16] for code in attrs["source_hash"].split("; ")),
         "versions": attrs["versions"],
         **about,
     }
