@@ -49,7 +49,7 @@ def _mesh(motion: Motion, snapshot: int) -> meshio.Mesh:
     axis = np.array([0.5 * configuration.box_width, motion.cylinder_y[snapshot]])
     circle += wrapped(axis, motion.periodic)
     outlines = 1e-3 * placed(rings, place, motion.angle[snapshot])
-    polygons = np.concatenate([outlines, circle[None]])
+    polygons = np.concatenate([outlines.reshape(-1, corners, 2), circle[None]])
     contacts = motion.contacts(snapshot)
     first = place[contacts.granule]
     points = np.concatenate([polygons.reshape(-1, 2), first, first + contacts.branch])
