@@ -46,7 +46,7 @@ def status(state: SweepState) -> Group:
     words = f"{running} {verb} under way and {len(left) - running} wait. " if left else ""
     if left:
         seconds, how = time_of(state.store, left, max(1, running))
-        words += f"About {span(seconds)} left with {max(1, running)} processes ({how}). "
+        words += f"About {span(seconds)} left with {max(1, running)} at a time ({how}). "
     batches = state.store.complete().values()
     files = [state.store.file_of(each.id) for each in batches if done.intersection(each.runs)]
     size = 1e-6 * sum(path.stat().st_size for path in files if path.exists())
