@@ -13,7 +13,7 @@ FileArgument = argument(Path, "Configuration file of a sweep (YAML).")
 
 
 def sweep(
-    file: FileArgument = PAPER,
+    file: argument(Path | None, "Configuration file of a sweep (YAML); a list if absent.") = None,
     dry_run: option(bool, "Only estimate runs, beds and time.", "-n", "--dry-run") = False,
     retry: option(bool, "Try failed runs again.", "--retry") = False,
     jobs: option(int, "Number of processes.", "-j", "--jobs", min=1) = 2,
@@ -26,6 +26,10 @@ def sweep(
 
     Example: dem sweep config/smoke.yaml -j 2
     """
+    if file is None:
+        files = *Path("config").glob("*.yaml"), *Path("studies").glob("*/sweep.yaml")
+        show("\n".join(["Name a sweep:", *(f"  dem sweep {path}" for path in sorted(files))]))
+        return
     start_lean()
     from dem.sweep.estimate import interrupted, outcome, summary
     from dem.sweep.restart import prepare

@@ -75,22 +75,22 @@ def drag_table(dataset: xr.Dataset) -> pd.DataFrame:
         overlap = dataset["max_overlap"]
         columns["overlap"] = overlap.max(set(overlap.dims) - set(mean.dims))
     columns = {name: values.drop_attrs(deep=False) for name, values in columns.items()}
-    return _table(xr.Dataset(columns).drop_vars("seed", errors="ignore"))
+    return brief(xr.Dataset(columns).drop_vars("seed", errors="ignore"))
 
 
 def means_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
     """Means of the first quantities of a combined file without drag, with half their intervals."""
-    return _table(means_of(dataset, path, quantities_of(dataset)[:MEANS]))
+    return brief(means_of(dataset, path, quantities_of(dataset)[:MEANS]))
 
 
-def _table(result: xr.Dataset) -> pd.DataFrame:
-    """A table without what belongs to a shape, which its label says, and what is the same
-    everywhere."""
-    coords = result.coords.items()
-    labels = [
-        name for name, values in coords if name not in result.dims and {"shape"} >= set(values.dims)
-    ]
-    return table_of(result.drop_vars(labels))
+def brief(result: xr.Dataset) -> pd.DataFrame:
+    """A table for a terminal: without what belongs to a shape, which its label says, and what is
+    the same everywhere; other labels of points last."""
+    coords = [values for name, values in result.coords.items() if name not in result.dims]
+    left = [values.name for values in coords if {"shape"} >= set(values.dims)]
+    frame = table_of(result.drop_vars(left))
+    labels = [heading(values) for values in coords if heading(values) in frame]
+    return frame[[*frame.columns.drop(labels), *labels]]
 
 
 def runs_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:

@@ -46,7 +46,7 @@ def status(state: SweepState) -> Group:
         seconds, how = time_of(state.store, left, max(1, running))
         words = (
             f"Runs under way: {running}, waiting: {len(left) - running}. About {span(seconds)} left "
-            f"with {max(1, running)} processes ({how})."
+            f"with {max(1, running)} at a time ({how})."
         )
     failures = [Text(f"{count} failed: {why}") for why, count in reasons.most_common(REASONS)]
     return Group(Text(words), *failures, *parts)

@@ -42,7 +42,9 @@ def responses(points) -> dict[str, np.ndarray]:
     base = drag.pop("c1", None)
     if base is None:
         return {}
-    return {"drag of c1": base} | {f"{shape} over c1": each / base for shape, each in drag.items()}
+    return {"drag of c1": base} | {
+        f"ratio of {shape} to c1": each / base for shape, each in drag.items()
+    }
 
 
 def plane(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:

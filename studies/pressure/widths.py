@@ -134,6 +134,12 @@ class Widths:
         half = float(student(np.sqrt(parts.sum()), free))
         return Estimate(value, value * np.exp(-half), value * np.exp(half))
 
+    def misfit(self, shape: str) -> float:
+        """Mean square of what the line misses, over the squared scatter: 1 is expected."""
+        s = self.shapes.index(shape)
+        missed = self._fit(s, self.power)[2] / (len(self.series) - 2)
+        return missed / self.scatter[s] ** 2
+
     def drag_limit(self, shape: str) -> Estimate:
         """Drag at infinite width (N)."""
         return interval(self.line(shape).drag(np.inf))

@@ -25,7 +25,6 @@ from studies.verification.scenes import FINE, Sphere, on_floor, scene, within
 
 TITLE = "Restitution of damped impacts"
 SOURCE = "Schwager and Poeschel (2007); Chung and Ooi (2011), test 3"
-AXES = {"xlabel": "Coefficient of restitution", "ylabel": "Returned speed over that before"}
 RADIUS, SPEED = 0.0025, 3.9
 DEFAULT = 0.5  # step fraction
 FRACTIONS = (0.4, 0.2, 0.1, 0.05)
