@@ -92,7 +92,7 @@ class Scene(Kept):
     held : sequence of Held
         Groups of granules that are a boundary.
     species : array_like of int of shape (n,), optional
-        Number of the material of each granule, from 0; None if there is one.
+        Number of the material of each granule, from 0 (without unit); None if there is one.
 
     Raises
     ------

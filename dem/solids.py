@@ -19,8 +19,6 @@ from dem.base.types import (
     Unit,
     checked,
     must,
-    parsed,
-    real_array,
 )
 from dem.material import Material
 from dem.motion import Kept, Motion, PrescribedMotion, Sliding, Turn, finite, fixed
@@ -29,16 +27,25 @@ from dem.shapes.protocol import is_shape, resized, sizes_of
 
 ROUNDED, EXACT = 1e-3, 1e-8  # off 1: the length of a normal that is rounded, and of a unit vector
 DIGITS = 12  # in which two walls are one
+ROWS: Any = finite(None, 3).func
 FLAT = 1e-12  # of the squared size of a polygon: twice the area of three corners in a line
 
 
+def unit_planes(rows: np.ndarray) -> np.ndarray:
+    """Rows (w, 3) with unit normals, as a copy that cannot be written; raises ValueError."""
+    length = np.hypot(rows[:, :1], rows[:, 1:2])
+    off = np.abs(length - 1.0)
+    if off.max() > ROUNDED:
+        row = off.argmax()
+        raise ValueError(
+            f"the normal (nx, ny) of row {row} must have length 1, not {length[row, 0]:.6g}"
+        )
+    return fixed(np.where(off > EXACT, rows / length, rows))
+
+
 def unit_plane(row: np.ndarray) -> np.ndarray:
-    """A row (nx, ny, offset) with a unit normal, as a copy that cannot be written; raises
-    ValueError."""
-    length = np.hypot(row[0], row[1])
-    if abs(length - 1.0) > ROUNDED:
-        raise ValueError(f"its normal (nx, ny) must have length 1, not {length:.6g}")
-    return fixed(row if abs(length - 1.0) <= EXACT else row / length)
+    """The same of one row (3,)."""
+    return unit_planes(row[None])[0]
 
 
 @checked
@@ -127,22 +134,22 @@ def walls(value: Any) -> tuple[Wall, ...]:
     """Walls of rows (nx, ny, offset) or of Wall; raises ValueError."""
     if value is None or (isinstance(value, list | tuple) and not value):
         return ()
-    if not isinstance(value, Sequence | np.ndarray) or isinstance(value, str):
-        raise ValueError("it must be rows (nx, ny, offset) of walls, or a list of dem.Wall")
-    if not any(isinstance(wall, Wall) for wall in value):
-        rows = real_array(value)
-        if rows.ndim != 2 or rows.shape[1] != 3 or not len(rows):
-            raise ValueError(f"it must have shape (n, 3), not {rows.shape}")
-    listed = []
-    for number, wall in enumerate(value):
-        if not isinstance(wall, Wall):
-            plane = parsed(Wall.__annotations__["plane"], wall, f"walls of row {number}")
-            wall = Wall(plane)
-        listed.append(wall)
-    planes = np.array([wall.plane for wall in listed]).round(DIGITS) + 0.0  # no negative zeros
-    if len(np.unique(planes, axis=0)) < len(planes):
+    if isinstance(value, list | tuple) and any(isinstance(wall, Wall) for wall in value):
+        listed = tuple(wall if isinstance(wall, Wall) else Wall(wall) for wall in value)
+        planes = np.array([wall.plane for wall in listed])
+    else:
+        planes = unit_planes(ROWS(value))
+        listed = tuple(map(_resting, planes))
+    if len(np.unique(planes.round(DIGITS) + 0.0, axis=0)) < len(planes):  # no negative zeros
         raise ValueError("it must have each wall once, because both would push")
-    return tuple(listed)
+    return listed
+
+
+def _resting(plane: np.ndarray) -> Wall:
+    """A wall of a plane that was checked."""
+    wall = object.__new__(Wall)
+    vars(wall).update(plane=plane, motion=(0.0, 0.0), friction=None, material=None)
+    return wall
 
 
 Walls = Annotated[tuple[Any, ...], PlainValidator(walls)]

@@ -45,14 +45,17 @@ class Unit:
 
 def real(value: Any, words: str = "a number") -> float:
     """A number, also in a text, because YAML 1.1 and a command line have 3.9e3 as text."""
+    if type(value) is np.ndarray and value.ndim == 0:
+        value = value[()]
+    is_number = isinstance(value, str | int | float | np.integer | np.floating)
+    if not is_number or isinstance(value, bool | np.timedelta64):
+        raise ValueError(f"it must be {words}")
     try:
-        if isinstance(value, bool | np.bool_):
-            raise TypeError
         number = float(value)
+    except ValueError:
+        raise ValueError(f"it must be {words}") from None
     except OverflowError:
         number = math.inf
-    except (TypeError, ValueError):
-        raise ValueError(f"it must be {words}") from None
     if not abs(number) <= MOST:
         raise ValueError(f"it must be finite, at most {MOST:g} in size")
     return number + 0.0  # -0.0 is 0.0
@@ -186,20 +189,29 @@ def checked(target: Target) -> Target:
 
 
 def _checked(function: Any, head: str) -> Any:
-    signature = inspect.signature(function)
+    parameters = inspect.signature(function).parameters
+    names = [name for name, each in parameters.items() if each.kind is each.POSITIONAL_OR_KEYWORD]
     types = {
         name: parameter.annotation
-        for name, parameter in signature.parameters.items()
+        for name, parameter in parameters.items()
         if parameter.annotation is not parameter.empty
     }
+    validators: dict[str, Any] = {}  # of the arguments that were given so far: a bed asks often
+
+    def taken(name: str, value: Any) -> Any:
+        if name not in types:
+            return value
+        if name not in validators:
+            validators[name] = adapter(types[name]).validator
+        try:
+            return validators[name].validate_python(value)
+        except ValidationError:
+            return parsed(types[name], value, head + name, show=shown)
 
     @functools.wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
-        bound = signature.bind(*args, **kwargs)
-        for name, value in bound.arguments.items():
-            if name in types:
-                bound.arguments[name] = parsed(types[name], value, head + name, show=shown)
-        return function(*bound.args, **bound.kwargs)
+        first, rest = map(taken, names, args), args[len(names) :]
+        return function(*first, *rest, **{name: taken(name, kwargs[name]) for name in kwargs})
 
     return call
 

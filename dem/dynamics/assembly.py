@@ -123,7 +123,7 @@ def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTa
     x, y = scene.periodic or (None, None)
     return GranuleTable(
         root_inverse_mass=np.sqrt(inverse_mass),
-        root_inverse_inertia=np.sqrt(inverse_inertia) if can_turn(scene) else None,
+        root_inverse_inertia=np.sqrt(inverse_inertia) if can_turn(scene, laws) else None,
         per=per,
         radius=shape.constituent_radius,
         bounding=bounding,
@@ -195,11 +195,11 @@ def has_friction(laws: np.ndarray) -> bool:
     return bool((laws[..., FRICTION] > 0.0).any())
 
 
-def can_turn(scene: Scene) -> bool:
+def can_turn(scene: Scene, laws: np.ndarray) -> bool:
     """Whether any contact turns a granule, or a solid that is not round."""
     turns = any(not solid.is_round for solid in scene.solids)
     turns |= bool(np.any(scene.shape.normal_lever > 0.0))
-    return turns or has_friction(laws_of(scene))
+    return turns or has_friction(laws)
 
 
 def waypoints_of(motion) -> np.ndarray:
@@ -366,7 +366,7 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
         angle=state.angle,
         orientation=turned if scene.shape.needs_angle else None,
         inverse_mass=inverse_mass,
-        inverse_inertia=inverse_inertia if can_turn(scene) else None,
+        inverse_inertia=None if table.root_inverse_inertia is None else inverse_inertia,
         force=force,
         constituents=bodies if alone else rows(n * table.per, 8),
         constituent_force=force if alone else rows(n * table.per, 4),

@@ -133,8 +133,9 @@ class Configuration(Section):
             for path in {pattern.replace("*", label) for label in self.shapes}:
                 if (value := self.at(path)) != wanted:
                     must = "takes none" if wanted is None else f"needs {wanted}"
+                    words = value if isinstance(value, str) else f"{value:g}"
                     raise ValueError(
-                        f"{path} is {value}; the experiment {self.experiment} {must}, because {why}"
+                        f"{path} is {words}; the experiment {self.experiment} {must}, because {why}"
                     )
         return self
 

@@ -84,7 +84,7 @@ class Scene:
     def show(self, frame: int) -> None:
         """Draw one frame."""
         frames = self.frames
-        turns = frames.turn[frame] if np.ptp(frames.turn) else ()
+        turns = frames.turn[frame] if frames.turn.size and np.ptp(frames.turn) else ()
         place, walls = frames.place[frame], frames.walls[frame]
         self.bed.move(frames.position[frame], frames.angle[frame], walls, place, turns)
         if self.color in frames.paints:
