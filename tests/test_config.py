@@ -196,7 +196,7 @@ NO_CONFIGURATION = {
     "seeds: [" + "9" * 5000 + "]": "cannot read it (exceeds the limit",
     "[" * 5000: "values are nested too deep",
     "- " * 5000: "values are nested too deep",
-    "a: 1\nb: &b [*b]": "values are nested too deep, or an alias contains itself.",
+    "a: 1\nb: &b [*b]": "line 2: an alias contains itself.",
     "a: 1\nb: 2\n'a': 3": "line 3: 'a' is a key here and in line 1; remove one.",
     "seed: {until: 5 %,\n off: drag}": "line 2: YAML reads the key off as a truth value; use another name, or quotes.",
     PAPER + "\ncases: {}": "'cases' is a key here and in line ",

@@ -21,9 +21,7 @@ def read(path: Path) -> dict:
     try:
         data = yaml.load(Path(path).read_text(encoding="utf-8"), _Loader)
     except RecursionError:
-        raise InputError(
-            f"{path}: values are nested too deep, or an alias contains itself."
-        ) from None
+        raise InputError(f"{path}: values are nested too deep.") from None
     except yaml.reader.ReaderError as error:
         raise InputError(f"{path}: it holds the character {chr(error.character)!r}.") from None
     except yaml.MarkedYAMLError as error:
@@ -39,8 +37,14 @@ def read(path: Path) -> dict:
 
 
 class _Loader(yaml.SafeLoader):
-    """PyYAML's, without dates, numbers to other bases than 10, truth values as keys, and keys that are
-    there twice."""
+    """PyYAML's, without dates, numbers to other bases than 10, truth values as keys, keys that are there
+    twice, and lists in themselves."""
+
+    def compose_node(self, parent, index):
+        node = super().compose_node(parent, index)
+        if node.end_mark is None:  # of a list or a group that has not ended
+            _refuse(node, "an alias contains itself")
+        return node
 
     def compose_scalar_node(self, anchor):
         node = super().compose_scalar_node(anchor)
