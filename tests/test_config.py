@@ -176,12 +176,12 @@ def test_a_long_chain_of_files_is_refused(tmp_path):
 
 
 NO_CONFIGURATION = {
-    "a: [1": "line 1: expected ',' or ']'",
-    "\t- x: {": "line 1: found character '\\t' that cannot start any token.",
+    "a: [1": "line 1: while parsing a flow sequence, expected ',' or ']'",
+    "\t- x: {": "found character '\\t' that cannot start any token.",
     "a: b\n\0": "it holds the character '\\x00'.",
     "just words": "it must hold keys with values",
     "": "it must hold keys with values",
-    "a: 1\n---\nb: 2": "line 2: but found another document.",
+    "a: 1\n---\nb: 2": "line 2: expected a single document in the stream, but found another document.",
     "a: !!python/object:os.system x": "line 1: could not determine a constructor for the tag",
     "title: 2026-01-01": "line 1: YAML reads '2026-01-01' as a date; put it in quotes.",
     "a: !!timestamp x": "line 1: YAML reads 'x' as a date; put it in quotes.",

@@ -26,7 +26,8 @@ def read(path: Path) -> dict:
         raise InputError(f"{path}: it holds the character {chr(error.character)!r}.") from None
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        raise InputError(f"{path}, line {mark.line + 1}: {error.problem}.") from None
+        words = ", ".join(filter(None, (error.context, error.problem)))
+        raise InputError(f"{path}, line {mark.line + 1}: {words}.") from None
     except (OSError, LookupError, ValueError) as error:
         names = [file.name for file in Path(path).parent.glob("*")]
         hint = isinstance(error, FileNotFoundError) and did_you_mean(Path(path).name, names, "")
