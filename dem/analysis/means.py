@@ -111,7 +111,8 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
         vectorize=True,
     )
     result = both.mean(["seed", "second_seed"], keep_attrs=True)
-    result = result.assign(dict(zip(RATIO, ratios, strict=True)))
+    for word, ratio in zip(RATIO, ratios, strict=True):
+        result[word] = ratio.drop_attrs(deep=False)
     return result.assign_attrs(title=f"{name}: {path} and {other}")
 
 
