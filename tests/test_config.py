@@ -176,12 +176,12 @@ def test_a_long_chain_of_files_is_refused(tmp_path):
 
 
 NO_CONFIGURATION = {
-    "a: [1": "line 1: expected ',' or ']'",
-    "\t- x: {": "line 1: found character '\\t' that cannot start any token.",
+    "a: [1": "line 1: while parsing a flow sequence, expected ',' or ']'",
+    "\t- x: {": "found character '\\t' that cannot start any token.",
     "a: b\n\0": "it holds the character '\\x00'.",
     "just words": "it must hold keys with values",
     "": "it must hold keys with values",
-    "a: 1\n---\nb: 2": "line 2: but found another document.",
+    "a: 1\n---\nb: 2": "line 2: expected a single document in the stream, but found another document.",
     "a: !!python/object:os.system x": "line 1: could not determine a constructor for the tag",
     "title: 2026-01-01": "line 1: YAML reads '2026-01-01' as a date; put it in quotes.",
     "a: !!timestamp x": "line 1: YAML reads 'x' as a date; put it in quotes.",
@@ -196,7 +196,7 @@ NO_CONFIGURATION = {
     "seeds: [" + "9" * 5000 + "]": "cannot read it (exceeds the limit",
     "[" * 5000: "values are nested too deep",
     "- " * 5000: "values are nested too deep",
-    "a: 1\nb: &b [*b]": "values are nested too deep, or an alias contains itself.",
+    "a: 1\nb: &b [*b]": "line 2: an alias contains itself.",
     "a: 1\nb: 2\n'a': 3": "line 3: 'a' is a key here and in line 1; remove one.",
     "seed: {until: 5 %,\n off: drag}": "line 2: YAML reads the key off as a truth value; use another name, or quotes.",
     PAPER + "\ncases: {}": "'cases' is a key here and in line ",

@@ -93,7 +93,9 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
     axes = [set(sample.dims) - {"seed", "second_seed"} for sample in samples]
     pair = [sample.rename(word) for sample, word in zip(samples, PAIR, strict=True)]
     both = xr.merge(pair, join="inner", compat="minimal", combine_attrs="override")
-    differ = {*samples[0].coords, *samples[1].coords} - {*both.coords}
+    labels, others = (set(sample.coords) for sample in samples)
+    differ = (labels ^ others) | (labels - set(both.coords))
+    both = both.drop_vars(differ, errors="ignore")
     if axes[0] != axes[1] or not both["first"].size or (differ and designs_of(both)):
         varied = (", ".join(sorted(dims)) or "nothing" for dims in axes)
         raise InputError(
@@ -109,7 +111,8 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
         vectorize=True,
     )
     result = both.mean(["seed", "second_seed"], keep_attrs=True)
-    result = result.assign(dict(zip(RATIO, ratios, strict=True)))
+    for word, ratio in zip(RATIO, ratios, strict=True):
+        result[word] = ratio.drop_attrs(deep=False)
     return result.assign_attrs(title=f"{name}: {path} and {other}")
 
 

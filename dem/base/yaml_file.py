@@ -25,14 +25,13 @@ def read(path: Path) -> dict:
             data, default=str, skipkeys=True, check_circular=False
         )  # an alias may contain itself
     except RecursionError:
-        raise InputError(
-            f"{path}: values are nested too deep, or an alias contains itself."
-        ) from None
+        raise InputError(f"{path}: values are nested too deep.") from None
     except yaml.reader.ReaderError as error:
         raise InputError(f"{path}: it holds the character {chr(error.character)!r}.") from None
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        raise InputError(f"{path}, line {mark.line + 1}: {error.problem}.") from None
+        words = ", ".join(filter(None, (error.context, error.problem)))
+        raise InputError(f"{path}, line {mark.line + 1}: {words}.") from None
     except (OSError, LookupError, ValueError) as error:
         names = [file.name for file in Path(path).parent.glob("*")]
         hint = isinstance(error, FileNotFoundError) and did_you_mean(Path(path).name, names, "")
@@ -43,8 +42,14 @@ def read(path: Path) -> dict:
 
 
 class _Loader(yaml.SafeLoader):
-    """PyYAML's, without dates, numbers to other bases than 10, truth values as keys, and keys that are
-    there twice."""
+    """PyYAML's, without dates, numbers to other bases than 10, truth values as keys, keys that are there
+    twice, and lists in themselves."""
+
+    def compose_node(self, parent, index):
+        node = super().compose_node(parent, index)
+        if node.end_mark is None:  # of a list or a group that has not ended
+            _refuse(node, "an alias contains itself")
+        return node
 
     def compose_scalar_node(self, anchor):
         node = super().compose_scalar_node(anchor)
