@@ -168,7 +168,8 @@ class Scene(Kept):
             self._check_solid(number, solid)
 
     def _check_materials(self) -> None:
-        count, table = len(self.materials), self.friction and np.asarray(self.friction.granule)
+        count = len(self.materials)
+        table = np.asarray(self.friction.granule if self.friction else 0.0)
         if self.species is None and count > 1:
             raise InputError(
                 f"material has {count} materials; species must tell which granule is of which."
@@ -180,7 +181,7 @@ class Scene(Kept):
                 f"species has {len(self.species)} numbers up to {self.species.max()}; it must have "
                 f"{self.granules}, one for each granule, below {count}, the number of materials."
             )
-        if table is not None and table.ndim and len(table) != count:
+        if table.ndim and len(table) != count:
             raise InputError(
                 f"Friction.granule has {len(table)} rows; it must have one for each of the {count} "
                 "materials."

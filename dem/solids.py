@@ -3,11 +3,11 @@
 SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import AfterValidator, InstanceOf, PlainValidator
 
 from dem.base.errors import InputError
@@ -85,7 +85,7 @@ class Wall(Kept):
     4
     """
 
-    plane: Annotated[np.ndarray, finite(3), AfterValidator(unit_plane)]
+    plane: Annotated[Any, finite(3), AfterValidator(unit_plane)]
     motion: Sliding = (0.0, 0.0)
     friction: Coefficient | None = None
     material: InstanceOf[Material] | None = None
@@ -152,7 +152,7 @@ def _resting(plane: np.ndarray) -> Wall:
     return wall
 
 
-Walls = Annotated[tuple[Any, ...], PlainValidator(walls)]
+Walls = Annotated[Any, PlainValidator(walls)]
 
 
 # Outlines of solids
@@ -205,7 +205,7 @@ class Polygon(Kept):
     9.00 mm2
     """
 
-    corners: Annotated[np.ndarray, finite(None, 2), AfterValidator(convex)]
+    corners: Annotated[Any, finite(None, 2), AfterValidator(convex)]
     radius: Length
 
     @property
@@ -407,7 +407,7 @@ class Solid(Kept):
             return self.outline.ring(points)
         return self.outline.polygons(points)[0, 0]
 
-    def placed(self, position: Sequence[float], angle: float) -> np.ndarray:
+    def placed(self, position: ArrayLike, angle: float) -> np.ndarray:
         """Closed outline (points, 2) in m at a position (m) and an angle (rad)."""
         c, s = np.cos(angle), np.sin(angle)
         return self.ring() @ np.array([[c, s], [-s, c]]) + np.asarray(position)
@@ -466,7 +466,7 @@ def Cylinder(
     """
     from dem.shapes.disc import Disc
 
-    outline = Disc([0.5 * diameter])
+    outline = Disc(np.array([0.5 * diameter]))
     return Solid(outline, position, 0.0, velocity, spin, friction, material)
 
 
@@ -478,4 +478,4 @@ def one_or_more(value: Any) -> tuple[Solid, ...]:
     return tuple(listed)
 
 
-Solids = Annotated[tuple[Any, ...], PlainValidator(one_or_more)]
+Solids = Annotated[Any, PlainValidator(one_or_more)]

@@ -1013,8 +1013,8 @@ def simulate(
             shortest = min(shortest, run._advance("duration", end, 0.0, 1))
         for name, value in (_frame(run, interval) if frame else first).items():
             series[name][frame] = value
-    series.setdefault("held_force", None)
-    return Result(**series, state=run.state, time_step=shortest, scene=scene)
+    optional: dict[str, Any] = {"held_force": None}
+    return Result(**optional | series, state=run.state, time_step=shortest, scene=scene)
 
 
 def _frame(run: Simulation, interval: float) -> dict[str, Any]:
