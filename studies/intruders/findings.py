@@ -136,6 +136,20 @@ class Pairs(Findings):
         side = force(self.dataset, "solid_side_force").sel(pair="beside", second_gap=gap)
         return mean_interval(apart(side))
 
+    def repel(self, most: float) -> bool:
+        """Whether cylinders side by side repel each other at all gaps up to so many diameters."""
+        return all(self.apart(gap).low > 0.0 for gap in self.gaps if gap < most * DIAMETER)
+
+    def attract(self, least: float) -> bool:
+        """Whether they are pushed together at all gaps from so many diameters on."""
+        return all(self.apart(gap).high < 0.0 for gap in self.gaps if gap > least * DIAMETER)
+
+    def alone(self, least: float, share: float) -> bool:
+        """Whether each drags as much as a single one to within a share at all gaps from so many
+        diameters on, interval included."""
+        ends = [self.over("beside", gap)[1:] for gap in self.gaps if gap > least * DIAMETER]
+        return all(abs(end - 1.0) < share for both in ends for end in both)
+
     def table(self) -> Table:
         """One row per gap."""
         heads = "side by side, each", "force apart, N", "in line, ahead", "in line, behind"
