@@ -169,11 +169,11 @@ class Scene(Kept):
 
     def _check_materials(self) -> None:
         count, table = len(self.materials), self.friction and np.asarray(self.friction.granule)
-        if self.species is None:
-            if count > 1:
-                raise InputError(
-                    f"material has {count} materials; species must tell which granule is of which."
-                )
+        if self.species is None and count > 1:
+            raise InputError(
+                f"material has {count} materials; species must tell which granule is of which."
+            )
+        if self.species is None or (count == 1 and not self.species.any()):
             object.__setattr__(self, "species", fixed(np.zeros(self.granules, np.int64)))
         elif len(self.species) != self.granules or self.species.max() >= count:
             raise InputError(

@@ -373,6 +373,17 @@ class Solid(Kept):
         return float(np.sum(self.outline.area))
 
     @property
+    def gyration_squared(self) -> float:
+        """Squared radius of gyration (m2) about the position: inertia over mass of a body of one
+        density; of a Polygon to 1e-4."""
+        if not isinstance(self.outline, Polygon):
+            return float(self.outline.gyration_squared[0])
+        x, y = self.ring(1025).T
+        cross = x[:-1] * y[1:] - x[1:] * y[:-1]
+        squares = sum(c[:-1] ** 2 + c[:-1] * c[1:] + c[1:] ** 2 for c in (x, y))
+        return float((cross * squares).sum() / cross.sum() / 6.0)
+
+    @property
     def radius(self) -> float:
         """Radius (m) of the circle about the origin that holds the outline."""
         return float(np.max(self.outline.bounding_radius))

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 import dem
 from conftest import STIFF, assert_not_blank
-from dem.analysis.one_run import open_run, read_motion, selected
+from dem.analysis.one_run import open_run, read_snapshots, selected
 from dem.base.errors import InputError
 from dem.cli.app import app
 from dem.experiment.observables import flow as measures
@@ -60,7 +60,7 @@ def swept(tmp_path_factory):
 @pytest.fixture
 def motion(results):
     """The run of discs."""
-    return read_motion(results / "drag.nc", ["case=c1", "seed=1"])
+    return read_snapshots(results / "drag.nc", ["case=c1", "seed=1"])
 
 
 def test_affine_motions_are_not_irregular(grid):
@@ -116,7 +116,7 @@ def test_contact_forces_on_a_granule_at_rest_balance(small_bed, kind, fraction):
 
 def test_motion_is_what_was_recorded(results):
     """Snapshots, geometry and drag of a run come back as they were written."""
-    motion = read_motion(results / "drag.nc", ["case=e3", "seed=1"])
+    motion = read_snapshots(results / "drag.nc", ["case=e3", "seed=1"])
     own = motion.replicate.configuration
     assert motion.replicate.label == "e3" and motion.position.shape == (13, 60, 2)
     assert motion.nearest(0.61e-3) == 6
@@ -137,7 +137,7 @@ def test_recorded_measures_are_those_of_the_snapshots(results, motion):
         assert (flow["mixing"].isel(snapshot=0) == 0.0).all()
         lost = flow["contacts_lost"].isel(snapshot=slice(6, None)).values
         assert ((lost >= 0.0) & (lost <= 1.0)).all() and lost.max() > 0.0
-        for name, wanted in measures.measured(motion).items():
+        for name, wanted in measures.measures(motion).items():
             np.testing.assert_array_equal(flow[name].sel(case="c1", seed=1), wanted)
 
 
@@ -210,10 +210,10 @@ def test_a_run_that_is_gone_or_was_not_watched_is_named(swept, tmp_path):
     shutil.copy(swept / "drag.nc", tmp_path / "drag.nc")
     words = ["shape=d1", "friction.granule=0.3", "box=wide", "seed=2"]
     with pytest.raises(InputError, match="is in no folder store"):
-        read_motion(tmp_path / "drag.nc", words)
+        read_snapshots(tmp_path / "drag.nc", words)
     made(tmp_path, sweep={"case": ["c1"], "seed": 1}, record={"observables": ["drag"]})
     with pytest.raises(InputError, match="add snapshots to record"):
-        read_motion(tmp_path / "results/drag.nc", [])
+        read_snapshots(tmp_path / "results/drag.nc", [])
 
 
 @pytest.mark.parametrize(("color", "forces"), [("speed", False), ("force", True), ("layer", True)])
@@ -249,7 +249,7 @@ def test_export_for_paraview(request, tmp_path, data, run):
         if "=" in run
         else [f"shape={run}", "friction.granule=0.3", "box=same", "seed=1"]
     )
-    motion = read_motion(folder / "drag.nc", select)
+    motion = read_snapshots(folder / "drag.nc", select)
     export(motion, tmp_path / "vtk/bed.pvd")
     snapshots, granules = motion.angle.shape
     assert (tmp_path / "vtk/bed.pvd").read_text().count("<DataSet") == snapshots

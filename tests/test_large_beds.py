@@ -84,7 +84,7 @@ def stop_after(pieces):
 def under_pressure(job):
     """A bed whose top wall comes down, of fewer granules."""
     shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
-    return pack_under(shape, Room(8e-3, 9e-3, None, 1), 1e-6, job)
+    return pack_under(shape, Room(8e-3, 9e-3, (), 1), 1e-6, job)
 
 
 def at_a_fraction(job):

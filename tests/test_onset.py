@@ -19,7 +19,6 @@ from dem.packing.compaction import Press
 from dem.packing.random import Room
 from dem.shapes import KINDS
 from dem.sweep.config import load
-from dem.sweep.config import parse as parse_sweep
 
 ROOT = Path(__file__).parent.parent
 SWEEP = ROOT / "studies/onset/sweep.yaml"
@@ -38,18 +37,18 @@ def bed(ratio=1.0, granules=40, seed=1, **changes):
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_discs_jam_with_as_many_contacts_as_degrees_of_freedom(seed):
     """Two a disc; two less because the whole may move, one more because the bed bears a load."""
-    found = onset.find(bed(1.0, seed=seed))
-    discs = 40 - found.rattlers
-    assert found.contacts == 2 * discs - 1
-    assert 0.80 < found.fraction < 0.87
+    found = onset.run(bed(1.0, seed=seed))
+    discs = 40 - found["onset_rattlers"]
+    assert found["onset_contacts"] == 2 * discs - 1
+    assert 0.80 < found["onset_fraction"] < 0.87
 
 
 @pytest.mark.parametrize("ratio", [1.1, 1.5])
 def test_ellipses_jam_with_fewer_contacts_than_degrees_of_freedom(ratio):
     """Yet with more than discs, which do not feel that they turn."""
-    found = onset.find(bed(ratio))
-    ellipses = 40 - found.rattlers
-    assert 2 * ellipses - 1 < found.contacts < 3 * ellipses - 1
+    found = onset.run(bed(ratio))
+    ellipses = 40 - found["onset_rattlers"]
+    assert 2 * ellipses - 1 < found["onset_contacts"] < 3 * ellipses - 1
 
 
 def test_a_bed_bears_no_load_below_the_onset_and_that_of_hertz_above():
@@ -58,7 +57,7 @@ def test_a_bed_bears_no_load_below_the_onset_and_that_of_hertz_above():
     sizes, own = diameters(replicate), replicate.configuration
     shape = KINDS["ellipse"].shape.of_size(sizes, 1.3)
     press = Press(shape, Room(own.box_width, height_of_box(own, sizes), (), 1, "xy"))
-    at = onset.find(replicate).fraction
+    at = onset.run(replicate)["onset_fraction"]
     while press.fraction < at + 1e-3:  # as the onset was found
         press.press(press.fraction + onset.STEP, onset.GROWN, onset.PATIENCE)
     far, near = (press.press(at + gap, 1e-10, onset.PATIENCE) for gap in (4e-4, 1e-4))
@@ -69,8 +68,8 @@ def test_a_bed_bears_no_load_below_the_onset_and_that_of_hertz_above():
 def test_the_onset_is_just_below_where_the_line_of_greater_loads_meets_zero():
     """The experiment jamming fits that line to beds that are farther beyond the onset."""
     replicate = bed(1.0, granules=80)
-    wide = jamming.compress(replicate).jamming
-    assert onset.find(replicate).fraction == pytest.approx(wide, abs=0.01)
+    wide = jamming.run(replicate)["jam_fraction"]
+    assert onset.run(replicate)["onset_fraction"] == pytest.approx(wide, abs=0.01)
 
 
 def contacts(*pairs):
@@ -113,15 +112,6 @@ def test_the_onset_is_that_of_beds_without_friction():
         InputError, match=r"packing\.friction is 0\.3; the experiment onset needs 0"
     ):
         parse(values(packing=packing))
-
-
-def test_a_cylinder_that_is_not_there_cannot_vary():
-    data = SWEEP.dump()
-    data["sweep"] = {"shape": "e", "cylinder.diameter": [1e-3, 2e-3]}
-    with pytest.raises(
-        InputError, match=r"cylinder\.diameter cannot vary; the experiment onset has no cylinder"
-    ):
-        parse_sweep(data)
 
 
 # Lines over the size

@@ -88,7 +88,7 @@ def test_no_command_writes_where_it_must_not(tmp_path, monkeypatch, words, funct
         "a file of another kind": tmp_path / "note.md",
     }
     if name == "checkpoint":
-        del places["a file of another kind"]  # resume.clear_way looks into it
+        del places["a file of another kind"]  # resume.is_resumable looks into it
     before = content(tmp_path)
     for fault, path in places.items():
         result = CliRunner().invoke(app, [*words, *words_for(function, name, path, source)])

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dem.analysis.one_run import motion_of
+from dem.analysis.one_run import snapshots_of
 from dem.base.errors import InputError, PackingError
 from dem.dynamics.contact_list import FIRST_WALL
 from dem.dynamics.simulation import Simulation
@@ -90,7 +90,7 @@ def test_a_snapshot_shows_the_top_wall_where_it_is():
     """What touches it there pushes it with the pressure, and no granule is drawn beyond it by more
     than its overlap; it is not where it began."""
     run = asked()
-    motion = motion_of("drawn", run, drawn() | drag.axes(run.configuration))
+    motion = snapshots_of("drawn", run, drawn() | drag.axes(run.configuration))
     found = motion.contacts(-1)
     on_top = found.partner == FIRST_WALL - 1  # the second wall, after the bottom
     assert found.force[on_top].sum() / area_of(run) == pytest.approx(PRESSURE, rel=0.1)

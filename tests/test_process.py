@@ -257,9 +257,9 @@ OBSERVABLE = """
 VARIABLES = {"turn": ((), "rad", "a number")}
 
 
-def measure(seen):
-    seed = seen.replicate.seed
-    return {"turn": seen.missing} if seed == 2 else None if seed == 3 else {"turn": 1.0}
+def measure(run):
+    seed = run.replicate.seed
+    return {"turn": run.missing} if seed == 2 else None if seed == 3 else {"turn": 1.0}
 """
 
 
@@ -270,7 +270,7 @@ def test_an_error_in_an_observable_of_ones_own_fails_its_run_only(tmp_path, monk
     sweep += "record: {observables: [drag, turn.py]}\nsweep: {case: [c1], seed: [1, 2, 3]}\n"
     made = dem.run_sweep(write(tmp_path, "sweep.yaml", sweep))
     assert made["failure"].values.ravel().astype(bool).tolist() == [False, True, True]
-    assert "turn.py, line 7: AttributeError: 'Seen' object has no" in made["failure"].comment
+    assert "turn.py, line 7: AttributeError: 'RunData' object has no" in made["failure"].comment
     assert "drag.py, line " in made["failure"].comment and "NoneType" in made["failure"].comment
 
 

@@ -69,7 +69,7 @@ def test_stress_in_the_middle_is_that_on_the_lid(stress):
 def test_rough_walls_drag_the_bed_with_them():
     """The rate of shear in the middle is that of the walls, but for what slips next to them."""
     own = of_values(values())
-    asked = shear.rate_of(own.configuration, own.label, own.density)
+    asked = shear.rate_of(own)
     assert 0.6 < sheared()["shear_rate"].mean() / asked < 1.2
 
 
@@ -87,7 +87,7 @@ def test_the_packing_fraction_of_a_slice_counts_the_discs_that_stick_out_of_it()
 def test_the_inertial_number_is_a_ratio_of_two_times():
     """Sixteen times the pressure brings granules back four times as fast, at the same number."""
     slow, fast = (of_values(values(shear=values()["shear"] | {"pressure": p})) for p in (1e5, 16e5))
-    rates = [shear.rate_of(r.configuration, r.label, r.density) for r in (slow, fast)]
+    rates = [shear.rate_of(r) for r in (slow, fast)]
     assert rates[1] == pytest.approx(4.0 * rates[0])
 
 

@@ -168,18 +168,16 @@ FOREIGN = {
 }
 
 
-@pytest.mark.parametrize("fault", ["another seed", "another bed", *FOREIGN])
-def test_a_file_that_is_no_checkpoint_of_the_run_is_refused(tmp_path, monkeypatch, fault):
-    """It stays as it is; the workflow's own file is deleted instead, and said so."""
+@pytest.mark.parametrize("other", ["seed", "bed"])
+def test_a_checkpoint_of_another_run_is_refused(tmp_path, monkeypatch, other):
+    """It stays as it is."""
     monkeypatch.setattr(drag, "SAVED_EVERY", 0.0)
     one, two = (smoke().replicate("c1", 3.9e3, seed) for seed in (1, 2))
-    bed, checkpoint = make_bed(one), tmp_path / "run.npz"
-    if fault in FOREIGN:
-        FOREIGN[fault](checkpoint)
-    elif fault == "another seed":
-        stopped(tmp_path, two, make_bed(two))
+    bed = make_bed(one)
+    if other == "seed":
+        checkpoint = stopped(tmp_path, two, make_bed(two))
     else:
-        stopped(tmp_path, one, bed._replace(angle=bed.angle + 1.0))
+        checkpoint = stopped(tmp_path, one, bed._replace(angle=bed.angle + 1.0))
     before = checkpoint.read_bytes()
     with pytest.raises(InputError, match="delete it or name another file"):
         drag.run(one, bed, checkpoint=checkpoint)
@@ -254,19 +252,6 @@ def test_a_chunk_that_cannot_be_written_loses_no_run(tmp_path, tried, monkeypatc
     assert len(tried) == 2
     making.make(work.store, chunk)
     assert len(tried) == 2 and work.store.file_of(chunk).is_file()
-
-
-def test_a_stale_checkpoint_of_the_store_is_replaced(tmp_path, capfd):
-    """After damage the sweep goes on: its own file is deleted, and said so in one line."""
-    work, chunk = planned(discs([1]), tmp_path)
-    run = work.store.replicates(chunk)[0]
-    own = work.store.run_of(run.id, ".checkpoint.npz")
-    own.parent.mkdir(parents=True)
-    FOREIGN["text"](own)
-    making.make(work.store, chunk)
-    said = capfd.readouterr().err.splitlines()
-    assert len([line for line in said if "deleted; the run begins again" in line]) == 1
-    assert not own.exists()
 
 
 def test_a_chunk_that_is_there_is_left_alone(tmp_path, tried):

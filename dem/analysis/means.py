@@ -18,6 +18,7 @@ from dem.io.lazily import open_lazily, require
 
 WINDOW = ("window_start", "window_stop")
 ALONG = "displacement", "snapshot_displacement"  # of the cylinder, which has a window
+PAIR = "first", "second"
 RATIO = "ratio", "ratio_low", "ratio_high"
 
 
@@ -38,30 +39,24 @@ def run_means(dataset: xr.Dataset, path: Path | str, names: list[str] | None = N
     Raises InputError for a quantity that the file has not got.
     """
     require(dataset, path, {}, ("run_id",))
-    there, inside = quantities_of(dataset), dataset
+    known = quantities_of(dataset)
     for name in names or ():
-        if name not in there:
-            raise InputError(f"it has no {name}; it has {', '.join(there)}.")
-    for name in ALONG:
-        if name in dataset.variables and dataset[name].dims[0] in dataset.dims:
-            require(dataset, path, {}, (), WINDOW)
-            start, stop = (dataset.attrs[end] for end in WINDOW)
-            moved = dataset[name].values
-            held = np.flatnonzero((moved >= start) & (moved <= stop))
-            inside = inside.isel({dataset[name].dims[0]: held})
-    inside = inside[there if names is None else names]
-    result = inside.mean(set(inside.dims) - set(dataset["run_id"].dims), keep_attrs=True).compute()
+        if name not in known:
+            raise InputError(f"it has no {name}; it has {', '.join(known)}.")
+    window = dataset[names or known]
+    for name in set(ALONG) & set(window.variables):
+        require(dataset, path, {}, (), WINDOW)
+        start, stop = (dataset.attrs[end] for end in WINDOW)
+        inside = (dataset[name] >= start) & (dataset[name] <= stop)
+        window = window.isel({inside.dims[0]: inside.values})
+    result = window.mean(set(window.dims) - set(dataset["run_id"].dims), keep_attrs=True).compute()
     return result.map(over_seeds, keep_attrs=True).where(np.isfinite)
 
 
 def means(path: Path, only: str | None = None) -> xr.Dataset:
     """Means of a file of all quantities, or of one."""
     with open_lazily(path) as dataset:
-        result = means_of(dataset, path, [only] if only else None)
-        attrs = {
-            key: dataset.attrs[key] for key in ("title", "configuration") if key in dataset.attrs
-        }
-        return result.assign_attrs(attrs)
+        return means_of(dataset, path, [only] if only else None)
 
 
 def means_of(dataset: xr.Dataset, path: Path, names: list[str] | None = None) -> xr.Dataset:
@@ -69,14 +64,14 @@ def means_of(dataset: xr.Dataset, path: Path, names: list[str] | None = None) ->
     all quantities or of some."""
     result = {}
     for name, sample in run_means(dataset, path, names).items():
-        of = f"of the mean of {name}"
-        about = {"units": sample.attrs.get("units", "1")}
-        about["long_name"] = f"half the {LEVEL:.0%} interval {of}"
+        of, units = f"of the mean of {name}", sample.attrs.get("units", "1")
+        half = {"long_name": f"half the {LEVEL:.0%} interval {of}", "units": units}
+        runs = {"long_name": f"number of runs {of}", "units": "1"}
         result[name] = sample.mean("seed", keep_attrs=True)
-        result[f"{name}_half_interval"] = half_interval(sample).assign_attrs(about)
-        about = {"units": "1", "long_name": f"number of runs {of}"}
-        result[f"{name}_runs"] = sample.count("seed").assign_attrs(about)
-    return xr.Dataset(result).drop_vars("seed", errors="ignore")
+        result[f"{name}_half_interval"] = half_interval(sample).assign_attrs(half)
+        result[f"{name}_runs"] = sample.count("seed").assign_attrs(runs)
+    attrs = {key: dataset.attrs[key] for key in ("title", "configuration") if key in dataset.attrs}
+    return xr.Dataset(result, attrs=attrs).drop_vars("seed", errors="ignore")
 
 
 def compared(path: Path, other: Path, name: str) -> xr.Dataset:
@@ -88,40 +83,34 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
     designs have numbers, which are the same point only where all their values are the same.
     """
     samples, ids = [], []
-    for item in (path, other):
-        with open_lazily(item) as dataset:
-            runs = run_means(dataset, item, [name])[name]
-            samples.append(runs.drop_vars("seed", errors="ignore"))
-            ids.append(over_seeds(dataset["run_id"].drop_vars("seed", errors="ignore").load()))
-    samples[1] = samples[1].where(~ids[1].isin(ids[0]))
-    axes = [set(item.dims) - {"seed"} for item in samples]
-    if axes[0] == axes[1]:
-        samples = xr.align(*samples, join="inner", exclude=["seed"])
-    labels = [item.coords.variables for item in samples]
-    same = [key for key in labels[0] if key in labels[1] and labels[0][key].equals(labels[1][key])]
-    differ = {*labels[0], *labels[1]}.difference(same)
-    if axes[0] != axes[1] or not samples[0].size or (differ and designs_of(samples[0])):
-        varied = (", ".join(sorted(item)) or "nothing" for item in axes)
+    for file in (path, other):
+        with open_lazily(file) as dataset:
+            samples.append(
+                run_means(dataset, file, [name])[name].drop_vars("seed", errors="ignore")
+            )
+            ids.append(over_seeds(dataset["run_id"].load()).drop_vars("seed", errors="ignore"))
+    samples[1] = samples[1].where(~ids[1].isin(ids[0])).rename(seed="second_seed")
+    axes = [set(sample.dims) - {"seed", "second_seed"} for sample in samples]
+    pair = [sample.rename(word) for sample, word in zip(samples, PAIR, strict=True)]
+    both = xr.merge(pair, join="inner", compat="minimal", combine_attrs="override")
+    differ = {*samples[0].coords, *samples[1].coords} - {*both.coords}
+    if axes[0] != axes[1] or not both["first"].size or (differ and designs_of(both)):
+        varied = (", ".join(sorted(dims)) or "nothing" for dims in axes)
         raise InputError(
             f"{path} and {other} have no point in common; what varies is "
             f"{' in the first, and '.join(varied)} in the second."
         )
-    first, second = (item.drop_vars(differ, errors="ignore") for item in samples)
     ratios = xr.apply_ufunc(
         ratio_interval,
-        second.rename(seed="second"),
-        first,
-        input_core_dims=[["second"], ["seed"]],
+        both["second"],
+        both["first"],
+        input_core_dims=[["second_seed"], ["seed"]],
         output_core_dims=[[]] * len(RATIO),
         vectorize=True,
     )
-    ratios = [item.drop_attrs() for item in ratios]
-    result = {"first": first.mean("seed"), "second": second.mean("seed")}
-    result = {key: value.assign_attrs(first.attrs) for key, value in result.items()}
-    return xr.Dataset(
-        result | dict(zip(RATIO, ratios, strict=True)),
-        attrs={"title": f"{name}: {path} and {other}"},
-    )
+    result = both.mean(["seed", "second_seed"], keep_attrs=True)
+    result = result.assign(dict(zip(RATIO, ratios, strict=True)))
+    return result.assign_attrs(title=f"{name}: {path} and {other}")
 
 
 def table_of(result: xr.Dataset) -> pd.DataFrame:

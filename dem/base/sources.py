@@ -41,8 +41,9 @@ RUNS = (
     "base/types.py",
     "experiment/bed.py",
     "experiment/box.py",
-    "experiment/motion.py",
     "experiment/scene.py",
+    "experiment/solids.py",
+    "experiment/snapshots.py",
 )
 PLUGINS = "experiment/kinds", "experiment/observables"  # a run depends on the files that it uses
 UNREADABLE = (OSError, SyntaxError, ValueError)  # errors of reading and parsing a file

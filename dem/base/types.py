@@ -45,17 +45,14 @@ class Unit:
 
 def real(value: Any, words: str = "a number") -> float:
     """A number, also in a text, because YAML 1.1 and a command line have 3.9e3 as text."""
-    if type(value) is np.ndarray and value.ndim == 0:
-        value = value[()]
-    is_number = isinstance(value, str | int | float | np.integer | np.floating)
-    if not is_number or isinstance(value, bool | np.timedelta64):
-        raise ValueError(f"it must be {words}")
     try:
+        if isinstance(value, bool | np.bool_):
+            raise TypeError
         number = float(value)
-    except ValueError:
-        raise ValueError(f"it must be {words}") from None
     except OverflowError:
         number = math.inf
+    except (TypeError, ValueError):
+        raise ValueError(f"it must be {words}") from None
     if not abs(number) <= MOST:
         raise ValueError(f"it must be finite, at most {MOST:g} in size")
     return number + 0.0  # -0.0 is 0.0

@@ -92,14 +92,14 @@ def draw(
     Example: dem draw results/drag.nc case=c1 seed=1 -o c1.mp4
     """
     start_lean()
-    from dem.analysis.one_run import read_motion
+    from dem.analysis.one_run import read_snapshots
     from dem.base.files import check_output
     from dem.figures.export import export
     from dem.figures.film import FILMS, PICTURES, film, picture
 
     output = check_output("output", output, (*FILMS, *PICTURES, ".pvd"))
     with bar("reading the run"):
-        motion = read_motion(run, select or [], shapes)
+        motion = read_snapshots(run, select or [], shapes)
     with bar(f"drawing {output}", 1.0) as update:
         if output.suffix.lower() in FILMS:
             film(motion, output, color, forces, update)

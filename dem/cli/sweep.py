@@ -209,7 +209,7 @@ def simulate(
         )
     half_packed = None
     if checkpoint:
-        resume.clear_way(checkpoint, run)
+        resume.is_resumable(checkpoint, run)  # refuses another file
         half_packed = checkpoint.with_name(f"{checkpoint.name}.bed.npz")
     for sentence in slow_beds([run]):
         say(sentence)
@@ -228,7 +228,7 @@ def simulate(
         result = run.configuration.module.run(run, bed, update, checkpoint)
     write_one(output, run, result)
     if checkpoint:
-        resume.forget(checkpoint)
+        checkpoint.resolve().unlink(missing_ok=True)
         half_packed.unlink(missing_ok=True)
 
 

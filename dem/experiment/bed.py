@@ -6,8 +6,9 @@ import numpy as np
 
 from dem.base.errors import InputError, PackingError
 from dem.contacts.force_law import effective_modulus
-from dem.experiment.box import NOMINAL, height_of_box, sample_diameters
+from dem.experiment.box import NOMINAL, ahead_of, height_of_box, sample_diameters
 from dem.experiment.config import Replicate
+from dem.experiment.solids import solids_of
 from dem.packing.compaction import START, compact
 from dem.packing.constant_pressure import pack_under
 from dem.packing.job import Job, ignored
@@ -15,7 +16,7 @@ from dem.packing.random import Bed, Room, relaxed
 from dem.packing.swelling import grown
 from dem.periodic import Periods, periods_of
 from dem.shapes import of_size
-from dem.solids import Cylinder, Solid
+from dem.solids import Solid
 
 PREPARATIONS = {"relaxed": relaxed, "grown": grown}  # by packing.preparation
 
@@ -35,19 +36,16 @@ def diameters(replicate: Replicate) -> np.ndarray:
     return sample_diameters(replicate.shape, spread, replicate.seed)
 
 
-def cylinder(replicate: Replicate, height: float) -> Solid | None:
-    """The cylinder at its start in a box of the given height (m), None if there is none.
+def solids(replicate: Replicate, height: float) -> tuple[Solid, ...]:
+    """The cylinder, and a second one, at their start in a box of the given height (m).
 
     Where packing.pressure is given, this is the height of a box at the packing fraction NOMINAL
-    (dem.experiment.box): that of the bed is known only once it is packed around the cylinder.
+    (dem.experiment.box): that of the bed is known only once it is packed around them.
     """
     own = replicate.configuration
     if own.packing.pressure is not None:
         height = height_of_box(own, diameters(replicate))
-    wanted, width = own.cylinder, own.box_width
-    if wanted is None:
-        return None
-    return Cylinder(wanted.diameter, (0.5 * width, wanted.start * height), (0.0, wanted.velocity))
+    return solids_of(replicate, height, thickness(replicate))
 
 
 def periods(replicate: Replicate, height: float) -> Periods:
@@ -65,8 +63,8 @@ def room_of(replicate: Replicate) -> tuple:
     """The granules of a bed, and the room in which they are packed."""
     own, sizes = replicate.configuration, diameters(replicate)
     height = height_of_box(own, sizes)
-    at = cylinder(replicate, height)
-    room = Room(own.box_width, height, () if at is None else (at,), replicate.seed, own.periodic)
+    drawn = solids(replicate, height)
+    room = Room(own.box_width, height, drawn, replicate.seed, own.periodic)
     return shaped(replicate, sizes), room
 
 
@@ -95,7 +93,8 @@ def make_bed(replicate: Replicate, checkpoint: Path | None = None, report=ignore
     loose = room._replace(height=room.height * NOMINAL / START)
     load = own.packing.pressure * thickness(replicate) / effective_modulus(*2 * [own.material])
     bed = pack_under(shape, loose, load, job)
-    top = room.solids[0].position[1] + own.cylinder.stroke + 0.5 * own.cylinder.diameter
+    rise = max(ahead_of(own.cylinder)[1], 0.0) * own.cylinder.stroke
+    top = max(solid.position[1] + solid.radius for solid in room.solids) + rise
     if top > bed.height:
         raise PackingError(
             f"under {own.packing.pressure:g} Pa the box is {bed.height:.4g} m high, and the cylinder "

@@ -43,8 +43,10 @@ from dem.experiment.sections import (
     PackingSection,
     RecordSection,
     RunSection,
+    SecondSection,
     ShapeSection,
     ShearSection,
+    WallsSection,
     or_file,
 )
 from dem.periodic import Sides
@@ -53,7 +55,7 @@ from dem.shapes import Kind, kind_of
 LAYOUT = 1  # of the files of runs: raise it where a variable comes, goes or has another meaning
 # sections that only some experiments read, by these
 SECTIONS = {
-    name: tuple(kind for kind, own in EXPERIMENTS.items() if name in own["SECTIONS"])
+    name: tuple(kind for kind, header in EXPERIMENTS.items() if name in header["SECTIONS"])
     for name in ("cylinder", "record", "shear")
 }
 UNHASHED_KEYS = "beside", "record.window", "threads"  # that no number depends on
@@ -64,6 +66,13 @@ BED_KEYS = (
     "periodic",
     "cylinder.diameter",
     "cylinder.start",
+    "cylinder.outline",
+    "cylinder.aspect_ratio",
+    "cylinder.angle",
+    "cylinder.direction",
+    "second.diameter",
+    "second.gap",
+    "second.bearing",
     "packing.size_spread",
     "packing.preparation",
 )
@@ -88,9 +97,13 @@ class Configuration(Section):
     """sides along which the box repeats itself"""
     cylinder: CylinderSection | None = None
     """the cylinder; null: there is none"""
+    second: SecondSection | None = None
+    """a second cylinder beside the first; both are centred in the box"""
     packing: PackingSection
     material: MaterialSection
     friction: FrictionSection
+    walls: WallsSection | None = None
+    """friction and material of single walls"""
     gravity: Annotated[NotNegative, Unit("m s-2")] = 0.0
     """gravity, downwards"""
     ellipse: EllipseSection = EllipseSection()
@@ -107,29 +120,29 @@ class Configuration(Section):
 
     @model_validator(mode="after")
     def _check_sections(self):
-        kind = self.module.says
-        for name in SECTIONS if "SECTIONS" in kind else ():
-            given, needed = getattr(self, name) is not None, kind["SECTIONS"].get(name)
+        header = self.module.constants
+        for name in SECTIONS if "SECTIONS" in header else ():
+            given, needed = getattr(self, name) is not None, header["SECTIONS"].get(name)
             if needed and not given:
                 raise ValueError(f"{name} is missing; the experiment {self.experiment} needs it")
             if given and needed is None:
                 raise ValueError(
                     f"{name} is no section of the experiment {self.experiment}; leave it out"
                 )
-        for pattern, (wanted, why) in kind.get("ASKS", {}).items():
-            for label in self.shapes if "*" in pattern else ("",):
-                path = pattern.replace("*", label)
+        for pattern, (wanted, why) in header.get("ASKS", {}).items():
+            for path in {pattern.replace("*", label) for label in self.shapes}:
                 if (value := self.at(path)) != wanted:
-                    shown = value if isinstance(value, str) else f"{value:g}"
                     must = "takes none" if wanted is None else f"needs {wanted}"
                     raise ValueError(
-                        f"{path} is {shown}; the experiment {self.experiment} {must}, because {why}"
+                        f"{path} is {value}; the experiment {self.experiment} {must}, because {why}"
                     )
         return self
 
     @model_validator(mode="after")
     def _check_together(self):
         record, cylinder, pressure = self.record, self.cylinder, self.packing.pressure
+        if self.second is not None and cylinder is None:
+            raise ValueError("second is a cylinder beside another; give cylinder too")
         if pressure is not None and "y" in self.periodic:
             raise ValueError(
                 f"packing.pressure is {pressure:g} Pa and periodic {self.periodic}; a pressure "
@@ -161,6 +174,11 @@ class Configuration(Section):
         return (middle >= self.record.window[0]) & (middle <= self.record.window[1])
 
     @property
+    def solids(self) -> int:
+        """Number of solids that are drawn through the bed."""
+        return (self.cylinder is not None) + (self.second is not None)
+
+    @property
     def observables(self) -> tuple[str, ...]:
         """What is recorded, as record.observables names it."""
         return self.record.observables if self.record else ()
@@ -186,18 +204,14 @@ class Configuration(Section):
     def known(self) -> dict[str, dict[str, Any]]:
         """The values that a run of each shape is known by, by path, but for density and seed."""
         values = self.values()
-        shapes = values.pop("shapes")
-        every = {path: each for path, each in by_path(values).items() if path not in UNHASHED_KEYS}
-        plain = {path: each for path, each in every.items() if not path.startswith("ellipse.")}
-        return {
-            label: (every if shape.kind == "ellipse" else plain)
-            | by_path({"shape": shapes[label] | {"aspect_ratio": shape.ratio}})
-            for label, shape in self.shapes.items()
-        }
-
-    @cached_property
-    def _known_as_text(self) -> dict[str, str]:
-        return {label: json.dumps(known, sort_keys=True) for label, known in self.known.items()}
+        shapes, known = values.pop("shapes"), {}
+        paths = {path: v for path, v in by_path(values).items() if path not in UNHASHED_KEYS}
+        for label, shape in self.shapes.items():
+            section = shapes[label] | {"aspect_ratio": shape.ratio}
+            known[label] = paths | by_path({"shape": section})
+            if shape.kind != "ellipse":
+                known[label] = {k: v for k, v in known[label].items() if k[:8] != "ellipse."}
+        return known
 
     @checked
     def replicate(self, shape: str, density: Density, seed: Seed) -> "Replicate":
@@ -210,10 +224,10 @@ class Configuration(Section):
 
     def at(self, path: str):
         """The value at a path; None where there is none."""
-        found = self
+        value = self
         for name in path.split("."):
-            found = found.get(name) if isinstance(found, dict) else getattr(found, name, None)
-        return found
+            value = value.get(name) if isinstance(value, dict) else getattr(value, name, None)
+        return value
 
     @cached_property
     def entries(self) -> dict[str, "Entry"]:
@@ -241,18 +255,17 @@ class Configuration(Section):
             return self
         data = self.model_dump(include=set(self.read))
         data["shapes"] = {shape: data["shapes"][shape]}
-        for path, new in changes.items():
+        for path, value in changes.items():
             *groups, last = path.split(".")
-            at = data
+            section = data
             for name in groups:
-                if (at := at.get(name, {})) is None:
+                if (section := section.get(name, {})) is None:
                     raise InputError(
                         f"{path} cannot vary; the experiment {self.experiment} has no {name}."
                     )
-            at[last] = new
-        words = ", ".join(f"{path} {new}" for path, new in changes.items())
-        source = f"{shape} with {words}" if changes else shape
-        configuration = parse(data, source)
+            section[last] = value
+        words = ", ".join(f"{path} {value}" for path, value in changes.items())
+        configuration = parse(data, f"{shape} with {words}" if changes else shape)
         configuration.check_files()
         return configuration
 
@@ -276,38 +289,40 @@ class Replicate:
         """The kind of its granules; raises InputError where its file cannot be used."""
         return self.configuration.kind_of(self.label)
 
+    @property
+    def coordinates(self) -> dict:
+        """Shape, density and seed."""
+        return {"shape": self.label, "density": self.density, "seed": self.seed}
+
     def values(self, beside: bool = True) -> dict:
         """All values as plain groups, in the form that `of_values` takes; beside: with the folder
         of shapes of a user's own, which is no part of what the run is."""
-        own = self.configuration.values()
+        values = self.configuration.values()
         if not beside:
-            own.pop("beside", None)
-        own["shapes"] = {self.label: own["shapes"][self.label]}
-        return own | {"shape": self.label, "density": self.density, "seed": self.seed}
+            values.pop("beside", None)
+        values["shapes"] = {self.label: values["shapes"][self.label]}
+        return values | self.coordinates
 
     def with_shapes(self, folder: Path | str | None) -> "Replicate":
         """The same run, where the files of shapes of a user's own are in a folder."""
         if folder is None:
             return self
-        own = self.configuration.model_copy(update={"beside": str(Path(folder).resolve())})
-        return Replicate(own, self.label, self.density, self.seed)
+        beside = {"beside": str(Path(folder).resolve())}
+        return Replicate(self.configuration.model_copy(update=beside), *self.coordinates.values())
 
     def labels(self) -> dict:
         """What tells this run from others."""
-        return {
-            "shape": np.array(self.label),
-            "kind": np.array(self.shape.kind),
-            "aspect_ratio": float(self.shape.ratio),
-            "density": self.density,
-            "diameter": self.shape.diameter,
-            "granules": np.int64(self.shape.granules),
-            "seed": np.int64(self.seed),
+        shape = self.shape
+        return self.coordinates | {
+            "kind": shape.kind,
+            "aspect_ratio": shape.ratio,
+            "diameter": shape.diameter,
+            "granules": shape.granules,
         }
 
     def at(self, path: str):
         """The value at a path, or the shape, density or seed."""
-        own = {"shape": self.label, "density": self.density, "seed": self.seed}
-        return own[path] if path in own else self.configuration.at(path)
+        return self.coordinates.get(path, self.configuration.at(path))
 
     def words(self) -> str:
         """The run in words, for sentences."""
@@ -318,38 +333,38 @@ class Replicate:
         """The values that select the machine code of the run, as text: of each motion that it
         computes, its own and those of its bed."""
         c = self.configuration
-        motions = c.module.motions(self)
+        motions, ellipse = c.module.motions(self), str(EllipseSection())
         if c.packing.friction > 0:
-            motions.add(PRESSED)
+            motions.add((True, True, False, False, False, ellipse))
         if c.packing.preparation == "grown":
-            motions.add((False, *PRESSED[1:]))
+            motions.add((False, True, False, False, False, ellipse))
         return f"{self.shape.kind} {c.periodic} {sorted(motions)}"
 
-    def _bed(self, *more: str) -> str:
-        read = (*BED_KEYS, *more)
+    def _known(self, *paths: str) -> str:
+        """The values at some paths and below them that this run is known by, as text."""
         known = self.configuration.known[self.label].items()
-        bed = {path: own for path, own in known if path in read or path.startswith("shape.")}
-        return json.dumps(bed, sort_keys=True)
+        values = {path: v for path, v in known if path in paths or path.startswith("shape.")}
+        return json.dumps(values, sort_keys=True)
 
     @property
     def bed_family(self) -> str:
         """Hash of all that the bed depends on, except packing fraction or pressure, friction and
         seed."""
-        return digest(self._bed())
+        return digest(self._known(*BED_KEYS))
 
     def bed_key(self) -> str:
         """All that the bed depends on, as text."""
         pressed = self.configuration.packing.pressure is not None
-        return f"{self._bed(*(PRESSED_BY if pressed else PACKED))} {self.seed}"
+        return f"{self._known(*BED_KEYS, *(PRESSED_BY if pressed else PACKED))} {self.seed}"
 
     def run_key(self) -> str:
         """All that the run depends on, as text."""
         c = self.configuration
-        if c.module.says.get("BED_ALONE"):
-            known, head = c.known[self.label].items(), f"{c.module.label}."
-            own = {path: value for path, value in known if path.startswith(head)}
-            return " ".join([c.experiment, *([json.dumps(own)] if own else ()), self.bed_key()])
-        return f"{c._known_as_text[self.label]} {self.density} {self.seed}"
+        known = c.known[self.label]
+        if not c.module.constants.get("BED_ALONE"):
+            return f"{json.dumps(known, sort_keys=True)} {self.density} {self.seed}"
+        section = {k: v for k, v in known.items() if k.startswith(f"{c.module.label}.")}
+        return " ".join([c.experiment, *([json.dumps(section)] if section else ()), self.bed_key()])
 
     @property
     def files(self) -> tuple[Path, ...]:
@@ -373,24 +388,20 @@ class Replicate:
         return digest(self.bed_key(), compilers(), run_hash(self.kind.file))
 
 
-# machine code of a bed that is pressed with friction, as kinds of experiment describe theirs
-PRESSED = (True, True, False, False, False, str(EllipseSection()))
-
-
 def by_path(values: dict, head: str = "") -> dict[str, Any]:
     """Values of groups by path, such as friction.granule."""
-    found = {}
-    for name, each in values.items():
+    paths = {}
+    for name, value in values.items():
         path = head + name
-        found |= by_path(each, f"{path}.") if isinstance(each, dict) else {path: each}
-    return found
+        paths |= by_path(value, f"{path}.") if isinstance(value, dict) else {path: value}
+    return paths
 
 
 def of_values(data: dict, source: str = "values") -> Replicate:
     """One run from plain groups of values with `shape`, `density` and `seed`; raises InputError."""
-    own = {key: data[key] for key in RunSection.model_fields if key in data}
-    run = parsed(RunSection, own, source=source)
-    rest = {key: each for key, each in data.items() if key not in own}
+    coordinates = {key: data[key] for key in RunSection.model_fields if key in data}
+    run = parsed(RunSection, coordinates, source=source)
+    rest = {key: value for key, value in data.items() if key not in coordinates}
     return parse(rest, source).replicate(run.shape, run.density, run.seed)
 
 
@@ -399,7 +410,7 @@ def parse(data, source: str = "configuration") -> Configuration:
     return parsed(model_of(Configuration, data), data, source=source)
 
 
-MODELS = {}  # that are made, because that takes longer than to use them
+_models = {}  # by what they are made of, because that takes longer than to use them
 
 
 def model_of(base: type[Configuration], data) -> type[Configuration]:
@@ -412,23 +423,20 @@ def model_of(base: type[Configuration], data) -> type[Configuration]:
     if not isinstance(name, str) or not isinstance(beside, str | None):
         return base
     experiment = Experiment(name, beside)
-    label = experiment.label
-    table = experiment.values(group.get(label))
-    if not table:
-        return base
-    if (key := (base, name, repr(table))) in MODELS:
-        return MODELS[key]
+    values, label = experiment.values(group.get(experiment.label)), experiment.label
+    key = base, name, repr(values)
+    if not values or key in _models:
+        return _models.get(key, base)
     if label in {*base.model_fields, *RunSection.model_fields, "extends"}:
         raise InputError(
             f"experiment is {name!r}; its VALUES need a section {label}, which is another key: "
             "give the file another name."
         )
-    section = experiment.section(table)
+    section = experiment.section(values)
     default = parsed(section, {}, label)
     model = create_model(base.__name__, __base__=base, **{label: (section, default)})
     model.read = base.read | {label: model.model_fields[label]}
-    MODELS[key] = model
-    return model
+    return _models.setdefault(key, model)
 
 
 class Entry(NamedTuple):
@@ -449,16 +457,15 @@ def entries(
     shapes: Iterable[str], fields: dict[str, FieldInfo] = Configuration.read, head: str = ""
 ) -> dict[str, Entry]:
     """All values of a configuration that may vary, by path; shapes: labels of the configuration."""
-    found = {}
+    paths = {}
     for name, field in fields.items():
         path, section = head + name, section_of(field.annotation)
         if section:
-            heads = [f"{path}."]
-            if get_origin(field.annotation) is dict:
-                heads = [f"{path}.{label}." for label in shapes]
+            is_table = get_origin(field.annotation) is dict
+            heads = [f"{path}.{label}." for label in shapes] if is_table else [f"{path}."]
             for each in heads:
-                found |= entries(shapes, section.model_fields, each)
+                paths |= entries(shapes, section.model_fields, each)
         elif path not in FIXED_KEYS:
             unit = unit_of(field.rebuild_annotation())
-            found[path] = Entry(path, unit, field.description, field)
-    return found
+            paths[path] = Entry(path, unit, field.description, field)
+    return paths

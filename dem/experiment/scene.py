@@ -1,13 +1,19 @@
 """The scene of a run and its simulation, at the start."""
 
 import math
+from dataclasses import replace
+
+import numpy as np
 
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import cylinder, diameters, shaped, thickness
+from dem.experiment.bed import diameters, shaped, solids, thickness
 from dem.experiment.config import Replicate
+from dem.experiment.sections import WallSection, WallsSection
+from dem.experiment.solids import material_of
 from dem.material import Friction, Material
 from dem.motion import Drive
 from dem.packing.random import Bed
+from dem.periodic import walled
 from dem.scene import Scene
 from dem.solids import Wall
 
@@ -30,36 +36,43 @@ def make_scene(replicate: Replicate, bed: Bed) -> Scene:
         ),
         friction=Friction(rough.granule, rough.wall, rough.cylinder, rough.stiffness),
         walls=_walls(replicate, bed),
-        solids=cylinder(replicate, bed.height),
+        solids=solids(replicate, bed.height),
         gravity=(0.0, -own.gravity) if own.gravity > 0.0 else None,
         thickness=thickness(replicate),
         periodic=bed.periodic,
     )
 
 
-def _walls(replicate: Replicate, bed: Bed) -> list | None:
+def _walls(replicate: Replicate, bed: Bed) -> list[Wall]:
     """Walls of the bed. The top one is pressed down where there is a pressure P; all others are at rest.
 
     It has the mass of a row of granules, and yields at v with a damping of v sqrt(density P) per area:
     that part of P that v is of sqrt(P / density), ninety metres a second at 30 MPa.
     """
-    pressure = replicate.configuration.packing.pressure
-    if pressure is None or bed.walls is None:
-        return bed.walls
-    area = bed.width * thickness(replicate)
-    lid = Drive(
-        force=(None, -pressure * area),
-        mass=replicate.density * area * replicate.shape.diameter,
-        damping=math.sqrt(replicate.density * pressure) * area,
-    )
-    *others, top = bed.walls
-    return [*others, Wall(top, lid)]
+    planes = () if bed.walls is None else bed.walls
+    own, walls = replicate.configuration, [Wall(plane) for plane in planes]
+    pressure, area = own.packing.pressure, bed.width * thickness(replicate)
+    if own.walls is not None:
+        names = np.array([*WallsSection.model_fields])[walled(bed.periodic)]
+        sections = [getattr(own.walls, name) or WallSection() for name in names]
+        walls = [
+            replace(
+                wall, friction=section.friction, material=material_of(replicate, section.material)
+            )
+            for wall, section in zip(walls, sections, strict=True)
+        ]
+    if pressure is not None and walls:
+        lid = Drive(
+            force=(None, -pressure * area),
+            mass=replicate.density * area * replicate.shape.diameter,
+            damping=math.sqrt(replicate.density * pressure) * area,
+        )
+        walls[-1] = replace(walls[-1], motion=lid)
+    return walls
 
 
 def start(replicate: Replicate, bed: Bed, **options) -> Simulation:
     """The bed at rest with the cylinder at its start; options of the Simulation count before those
     of the configuration. Raises RunError where that cannot be."""
-    numerics = replicate.configuration.numerics
-    names = "time_step", "step_fraction", "max_overlap", "allow_unstable"
-    usual = {name: getattr(numerics, name) for name in names}
-    return Simulation(make_scene(replicate, bed), bed.state, **usual | options)
+    numerics = replicate.configuration.numerics.model_dump()
+    return Simulation(make_scene(replicate, bed), bed.state, **numerics | options)

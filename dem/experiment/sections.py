@@ -12,6 +12,8 @@ from dem.base.types import (
     Count,
     Density,
     Length,
+    NotNegative,
+    Number,
     PoissonRatio,
     Pressure,
     Ratio,
@@ -20,6 +22,8 @@ from dem.base.types import (
     Seed,
     Speed,
     Time,
+    Unit,
+    must,
 )
 from dem.dynamics.numerics import (
     MAX_OVERLAP,
@@ -47,15 +51,81 @@ def or_file(known: Iterable[str]) -> AfterValidator:
     return AfterValidator(check)
 
 
+Angle = Annotated[Number, Unit("rad")]
+Spin = Annotated[
+    Literal["free"] | Annotated[Number, Unit("rad s-1")],
+    must("be an angular velocity or free"),
+    Unit("rad s-1"),
+]
+
+
+class SolidMaterialSection(Section):
+    young_modulus: Pressure
+    """Young's modulus"""
+    poisson_ratio: PoissonRatio = 0.3
+    """Poisson's ratio"""
+    restitution: Restitution | None = None
+    """coefficient of restitution of two bodies of it; none: that of the granules"""
+
+
 class CylinderSection(Section):
     diameter: Length
-    """diameter of the cylinder"""
+    """diameter of the cylinder; length of a plate or an ellipse"""
     velocity: Speed
-    """velocity of the cylinder, upwards"""
+    """velocity of the cylinder, upwards if there is no direction"""
     start: Share
     """height of the cylinder's axis as a fraction of that of the box"""
     stroke: Length
     """distance over which the cylinder is drawn"""
+    outline: Literal["circle", "ellipse", "plate", "square", "wedge"] | None = None
+    """outline, as wide as the diameter; none: circle"""
+    aspect_ratio: Annotated[AspectRatio, Field(gt=1)] | None = None
+    """length over width of an ellipse or a plate; none: 2 or 6"""
+    angle: Angle | None = None
+    """angle at the start, anticlockwise; none: 0, its length from left to right, its tip upwards"""
+    direction: Angle | None = None
+    """direction of the motion, anticlockwise from the right; none: upwards"""
+    spin: Spin | None = None
+    """angular velocity, or free: granules turn it, as a body of their density; none: 0"""
+    material: SolidMaterialSection | None = None
+    """material; none: rigid"""
+
+    @model_validator(mode="after")
+    def _check(self):
+        long = self.outline in ("ellipse", "plate")
+        if self.aspect_ratio is not None and not long:
+            raise ValueError(
+                f"aspect_ratio is {self.aspect_ratio:g} and outline {self.outline or 'circle'}; "
+                "leave it out, or let outline be ellipse or plate"
+            )
+        return self
+
+
+class SecondSection(Section):
+    diameter: Length
+    """diameter of a second cylinder, which moves with the first"""
+    gap: Annotated[NotNegative, Unit("m")]
+    """distance between the surfaces of both"""
+    bearing: Angle = 0.0
+    """where it is, seen from the first: 0 beside it, to the right; pi/2 ahead of it"""
+    friction: Coefficient | None = None
+    """friction at it; none: friction.cylinder"""
+    spin: Spin | None = None
+    """angular velocity, or free; none: 0"""
+
+
+class WallSection(Section):
+    friction: Coefficient | None = None
+    """friction at this wall; none: friction.wall"""
+    material: SolidMaterialSection | None = None
+    """material of this wall; none: rigid"""
+
+
+class WallsSection(Section):
+    left: WallSection | None = None
+    right: WallSection | None = None
+    bottom: WallSection | None = None
+    top: WallSection | None = None
 
 
 class PackingSection(Section):

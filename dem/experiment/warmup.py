@@ -3,12 +3,12 @@
 from dataclasses import replace
 
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import diameters, packed, shaped
+from dem.experiment.bed import diameters, packed, shaped, thickness
 from dem.experiment.config import Replicate
 from dem.experiment.observables import module_of
 from dem.experiment.scene import make_scene
+from dem.experiment.solids import solids_of
 from dem.packing.random import Room
-from dem.solids import Cylinder
 
 
 def compile_kernels(replicate: Replicate) -> None:
@@ -27,9 +27,11 @@ def compile_kernels(replicate: Replicate) -> None:
     shape = shaped(replicate, diameters(replicate))
     height, solids = own.box_width, ()
     if drawn := own.cylinder:  # in a box that is much too high for three granules
-        height = 4.0 * (drawn.diameter + few.diameter) / min(drawn.start, 1.0 - drawn.start)
-        at = 0.5 * own.box_width, drawn.start * height
-        solids = (Cylinder(drawn.diameter, at, (0.0, drawn.velocity)),)
+        size = drawn.diameter + few.diameter
+        if own.second is not None:
+            size += own.second.gap + own.second.diameter
+        height = 4.0 * size / min(drawn.start, 1.0 - drawn.start)
+        solids = solids_of(replicate, height, thickness(replicate))
     bed = packed(own, shape, Room(own.box_width, height, solids, 0, own.periodic))
     if not own.module.observed:  # the bed is packed, and no more
         return

@@ -99,7 +99,7 @@ class Drawing:
     def move(self, position, angle, walls, solids=(), turns=()) -> None:
         """Granules to positions (n, 2) in m and angles (n,) in rad; walls to planes (w, 3) as of
         dem.Scene; solids to positions (k, 2) in m, and those that turn to angles (k,) in rad, which
-        a line marks."""
+        a line marks on round ones."""
         lines, space = edges(walls, self.view)
         self.walls.set_segments(1e3 * lines)
         (left, low), (right, high) = self.view
@@ -119,7 +119,7 @@ class Drawing:
             place = wrapped(np.array([solids[k]], float), self.periodic)
             (ring,) = placed(ring[None, None], place, np.array([turn]))
             rings += [*self._images(ring[None])]
-            if len(turns):
+            if len(turns) and np.ptp(np.hypot(*self.outlines[k].T)) < 1e-9:  # round: shows no angle
                 marks += [*self._images(np.stack([1e3 * place[0], ring[0]])[None])]
         self.solids.set_verts(rings)
         self.marks.set_segments(marks)

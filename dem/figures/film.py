@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from dem.base.errors import InputError
 from dem.base.files import atomic, check_output
 from dem.dynamics.result import Result
-from dem.experiment.motion import Motion
+from dem.experiment.snapshots import Snapshots
 from dem.figures import bed, style
 from dem.figures.frames import Frames, frames_of
 
@@ -111,7 +111,7 @@ def _contacts(frames: Frames, frame: int):
 
 
 def picture(
-    motion: Motion, path: Path, displacement: float | None, color: str, forces: bool
+    motion: Snapshots, path: Path, displacement: float | None, color: str, forces: bool
 ) -> None:
     """One snapshot, the nearest to a displacement (m), in a file of PICTURES.
 
@@ -141,7 +141,7 @@ def encoder() -> str:
 
 
 def film(
-    result: Result | Motion,
+    result: Result | Snapshots,
     path: str | os.PathLike[str],
     color: str = "speed",
     forces: bool = False,

@@ -11,7 +11,7 @@ from pydantic import InstanceOf
 from dem.base.types import checked
 from dem.dynamics.contact_list import ContactList
 from dem.dynamics.result import Result
-from dem.experiment.motion import Motion
+from dem.experiment.snapshots import Snapshots
 from dem.figures import bed, style
 from dem.periodic import Periods
 
@@ -65,16 +65,16 @@ class Frames(NamedTuple):
     periodic: Periods
 
 
-def frames_of(source: Result | Motion) -> Frames:
+def frames_of(source: Result | Snapshots) -> Frames:
     """Frames of a result or of a run of the paper; raises InputError for anything else."""
-    return of_motion(source) if isinstance(source, Motion) else of_result(source)
+    return of_motion(source) if isinstance(source, Snapshots) else of_result(source)
 
 
-def of_motion(motion: Motion) -> Frames:
+def of_motion(motion: Snapshots) -> Frames:
     """Frames of a run of the paper: the bed in its box, and the drag along the stroke."""
     run, values = motion.replicate, motion.replicate.configuration
-    width, size = values.box_width, values.cylinder.diameter
-    axis = np.column_stack([np.full_like(motion.cylinder_y, 0.5 * width), motion.cylinder_y])
+    width, solids = values.box_width, [motion.solids(k) for k in range(len(motion.displacement))]
+    place = np.array([[solid.position for solid in row] for row in solids])
     moved = style.millimetres(motion.displacement)
 
     def record(axes):
@@ -93,15 +93,17 @@ def of_motion(motion: Motion) -> Frames:
         rings=motion.outlines,
         walls=np.array([bed.box_walls(width, each, motion.periodic) for each in motion.height]),
         view=bed.box_view(width, motion.height.max()),
-        solids=[bed.circle(size)],
-        place=axis[:, None],
-        turn=np.zeros((len(axis), 1)),
+        solids=[solid.ring() for solid in solids[0]],
+        place=place,
+        turn=np.array([[solid.angle for solid in row] for row in solids]),
         velocity=partial(mean_velocity, motion),
         contacts=motion.contacts,
         fastest=values.cylinder.velocity,
         paints={
             "layer": bed.layer_colors(motion.position[0], motion.height[0]),
-            "cluster": bed.cluster_colors(motion.position[0], axis[0], size),
+            "cluster": bed.cluster_colors(
+                motion.position[0], place[0, 0], values.cylinder.diameter
+            ),
         },
         captions=[f"{float(each):.2f} mm" for each in moved],
         boxed=True,
@@ -111,7 +113,7 @@ def of_motion(motion: Motion) -> Frames:
     )
 
 
-def mean_velocity(motion: Motion, snapshot: int) -> np.ndarray:
+def mean_velocity(motion: Snapshots, snapshot: int) -> np.ndarray:
     """Of granules (n, 2) in m/s, since the snapshot before, or until the next for the first."""
     first = max(snapshot - 1, 0)
     way = motion.position[first + 1] - motion.position[first]

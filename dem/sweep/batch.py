@@ -15,7 +15,6 @@ from filelock import FileLock
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
 from dem.base.sources import PACKAGE, cache_folder, digest, run_codes, with_imports
-from dem.experiment import resume
 from dem.experiment.bed import make_bed, periods
 from dem.experiment.config import Replicate
 from dem.experiment.warmup import compile_kernels
@@ -154,7 +153,6 @@ def _run(store: Store, replicate: Replicate, progress) -> dict:
     sides = periods(replicate, float(stored["height"]))
     bed = Bed(stored["position"], stored["angle"], *numbers, sides)
     checkpoint = store.run_of(replicate.id, ".checkpoint.npz")
-    resume.clear_way(checkpoint, replicate, bed, own=True)
     return experiment.run(replicate, bed, progress, checkpoint=checkpoint)
 
 

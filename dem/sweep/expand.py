@@ -194,7 +194,7 @@ def expand(
         raise InputError(
             f"{where} must give all runs a shape or a case; there are {', '.join(sweep.shapes)}."
         )
-    same = (*SAME, *sweep.module.said(sweep, "SIZES").values())
+    same = (*SAME, *sweep.module.table(sweep, "SIZES").values())
     if same := [path for path in same if path in ways.keys() - fixed.keys()]:
         raise InputError(f"{where} varies {same[0]}, which runs of one block share; use blocks.")
     points = [fixed, *(point for axis in axes for point in axis.points)]

@@ -14,6 +14,7 @@ from dem.sweep.prune import sweeps
 from dem.sweep.store import Store
 
 COLUMNS = "batch", "runs", "failed", "shape", "density kg/m3", "seeds", "values", "needed by"
+PRINTED = 5e-5  # relative tolerance of a number that a table prints, with five digits
 FEW = 5  # values that are listed one by one
 
 
@@ -72,7 +73,7 @@ def wanted_values(words: Iterable[str]) -> dict[str, str]:
     return wanted
 
 
-def is_written(value, text: str, tolerance: float = 5e-5) -> bool:
+def is_written(value, text: str, tolerance: float = PRINTED) -> bool:
     """Whether a value is what a text says; a real number also as tables print it, with five digits.
 
     tolerance: of real numbers, relative to their size.

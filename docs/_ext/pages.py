@@ -32,6 +32,7 @@ Velocity <../_generated/studies/velocity>
 Pressure <../_generated/studies/pressure>
 Jamming of ellipses <../_generated/studies/onset>
 Simple shear <../_generated/studies/shear>
+Intruders <../_generated/studies/intruders>
 Verification <../_generated/studies/verification>
 Accuracy <../_generated/studies/accuracy>
 Stability <../_generated/studies/stability>

@@ -26,45 +26,14 @@ from findings import FILES  # noqa: E402
 
 from docs.data.kernels import digest  # noqa: E402
 
+FORCES = "wall_force", "transverse_force", "kinetic_energy"
+BINS = "drag_normal", "coordination_number", "time_step"
 LEFT_OUT = {  # on no page, in no figure
-    "drag": ("wall_force", "transverse_force", "kinetic_energy"),
-    "precise": (
-        "wall_force",
-        "transverse_force",
-        "kinetic_energy",
-        "drag_normal",
-        "drag_tangential",
-        "coordination_number",
-        "max_overlap",
-        "time_step",
-    ),
-    "velocity": (
-        "wall_force",
-        "transverse_force",
-        "kinetic_energy",
-        "drag_normal",
-        "coordination_number",
-        "time_step",
-    ),
-    "pressure": (
-        "transverse_force",
-        "kinetic_energy",
-        "drag_normal",
-        "drag_tangential",
-        "coordination_number",
-        "max_overlap",
-        "time_step",
-    ),
-    "preparation": (
-        "wall_force",
-        "transverse_force",
-        "kinetic_energy",
-        "drag_normal",
-        "drag_tangential",
-        "coordination_number",
-        "max_overlap",
-        "time_step",
-    ),
+    "drag": FORCES,
+    "precise": (*FORCES, *BINS, "drag_tangential", "max_overlap"),
+    "velocity": (*FORCES, *BINS),
+    "pressure": (*FORCES[1:], *BINS, "drag_tangential", "max_overlap"),
+    "preparation": (*FORCES, *BINS, "drag_tangential", "max_overlap"),
     "shear": ("shear_height", "steps"),
 }
 # No page shows more digits of these than float32 has.

@@ -21,7 +21,6 @@ All but run may be left out.
 
 from contextlib import suppress
 from pathlib import Path
-from types import MappingProxyType
 from typing import Annotated
 
 import numpy as np
@@ -35,20 +34,7 @@ from dem.experiment.observables import OBSERVABLES, file_of, variables_of
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
 
 EXPERIMENTS = described(Path(__file__).parent, "SECTIONS")
-FILES = {name: Path(__file__).with_name(f"{name}.py") for name in EXPERIMENTS}
 TYPES = {bool: bool, int: Count, float: Number, str: str}  # of values, by those of their defaults
-
-
-def _field(name: str, default, units, about, limits=MappingProxyType({})) -> tuple:
-    """Type and description of a value; raises TypeError and others where they are none."""
-    bounds = [default, *limits.values()] if limits else []
-    texts = isinstance(about, str) and isinstance(units, str | None)
-    numbers = all(isinstance(each, int | float) for each in bounds)
-    known = name.isidentifier() and not hasattr(Section, name) and limits.keys() <= BOUNDS.keys()
-    if not (texts and numbers and known):
-        raise TypeError
-    kind = Annotated[TYPES[type(default)], Field(**limits), Unit(units or "")]
-    return kind, Field(default, description=about)
 
 
 def filled(name: str, values, sizes: dict[str, int]) -> np.ndarray:
@@ -59,14 +45,11 @@ def filled(name: str, values, sizes: dict[str, int]) -> np.ndarray:
         values = np.asarray(values, float)
     except (TypeError, ValueError):
         raise RunError(f"the variable {name} is {shown(values)}; it must be numbers.") from None
-    if values.shape == shape:
-        return values
     if values.ndim != len(shape) or np.any(values.shape > np.array(shape)):
         words = " and ".join(f"{size} along {dim}" for dim, size in sizes.items()) or "one value"
         raise RunError(f"the variable {name} has the shape {values.shape}; it may have {words}.")
-    found = np.full(shape, np.nan)
-    found[tuple(map(slice, values.shape))] = values
-    return found
+    gaps = [(0, size - length) for size, length in zip(shape, values.shape, strict=True)]
+    return np.pad(values, gaps, constant_values=np.nan) if gaps else values
 
 
 class Experiment:
@@ -84,103 +67,111 @@ class Experiment:
     def file(self) -> Path:
         """Its file; raises InputError where it cannot be used."""
         if self.name in EXPERIMENTS:
-            return FILES[self.name]
+            return Path(__file__).with_name(f"{self.name}.py")
         known = *EXPERIMENTS, *OBSERVABLES  # whose files of results have these names
         return find_module("experiment", self.name, self.beside, known, "run")
-
-    @property
-    def says(self) -> dict:
-        """Constants at the top of its file; none where there is no such file, as for readers of results."""
-        with suppress(InputError):
-            return constants(self.file)
-        return {}
-
-    def values(self, given) -> dict:
-        """Its VALUES; without its file, as for readers of results, what can be told of given ones."""
-        if self.says or not isinstance(given, dict):
-            return self.says.get("VALUES", {})
-        return {name: (type(value)(), None, "") for name, value in given.items()}
-
-    def section(self, table: dict) -> type[Section]:
-        """The section of such VALUES; raises InputError where they are none."""
-        try:
-            fields = {name: _field(name, *entry) for name, entry in table.items()}
-            return create_model(self.label, __base__=Section, **fields)
-        except (AttributeError, KeyError, TypeError):
-            raise InputError(
-                f"experiment is {self.name!r}; its VALUES must be plain values, name: (default, units, words) or "
-                "(default, units, words, limits), such as 'gap': (1e-3, 'm', 'gap between plates', {'gt': 0})."
-            ) from None
 
     @property
     def code(self):
         """Its module, imported."""
         return load(self.file)
 
-    def run(self, replicate, *args, **options) -> dict:
-        """Make one run; its variables by name, each as long as `sizes` says. Raises RunError where
-        they are not those of its layout."""
-        found, sizes = self.code.run(replicate, *args, **options), self.sizes(replicate)
-        layout = self.layout(replicate.configuration)
-        if wrong := set(found if isinstance(found, dict) else ()) ^ layout.keys():
-            raise RunError(
-                f"the variable {min(wrong)} must be both in VARIABLES and in what {self.name} gives."
-            )
-        return {
-            name: filled(name, each, {dim: sizes[dim] for dim in layout[name][0]})
-            for name, each in found.items()
-        }
+    @property
+    def constants(self) -> dict:
+        """Those at the top of its file; none where there is no such file, as for readers of results."""
+        with suppress(InputError):
+            return constants(self.file)
+        return {}
 
     @property
     def observed(self) -> bool:
         """Whether it records record.observables."""
-        return self.says.get("OBSERVED", False)
+        return self.constants.get("OBSERVED", False)
+
+    def values(self, given) -> dict:
+        """Its VALUES; without its file, what can be known of those that are given."""
+        if self.constants or not isinstance(given, dict):
+            return self.constants.get("VALUES", {})
+        return {name: (type(value)(), None, "") for name, value in given.items()}
+
+    def section(self, table: dict) -> type[Section]:
+        """The section of such VALUES; raises InputError where they are none."""
+        fields = {}
+        try:
+            for name, (default, units, about, *limits) in table.items():
+                bounds = dict(*limits)
+                if hasattr(Section, name) or not bounds.keys() <= BOUNDS.keys():
+                    raise KeyError(name)
+                kind = Annotated[TYPES[type(default)], Field(**bounds), Unit(units or "")]
+                fields[name] = kind, Field(default, description=about)
+            return create_model(self.label, __base__=Section, **fields)
+        except (AttributeError, KeyError, TypeError, ValueError):
+            raise InputError(
+                f"experiment is {self.name!r}; its VALUES must be plain values, name: (default, units, words) or "
+                "(default, units, words, limits), such as 'gap': (1e-3, 'm', 'gap between plates', {'gt': 0})."
+            ) from None
+
+    def run(self, replicate, *args, **options) -> dict:
+        """Make one run; its variables by name, each as long as `sizes` says. Raises RunError where
+        they are not those of its layout."""
+        values, sizes = self.code.run(replicate, *args, **options), self.sizes(replicate)
+        layout = self.layout(replicate.configuration)
+        if wrong := set(values if isinstance(values, dict) else ()) ^ layout.keys():
+            raise RunError(
+                f"the variable {min(wrong)} must be both in VARIABLES and in what {self.name} gives."
+            )
+        return {
+            name: filled(name, value, {dim: sizes[dim] for dim in layout[name][0]})
+            for name, value in values.items()
+        }
 
     def files(self, configuration) -> tuple[Path, ...]:
         """Its file and those of its observables; raises InputError where one cannot be used."""
         names = configuration.observables if self.observed else ()
         return self.file, *(file_of(name, configuration.beside) for name in names)
 
-    def said(self, configuration, name: str) -> dict:
+    def table(self, configuration, name: str) -> dict:
         """A constant of all these files."""
-        found = {}
-        for file in self.files(configuration):
-            found |= constants(file).get(name, {})
-        return found
+        tables = (constants(file).get(name, {}) for file in self.files(configuration))
+        return {key: value for table in tables for key, value in table.items()}
 
     def along(self, configuration) -> dict:
         """Variables along its dimensions, as VARIABLES."""
-        return (AXES if self.observed else {}) | self.said(configuration, "AXIS")
+        return (AXES if self.observed else {}) | self.table(configuration, "AXIS")
 
     def layout(self, configuration) -> dict:
         """The variables of a run, as in dem.io.dataset; raises InputError where two have one name."""
         if not self.observed:
-            return self.says["VARIABLES"]
-        found = dict(OF_RUN)
+            return self.constants["VARIABLES"]
+        layout = dict(OF_RUN)
         for name in configuration.observables:
-            more = variables_of(name, configuration.beside)
-            if twice := more.keys() & found.keys():
+            variables = variables_of(name, configuration.beside)
+            if twice := variables.keys() & layout.keys():
                 raise InputError(
                     f"record.observables has {name!r}; runs have a variable {min(twice)} without it, "
                     "rename that in your file."
                 )
-            found |= more
-        if configuration.packing.pressure is None:  # all walls are at rest
-            found.pop("top_y", None)
-        return found
+            layout |= variables
+        for name, path in (
+            ("top_y", "packing.pressure"),
+            ("cylinder_orientation", "cylinder.spin"),
+        ):
+            if configuration.at(path) is None:  # it does not move, or turn
+                layout.pop(name, None)
+        return layout
 
     def variables(self, configuration, observable: str) -> dict:
         """Those of a combined file, by its name without .nc."""
         if not self.observed:
-            return self.says["VARIABLES"]
-        own = f"{observable}.py"
-        name = own if own in configuration.observables else observable
+            return self.constants["VARIABLES"]
+        file = f"{observable}.py"
+        name = file if file in configuration.observables else observable
         return variables_of(name, configuration.beside) | OF_RUN
 
     def names(self, configuration) -> set[str]:
         """Names of the variables and dimensions of a run."""
-        every = self.layout(configuration) | self.along(configuration)
-        return {*every, *(dim for dims, *_ in every.values() for dim in dims)}
+        layout = self.layout(configuration) | self.along(configuration)
+        return {*layout, *(dim for dims, *_ in layout.values() for dim in dims)}
 
     def sizes(self, replicate) -> dict[str, int]:
         """Length of every dimension of a run."""
@@ -188,18 +179,15 @@ class Experiment:
 
     def lengths(self, configuration) -> dict[str, int]:
         """Length of the dimensions that all runs of a configuration share."""
-        sizes = self.said(configuration, "SIZES").items()
+        sizes = self.table(configuration, "SIZES").items()
         return {
             dim: configuration.at(size) if isinstance(size, str) else size for dim, size in sizes
         }
 
     def axes(self, configuration) -> dict:
         """Values along these dimensions, by the names of `along`."""
-        found = {}
-        for file in self.files(configuration):
-            if "axes" in definitions(file):
-                found |= load(file).axes(configuration)
-        return found
+        files = [file for file in self.files(configuration) if "axes" in definitions(file)]
+        return {k: v for file in files for k, v in load(file).axes(configuration).items()}
 
     def duration(self, replicate) -> float | None:
         """Time (s) that a run simulates; None where it prepares beds, or is a file that would run here."""
@@ -218,26 +206,27 @@ class Experiment:
                     f"the dimension {dim} of SIZES has the length {length}; it must be a whole number from 1 on, or "
                     "the path of one."
                 )
-        known = {*lengths, "granule"}
-        layout = self.layout(configuration)
+        layout, known = self.layout(configuration), {*lengths, "granule"}
         taken = self.names(configuration) & {*LABELS, *OF_STORE, *OF_SWEEP}
-        taken |= layout.keys() & {*known, *self.along(configuration)}
-        if taken:
+        if taken := taken | layout.keys() & {*known, *self.along(configuration)}:
             raise InputError(f"{min(taken)} has two meanings in files of its runs; rename yours.")
         for name, (dims, *_) in layout.items():
-            if strange := [dim for dim in dims if dim not in known]:
+            if unknown := [dim for dim in dims if dim not in known]:
                 raise InputError(
-                    f"the variable {name} is over {strange[0]}; its dimensions may be {', '.join(sorted(known))}."
+                    f"the variable {name} is over {unknown[0]}; its dimensions may be {', '.join(sorted(known))}."
                 )
 
     def motions(self, replicate) -> set:
         """What selects the machine code of what it moves: has that friction, damping, gravity, a ledger;
-        does a wall hold a pressure; how are contacts of ellipses found?"""
-        if self.says.get("BED_ALONE"):
+        does a wall hold a pressure; how are contacts of ellipses found; the outline of the cylinder."""
+        if self.constants.get("BED_ALONE"):
             return set()
         c = replicate.configuration
-        rough = any((c.friction.granule, c.friction.wall, c.friction.cylinder))
+        walls = (c.at(f"walls.{name}.friction") for name in ("left", "right", "bottom", "top"))
+        rough = any((c.friction.granule, c.friction.wall, c.friction.cylinder, *walls))
+        rough |= bool(c.at("second.friction"))
+        outline = c.at("cylinder.outline") or "circle"
         ellipse = c.ellipse if replicate.shape.kind == "ellipse" else type(c.ellipse)()
         has = c.gravity > 0, "ledger" in c.observables, c.packing.pressure is not None
-        own = () if self.observed else (self.name,)
-        return {(rough, c.material.restitution < 1, *has, str(ellipse), *own)}
+        name = () if self.observed else (self.name,)
+        return {(rough, c.material.restitution < 1, *has, str(ellipse), outline, *name)}

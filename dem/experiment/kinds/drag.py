@@ -1,4 +1,4 @@
-"""The paper's experiment: draw a cylinder upwards through a bed at rest and record it."""
+"""The paper's experiment: draw a cylinder through a bed at rest and record it."""
 
 import time
 from pathlib import Path
@@ -8,12 +8,13 @@ import numpy as np
 
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.result import Record
-from dem.experiment.bed import cylinder, diameters, make_bed, thickness
+from dem.experiment.bed import diameters, make_bed, solids, thickness
+from dem.experiment.box import ahead_of
 from dem.experiment.config import Configuration, Replicate
-from dem.experiment.motion import Motion
 from dem.experiment.observables import module_of
-from dem.experiment.resume import Going, resumed, stacked, write_checkpoint
+from dem.experiment.resume import PartialRun, resumed, stacked
 from dem.experiment.scene import start
+from dem.experiment.snapshots import Snapshots
 from dem.io.dataset import WALLS
 from dem.packing.random import Bed
 
@@ -24,9 +25,12 @@ BINS_A_CALL = 20  # between two signs of progress
 SAVED_EVERY = 60.0  # s between two checkpoints
 
 
-class Seen(NamedTuple):
-    """All that a run has seen, for its observables: bins of the stroke in record; states (s,) at
-    snapshots."""
+class RunData(NamedTuple):
+    """What observables measure.
+
+    record: of the bins of the stroke
+    states: at the snapshots
+    """
 
     replicate: Replicate
     bed: Bed
@@ -34,33 +38,26 @@ class Seen(NamedTuple):
     states: list
 
     @property
-    def moved(self) -> np.ndarray:
-        """Displacement (s,) of the cylinder at the snapshots (m)."""
-        own = self.replicate.configuration
-        return np.linspace(0.0, own.cylinder.stroke, own.record.snapshots)
-
-    @property
-    def motion(self) -> Motion:
-        """The snapshots."""
-        _, start = cylinder(self.replicate, self.bed.height).position
-        return Motion(
+    def snapshots(self) -> Snapshots:
+        """The states as arrays, with all that is needed to draw and to measure them."""
+        own, height = self.replicate.configuration, np.full(len(self.states), self.bed.height)
+        every = len(self.record.time_step) // (len(height) - 1)
+        if own.packing.pressure is not None:
+            height[1:] = self.record.wall_offset[every - 1 :: every, -1]
+        cylinder, *_ = solids(self.replicate, self.bed.height)
+        angle = np.full(len(height), cylinder.angle)
+        angle[1:] = self.record.solid_angle[every - 1 :: every, 0]
+        displacement = np.linspace(0.0, own.cylinder.stroke, own.record.snapshots)
+        return Snapshots(
             self.replicate,
-            self.height,
-            self.moved,
-            start + self.moved,
+            height,
+            displacement,
+            cylinder.position[1] + ahead_of(own.cylinder)[1] * displacement,
             np.stack([state.position for state in self.states]),
             np.stack([state.angle for state in self.states]),
             diameters(self.replicate),
+            cylinder_orientation=angle if own.cylinder.spin is not None else None,
         )
-
-    @property
-    def height(self) -> np.ndarray:
-        """Height (s,) of the box at the snapshots (m)."""
-        found = np.full(len(self.states), self.bed.height)
-        if self.replicate.configuration.packing.pressure is not None:
-            every = len(self.record.wall_offset) // (len(found) - 1)
-            found[1:] = self.record.wall_offset[every - 1 :: every, -1]
-        return found
 
 
 def axes(configuration: Configuration) -> dict:
@@ -88,48 +85,39 @@ def run(
     to remove once the result is on disk. Raises RunError where the run fails.
     """
     bed, own = bed or make_bed(replicate), replicate.configuration
-    record = own.record
-    observables = [module_of(name, own.beside) for name in record.observables]
+    bins, every = own.record.bins, own.record.bins // (own.record.snapshots - 1)
+    observables = [module_of(name, own.beside) for name in own.record.observables]
     ledger = any(getattr(module, "LEDGER", False) for module in observables)
     simulation = start(replicate, bed, ledger=ledger, threads=1 if ledger else own.threads)
-    interval = own.cylinder.stroke / own.cylinder.velocity / record.bins
-    every = record.bins // (record.snapshots - 1)
-    simulation.check_duration(interval * record.bins)
+    interval = own.cylinder.stroke / own.cylinder.velocity / bins
+    simulation.check_duration(interval * bins)
 
     def look():
-        return {k: v for each in looking for k, v in each.look(simulation).items()}
+        functions = (module.look for module in observables if hasattr(module, "look"))
+        return {k: v for function in functions for k, v in function(simulation).items()}
 
-    looking = [module for module in observables if hasattr(module, "look")]
-    begun = Going([], [simulation.state], [look()], 0.0)
-    going = (checkpoint and resumed(checkpoint, replicate, bed, simulation)) or begun
-    done, saved_at = going.bins, time.monotonic()
-    while done < record.bins:
+    partial = checkpoint and resumed(checkpoint, replicate, bed, simulation)
+    partial = partial or PartialRun([], [simulation.state], [look()])
+    done, saved_at = partial.bins, time.monotonic()
+    while done < bins:
         started = time.process_time()
-        some = min(every - done % every, BINS_A_CALL)
-        going.records.append(simulation.record(interval, some))
-        done += some
+        partial.records.append(simulation.record(interval, min(every - done % every, BINS_A_CALL)))
+        done = partial.bins
         if done % every == 0:
-            going.states.append(simulation.state)
-            going.looks.append(look())
-        going = going._replace(spent=going.spent + time.process_time() - started)
-        progress(done / record.bins)
+            partial.states.append(simulation.state)
+            partial.looks.append(look())
+        partial.spent += time.process_time() - started
+        progress(done / bins)
         if checkpoint is not None and time.monotonic() - saved_at > SAVED_EVERY:
-            write_checkpoint(checkpoint, replicate, bed, simulation, going)
+            partial.save(checkpoint, replicate, bed, simulation)
             saved_at = time.monotonic()
-    whole = Record(*map(np.concatenate, zip(*going.records, strict=True)))
-    seen = Seen(replicate, bed, whole, going.states)
-    values = {"run_time": going.spent, "steps": simulation.steps}
-    values |= stacked(going.looks)
+    data = RunData(replicate, bed, partial.record, partial.states)
+    values = {"run_time": partial.spent, "steps": simulation.steps} | stacked(partial.looks)
     for module in observables:
         if hasattr(module, "measure"):
-            values |= module.measure(seen)
-    return values | _of_bed(replicate, bed)
-
-
-def _of_bed(replicate: Replicate, bed: Bed) -> dict:
-    material = replicate.configuration.material
-    modulus = effective_modulus(material, material)
-    return {
+            values |= module.measure(data)
+    modulus = effective_modulus(own.material, own.material)
+    return values | {
         "box_height": bed.height,
         "packing_pressure": bed.pressure * modulus / thickness(replicate),
         "packing_coordination_number": bed.coordination_number,

@@ -6,8 +6,6 @@ where the bed jams. Pressure is taken as load: force on the walls per length, th
 dimensions. Friction while the granules grow is packing.friction.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from dem.base.errors import PackingError
@@ -37,41 +35,15 @@ NOISE = 5e-5  # a bed under less load may be at rest without being jammed
 ENOUGH = 1.1e-3  # here the line is long enough
 
 
-class Path(NamedTuple):
-    """fraction (k,) and load (k,), over E* and the mean diameter, along the growth of one bed;
-    jamming: fraction where it jams; slope: of load^(2/3) against fraction."""
-
-    fraction: np.ndarray
-    load: np.ndarray
-    jamming: float
-    slope: float
-
-
-def compress(replicate: Replicate) -> Path:
-    """Grow the granules of a run until the bed is well above jamming; NaN where no bed is found."""
-    own = replicate.configuration
-    prepare = PREPARATIONS[own.packing.preparation]
-    fractions, loads = [], []
-    try:
-        press = Press(*room_of(replicate), own.packing.friction, prepare)
-        for fraction in START + STEP * np.arange(STEPS):
-            loads.append(press.press(fraction) / replicate.shape.diameter)
-            fractions.append(fraction)
-            if loads[-1] > ENOUGH:
-                break
-    except PackingError:
-        return Path(np.array(fractions), np.array(loads), np.nan, np.nan)
-    return line(np.array(fractions), np.array(loads))
-
-
-def line(fraction: np.ndarray, load: np.ndarray) -> Path:
-    """The Path through these points; NaN where fewer than three are above the noise."""
+def line(fraction: np.ndarray, load: np.ndarray) -> tuple[float, float]:
+    """Packing fraction where a bed jams, and slope of load^(2/3) there; NaN where fewer than three
+    points are above the noise."""
     quiet = np.flatnonzero(load <= NOISE)
     start = quiet[-1] + 1 if len(quiet) else 0
     if len(fraction) - start < 3:
-        return Path(fraction, load, np.nan, np.nan)
+        return np.nan, np.nan
     slope, height = np.polyfit(fraction[start:], load[start:] ** (2.0 / 3.0), 1)
-    return Path(fraction, load, -height / slope, slope)
+    return -height / slope, slope
 
 
 def axes(configuration: Configuration) -> dict:
@@ -80,13 +52,20 @@ def axes(configuration: Configuration) -> dict:
 
 
 def run(replicate: Replicate, bed=None, progress=lambda done: None) -> dict:
-    """Grow the bed of a run until it jams; returns the variables of a run by name."""
-    path = compress(replicate)
-    load = np.full(STEPS, np.nan)
-    load[: len(path.load)] = path.load
+    """Grow the granules of a run until the bed is well above jamming; returns the variables of a run by
+    name, NaN where no bed is found."""
+    packing, loads = replicate.configuration.packing, []
+    fractions = START + STEP * np.arange(STEPS)
+    try:
+        press = Press(*room_of(replicate), packing.friction, PREPARATIONS[packing.preparation])
+        while len(loads) < STEPS and (not loads or loads[-1] <= ENOUGH):
+            loads.append(press.press(fractions[len(loads)]) / replicate.shape.diameter)
+        jamming, slope = line(fractions[: len(loads)], np.array(loads))
+    except PackingError:
+        jamming = slope = np.nan
     return {
-        "jam_fraction": path.jamming,
-        "jam_slope": path.slope,
-        "jam_load": load,
-        "jam_friction": replicate.configuration.packing.friction,
+        "jam_fraction": jamming,
+        "jam_slope": slope,
+        "jam_load": loads,
+        "jam_friction": packing.friction,
     }

@@ -6,8 +6,6 @@ bed goes as the distance from the onset to the power of 3/2 (O'Hern et al. 2003,
 bed is chosen nearer to that by the same factor.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from dem.base.errors import PackingError
@@ -50,20 +48,10 @@ PATIENCE = 100_000  # iterations of FIRE
 HOLDING = 3  # contacts that hold a granule of two dimensions, round or not, without friction
 
 
-class Onset(NamedTuple):
-    """fraction: packing fraction at the onset; load: of the last bed, over E* and the mean
-    diameter; contacts: between granules that are no rattlers; rattlers: their number."""
-
-    fraction: float
-    load: float
-    contacts: int
-    rattlers: int
-
-
-def find(replicate: Replicate) -> Onset:
-    """The onset of jamming of the bed of a run; raises PackingError where none is found."""
-    press = Press(*room_of(replicate))
-    unit = replicate.shape.diameter
+def run(replicate: Replicate, bed=None, progress=lambda done: None) -> dict:
+    """Find the onset of jamming of a run; returns the variables of a run by name. Raises PackingError
+    where there is none."""
+    press, unit = Press(*room_of(replicate)), replicate.shape.diameter
     for _ in range(STEPS):
         load = press.press(press.fraction + STEP, GROWN, PATIENCE) / unit
         if load > JAMMED and (fraction := _loosen(press, load, unit)):
@@ -77,7 +65,12 @@ def find(replicate: Replicate) -> Onset:
     contacts = ContactList(*(column[holds] for column in contacts))
     firm = backbone(contacts, replicate.shape.granules)
     between = firm[contacts.granule] & firm[contacts.partner] & (contacts.partner >= 0)
-    return Onset(fraction, press.pressure / unit, int(between.sum()), int((~firm).sum()))
+    return {
+        "onset_fraction": fraction,
+        "onset_load": press.pressure / unit,
+        "onset_contacts": between.sum(),
+        "onset_rattlers": (~firm).sum(),
+    }
 
 
 def _loosen(press: Press, load: float, unit: float) -> float | None:
@@ -102,17 +95,10 @@ def backbone(contacts: ContactList, granules: int) -> np.ndarray:
     Walls and cylinder are none. Those with too few are taken out until none is left.
     """
     first, second = contacts.granule, contacts.partner
-    firm = np.ones(granules, bool)
-    while True:
+    firm, kept = np.zeros(granules, bool), np.ones(granules, bool)
+    while (kept != firm).any():
+        firm = kept
         both = firm[first] & ((second < 0) | firm[second])
         ends = np.concatenate([first[both], second[both & (second >= 0)]])
         kept = firm & (np.bincount(ends, minlength=granules) >= HOLDING)
-        if (kept == firm).all():
-            return firm
-        firm = kept
-
-
-def run(replicate: Replicate, bed=None, progress=lambda done: None) -> dict:
-    """Find the onset of jamming of a run; returns the variables of a run by name."""
-    found = find(replicate)
-    return {f"onset_{name}": float(value) for name, value in found._asdict().items()}
+    return firm

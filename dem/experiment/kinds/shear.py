@@ -7,6 +7,7 @@ da Cruz et al. (2005, Phys. Rev. E 72, 021309), with Hertzian contacts.
 """
 
 import time
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ from dem.motion import Drive, Held
 from dem.packing.random import Bed
 from dem.scene import Scene, State
 
+S = ("shear_strain",)
 VARIABLES = {
     "run_time": (
         (),
@@ -27,25 +29,25 @@ VARIABLES = {
         "processor time of the run; the first run of a process loads or compiles kernels too",
     ),
     "steps": ((), "1", "number of time steps of the run"),
-    "shear_stress": (("shear_strain",), "Pa", "shear stress in the middle of the bed"),
-    "normal_stress": (("shear_strain",), "Pa", "stress across the flow in the middle of the bed"),
-    "shear_rate": (("shear_strain",), "s-1", "gradient of the velocity in the middle of the bed"),
-    "shear_fraction": (("shear_strain",), "1", "packing fraction in the middle of the bed"),
+    "shear_stress": (S, "Pa", "shear stress in the middle of the bed"),
+    "normal_stress": (S, "Pa", "stress across the flow in the middle of the bed"),
+    "shear_rate": (S, "s-1", "gradient of the velocity in the middle of the bed"),
+    "shear_fraction": (S, "1", "packing fraction in the middle of the bed"),
     "lid_shear_stress": (
-        ("shear_strain",),
+        S,
         "Pa",
         "shear stress on the lid, mean since the sample before",
     ),
     "lid_normal_stress": (
-        ("shear_strain",),
+        S,
         "Pa",
         "normal stress on the lid, mean since the sample before",
     ),
-    "shear_height": (("shear_strain",), "m", "distance between the mean heights of both walls"),
+    "shear_height": (S, "m", "distance between the mean heights of both walls"),
 }
 AXIS = {
     "shear_strain": (
-        ("shear_strain",),
+        S,
         "1",
         "strain since the first sample, by the lid's velocity",
     ),
@@ -66,8 +68,13 @@ FALLS = 3.0
 
 
 class Cell(NamedTuple):
-    """scene: granules between rough walls; state: with the flow that is asked for; rate: of shear
-    (1/s) that is asked for; area: of the lid (m2); settle: time (s) before anything is measured."""
+    """Granules between rough walls, and how they are sheared.
+
+    state:  with the flow that is asked for
+    rate:   of shear that is asked for (1/s)
+    area:   of the lid (m2)
+    settle: time before anything is measured (s)
+    """
 
     scene: Scene
     state: State
@@ -76,82 +83,64 @@ class Cell(NamedTuple):
     settle: float
 
 
-def rate_of(configuration: Configuration, label: str, density: float) -> float:
+def rate_of(replicate: Replicate) -> float:
     """Rate of shear (1/s) of the inertial number I = rate sqrt(m / (pressure thickness))."""
-    wanted, diameter = configuration.shear, configuration.shapes[label].diameter
-    area = 0.25 * np.pi * diameter**2  # of the mean granule; the thickness cancels
-    return float(wanted.inertial_number / np.sqrt(density * area / wanted.pressure))
+    shear = replicate.configuration.shear
+    area = 0.25 * np.pi * replicate.shape.diameter**2  # of the mean granule; the thickness cancels
+    return float(shear.inertial_number / np.sqrt(replicate.density * area / shear.pressure))
 
 
 def make_cell(replicate: Replicate, bed: Bed) -> Cell:
     """The bed of a run between rough walls, the upper one pressed down and moved."""
-    own, diameter = replicate.configuration, replicate.shape.diameter
-    scene = make_scene(replicate, bed)
+    shear, diameter = replicate.configuration.shear, replicate.shape.diameter
+    scene, rate = make_scene(replicate, bed), rate_of(replicate)
     height = bed.position[:, 1]
     floor, lid = height < THICK * diameter, height > bed.height - THICK * diameter
-    rate = rate_of(own, replicate.label, replicate.density)
     low, high = height[floor].max(), height[lid].min()
     speed = rate * (high - low)
     area = bed.width * scene.thickness
-    force = own.shear.pressure * area
+    force = shear.pressure * area
     # yields to a wave of the bed, and keeps the pressure where the lid moves at much less than the shear
     damping = bed.width / diameter * np.sqrt(scene.mass.mean() * force / bed.width)
     drive = Drive((None, -force), float(scene.mass[lid].sum()), float(damping), (speed, 0.0))
-    scene = Scene(
-        scene.shape,
-        scene.material,
-        scene.friction,
-        thickness=scene.thickness,
-        periodic=scene.periodic,
-        held=[Held(floor), Held(lid, drive)],
-    )
+    scene = replace(scene, walls=None, held=[Held(floor), Held(lid, drive)])
     flow = np.clip(rate * (height - low), 0.0, speed)
     state = State(bed.position, np.column_stack([flow, np.zeros_like(flow)]), bed.angle)
     fall = np.sqrt(2.0 * bed.height * scene.mass.sum() / force)
-    return Cell(scene, state, rate, area, max(own.shear.settle / rate, FALLS * float(fall)))
+    return Cell(scene, state, rate, area, max(shear.settle / rate, FALLS * float(fall)))
 
 
 def start(replicate: Replicate, cell: Cell) -> Simulation:
     """The simulation of a cell."""
-    numerics = replicate.configuration.numerics
-    return Simulation(cell.scene, cell.state, **numerics.model_dump())
+    return Simulation(cell.scene, cell.state, **replicate.configuration.numerics.model_dump())
 
 
 def duration(replicate: Replicate) -> float:
     """Time (s) that a run simulates, but for what a fast flow takes to settle."""
-    own = replicate.configuration
-    rate = rate_of(own, replicate.label, replicate.density)
-    return (own.shear.settle + own.shear.strain) / rate
-
-
-def brief(replicate: Replicate) -> Replicate:
-    """The same run for an instant."""
-    own = replicate.configuration
-    instant = own.shear.model_copy(update={"settle": 0.0, "strain": 1e-6, "samples": 2})
-    own = own.model_copy(update={"shear": instant})
-    return Replicate(own, replicate.label, replicate.density, replicate.seed)
+    shear = replicate.configuration.shear
+    return (shear.settle + shear.strain) / rate_of(replicate)
 
 
 def warm_up(replicate: Replicate) -> None:
-    """The same for an instant."""
-    run(brief(replicate))
+    """Make the same run for an instant."""
+    instant = {"shear.settle": 0.0, "shear.strain": 1e-6, "shear.samples": 2}
+    own = replicate.configuration.changed(instant, replicate.label)
+    run(Replicate(own, replicate.label, replicate.density, replicate.seed))
 
 
 def run(replicate: Replicate, bed: Bed | None = None, progress=lambda done: None) -> dict:
     """Shear the bed of a run; returns the variables of a run by name. Raises RunError, also where a granule
     gets out between those that are held."""
-    own = replicate.configuration.shear
+    shear = replicate.configuration.shear
     cell = make_cell(replicate, bed or make_bed(replicate))
     simulation = start(replicate, cell)
-    simulation.check_duration(cell.settle + own.strain / cell.rate)
+    simulation.check_duration(cell.settle + shear.strain / cell.rate)
     started = time.process_time()
     simulation.advance(cell.settle)
-    samples = [
-        _sample(simulation, cell, own.strain / own.samples / cell.rate) for _ in range(own.samples)
-    ]
-    found = {name: np.array([each[name] for each in samples]) for name in samples[0]}
-    spent = time.process_time() - started
-    return found | {"run_time": spent, "steps": simulation.steps}
+    interval = shear.strain / shear.samples / cell.rate
+    samples = [_sample(simulation, cell, interval) for _ in range(shear.samples)]
+    values = {name: np.array([sample[name] for sample in samples]) for name in samples[0]}
+    return values | {"run_time": time.process_time() - started, "steps": simulation.steps}
 
 
 def _sample(simulation: Simulation, cell: Cell, interval: float) -> dict[str, float]:
@@ -193,5 +182,5 @@ def _below(line, height: np.ndarray, radius: np.ndarray) -> np.ndarray:
 
 def axes(configuration: Configuration) -> dict:
     """Values along the dimensions that all runs share."""
-    own = configuration.shear
-    return {"shear_strain": own.strain * np.arange(1, own.samples + 1) / own.samples}
+    shear = configuration.shear
+    return {"shear_strain": shear.strain * np.arange(1, shear.samples + 1) / shear.samples}

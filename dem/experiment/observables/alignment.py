@@ -6,6 +6,7 @@ does is the difference to the angles at the start of the same granules.
 
 import numpy as np
 
+from dem.experiment.box import ahead_of
 from dem.periodic import nearest_image
 
 S = ("snapshot",)
@@ -28,40 +29,39 @@ MOVED = 0.01  # mean granule diameters: less motion than that has no direction
 
 
 def alignment(
-    before, after, angles, cylinder, radius: float, diameter: float, drawn: float, periodic=None
+    before, after, angles, cylinder, radius: float, diameter: float, drawn, periodic=None
 ):
     """Mean of cos 2(angle - direction) of the granules near the cylinder; 1: along, 0: at random.
 
     before, after (n, 2): centres (m) at both ends of a motion; angles (k, n): angles of the long
     axes (rad), k times of them, such as now and at the start; cylinder (x, y), its axis (m), at
-    the end; drawn (m): how far it moved, upwards; periodic: periods of the box (m), as of
+    the end; drawn (x, y): how far it moved (m); periodic: periods of the box (m), as of
     dem.Scene. Returns (2, k): with the direction in which each granule moves, and with that in
     which it passes the cylinder. NaN where no granule moves."""
     gap = np.hypot(*nearest_image(after - np.asarray(cylinder), periodic).T) - radius
-    near, found = gap < NEAR * diameter, []
-    for moved in (after - before, after - before - np.array([0.0, drawn])):
-        going = near & (np.hypot(*moved.T) > MOVED * diameter)
-        direction = np.arctan2(moved[going, 1], moved[going, 0])
-        cosine = np.cos(2.0 * (np.asarray(angles)[:, going] - direction))
-        found.append(cosine.mean(axis=1) if going.any() else np.full(len(angles), np.nan))
-    return np.array(found)
+    near, values = gap < NEAR * diameter, []
+    for motion in (after - before, after - before - np.asarray(drawn)):
+        moving = near & (np.hypot(*motion.T) > MOVED * diameter)
+        direction = np.arctan2(motion[moving, 1], motion[moving, 0])
+        cosine = np.cos(2.0 * (np.asarray(angles)[:, moving] - direction))
+        values.append(cosine.mean(axis=1) if moving.any() else np.full(len(angles), np.nan))
+    return np.array(values)
 
 
-def measure(seen) -> dict:
+def measure(run) -> dict:
     """Values of VARIABLES by name; NaN for round granules."""
-    motion, own = seen.motion, seen.replicate.configuration
-    found = np.full((len(VARIABLES), len(motion.displacement)), np.nan)
-    if seen.replicate.shape.ratio > 1.0:
-        for now in range(1, found.shape[1]):
-            cylinder = 0.5 * own.box_width, motion.cylinder_y[now]
-            found[:, now] = alignment(
-                motion.position[now - 1],
-                motion.position[now],
-                motion.angle[[now, 0]],
-                cylinder,
+    snapshots, own = run.snapshots, run.replicate.configuration
+    values = np.full((len(VARIABLES), len(snapshots.displacement)), np.nan)
+    ahead = np.array(ahead_of(own.cylinder))
+    if run.replicate.shape.ratio > 1.0:
+        for now in range(1, values.shape[1]):
+            values[:, now] = alignment(
+                *snapshots.position[now - 1 : now + 1],
+                snapshots.angle[[now, 0]],
+                snapshots.solids(now)[0].position,
                 0.5 * own.cylinder.diameter,
-                seen.replicate.shape.diameter,
-                float(np.diff(motion.displacement[now - 1 : now + 1])[0]),
-                motion.periodic,
+                run.replicate.shape.diameter,
+                (snapshots.displacement[now] - snapshots.displacement[now - 1]) * ahead,
+                snapshots.periodic,
             ).ravel()
-    return dict(zip(VARIABLES, found, strict=True))
+    return dict(zip(VARIABLES, values, strict=True))

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from dem.experiment.box import ahead_of
 from dem.periodic import walled
 
 D = ("displacement",)
@@ -30,18 +31,20 @@ VARIABLES = {
 }
 
 
-def measure(seen) -> dict:
+def measure(run) -> dict:
     """Values of VARIABLES by name."""
-    record = seen.record
+    record = run.record
     normal, tangential = record.normal_force[:, 0], record.tangential_force[:, 0]
+    x, y = ahead_of(run.replicate.configuration.cylinder)
+    along, right = np.array([x, y]), np.array([y, -x])
     total = normal + tangential
     on_walls = np.full((4, len(total)), np.nan)
-    on_walls[walled(seen.bed.periodic)] = record.wall_force.T
+    on_walls[walled(run.bed.periodic)] = record.wall_force.T
     return {
-        "drag": -total[:, 1],
-        "drag_normal": -normal[:, 1],
-        "drag_tangential": -tangential[:, 1],
-        "transverse_force": total[:, 0],
+        "drag": -(total @ along),
+        "drag_normal": -(normal @ along),
+        "drag_tangential": -(tangential @ along),
+        "transverse_force": total @ right,
         "wall_force": on_walls,
         "kinetic_energy": record.kinetic_energy,
         "coordination_number": record.coordination_number,

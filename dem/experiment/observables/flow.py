@@ -43,58 +43,52 @@ def lag_of(displacement: np.ndarray) -> int:
     return max(1, round(LAG / (displacement[1] - displacement[0])))
 
 
-def measure(seen) -> dict:
+def measure(run) -> dict:
     """Values of VARIABLES by name."""
-    return measured(seen.motion)
+    return measures(run.snapshots)
 
 
-def measured(motion) -> dict:
+def measures(snapshots) -> dict:
     """Measures (snapshots,) by name; NaN where the lag reaches back beyond the start."""
-    count, lag = len(motion.displacement), lag_of(motion.displacement)
-    diameter, periodic = motion.replicate.shape.diameter, motion.periodic
-    layers = layers_of(motion.position[0], motion.height[0])
+    count, lag = len(snapshots.displacement), lag_of(snapshots.displacement)
+    diameter, periodic = snapshots.replicate.shape.diameter, snapshots.periodic
+    layers = layers_of(snapshots.position[0], snapshots.height[0])
     values = {name: np.full(count, np.nan) for name in VARIABLES}
-    contacts = [touching(motion, snapshot) for snapshot in range(count)]
-    for now in range(count):
-        after = motion.position[now]
+    contacts = [touching(snapshots, index) for index in range(count)]
+    for now, after in enumerate(snapshots.position):
         values["mixing"][now] = mixing(layers, after, diameter, periodic)
         if now >= lag:
-            before = motion.position[now - lag]
-            drawn = np.ptp(motion.displacement[[now - lag, now]])
-            apart = fluctuation(before, after, diameter, periodic)
-            values["non_affine"][now] = np.nanmean(non_affine(before, after, diameter, periodic))
-            values["fluctuation"][now] = np.nanmean(apart) / drawn
+            motion = snapshots.position[now - lag], after, diameter, periodic
+            stroke = np.ptp(snapshots.displacement[[now - lag, now]])
+            values["non_affine"][now] = np.nanmean(non_affine(*motion))
+            values["fluctuation"][now] = np.nanmean(fluctuation(*motion)) / stroke
             values["contacts_lost"][now] = lost(contacts[now - lag], contacts[now])
     values["mixing"] -= values["mixing"][0]
     return values
 
 
-def touching(motion, snapshot: int) -> np.ndarray:
+def touching(snapshots, index: int) -> np.ndarray:
     """Pairs of granules in contact at a snapshot, each once, as one number."""
-    found = motion.contacts(snapshot)
-    low, high = np.minimum(found.granule, found.partner), np.maximum(found.granule, found.partner)
-    return np.unique((low * len(motion.diameters) + high)[low >= 0])
+    contacts = snapshots.contacts(index)
+    low, high = np.sort([contacts.granule, contacts.partner], axis=0)
+    return np.unique((low * len(snapshots.diameters) + high)[low >= 0])
 
 
-def pairs_within(position, distance, periodic=None):
-    """Pairs (m, 2) of granules whose centres are nearer than a distance, each once."""
+def neighbors(position, distance: float, periodic=None) -> tuple[np.ndarray, np.ndarray]:
+    """Granules (m,) and others (m,) whose centres are nearer than a distance, from both sides."""
     from scipy.spatial import cKDTree
 
     size = periodic and [period or 0.0 for period in periodic]  # 0: not periodic
     tree = cKDTree(wrapped(position, periodic), boxsize=size)
-    return tree.query_pairs(distance, output_type="ndarray")
+    i, j = tree.query_pairs(distance, output_type="ndarray").T
+    return np.concatenate([i, j]), np.concatenate([j, i])
 
 
-def both_ways(pairs):
-    """Every pair from both sides: granules (2 m,) and their neighbours (2 m,)."""
-    return np.concatenate([pairs[:, 0], pairs[:, 1]]), np.concatenate([pairs[:, 1], pairs[:, 0]])
-
-
-def sums(values, index, count):
+def sums(values, index, count: int) -> np.ndarray:
     """Sums (count, ...) of values (m, ...) by index (m,)."""
-    columns = values.reshape(len(values), -1).T
-    found = [np.bincount(index, column, count) for column in columns]
-    return np.stack(found, axis=-1).reshape(count, *values.shape[1:])
+    total = np.zeros((count, *values.shape[1:]))
+    np.add.at(total, index, values)
+    return total
 
 
 def non_affine(before, after, diameter: float, periodic=None) -> np.ndarray:
@@ -103,7 +97,7 @@ def non_affine(before, after, diameter: float, periodic=None) -> np.ndarray:
     The mean squared distance of the neighbours from where the best affine motion of the
     neighbourhood would have brought them (Phys. Rev. E 57, 7192, 1998).
     """
-    i, j = both_ways(pairs_within(before, AROUND * diameter, periodic))
+    i, j = neighbors(before, AROUND * diameter, periodic)
     apart, n = before[j] - before[i], len(before)
     old = nearest_image(apart, periodic)
     new = after[j] - after[i] + (old - apart)  # of the same image
@@ -113,17 +107,16 @@ def non_affine(before, after, diameter: float, periodic=None) -> np.ndarray:
     enough = count >= 3
     affine = np.full((n, 2, 2), np.nan)
     affine[enough] = crossed[enough] @ np.linalg.inv(squared[enough])
-    left = new - np.einsum("mab,mb->ma", affine[i], old)
-    found = sums((left**2).sum(axis=1), i, n) / np.maximum(count, 1) / diameter**2
-    return np.where(enough, found, np.nan)
+    rest = new - np.einsum("mab,mb->ma", affine[i], old)
+    mean = sums((rest**2).sum(axis=1), i, n) / np.maximum(count, 1)
+    return np.where(enough, mean / diameter**2, np.nan)
 
 
 def fluctuation(before, after, diameter: float, periodic=None) -> np.ndarray:
     """Size (n,) in m of a granule's displacement less the mean of its neighbours'."""
-    i, j = both_ways(pairs_within(before, AROUND * diameter, periodic))
-    moved, n = after - before, len(before)
-    count = np.bincount(i, minlength=n)
-    around = sums(moved[j], i, n) / np.maximum(count, 1)[:, None]
+    i, j = neighbors(before, AROUND * diameter, periodic)
+    moved, count = after - before, np.bincount(i, minlength=len(before))
+    around = sums(moved[j], i, len(before)) / np.maximum(count, 1)[:, None]
     return np.where(count > 0, np.linalg.norm(moved - around, axis=1), np.nan)
 
 
@@ -134,8 +127,8 @@ def layers_of(start, height: float, layers: int = LAYERS) -> np.ndarray:
 
 def mixing(layers, position, diameter: float, periodic=None) -> float:
     """Share of the pairs of granules beside each other that are of different layers."""
-    pairs = pairs_within(position, NEAR * diameter, periodic)
-    return float((layers[pairs[:, 0]] != layers[pairs[:, 1]]).mean())
+    i, j = neighbors(position, NEAR * diameter, periodic)
+    return float((layers[i] != layers[j]).mean())
 
 
 def lost(before: np.ndarray, after: np.ndarray) -> float:

@@ -2,6 +2,7 @@
 
 VARIABLES = {
     "cylinder_y": (("snapshot",), "m", "height of the axis of the cylinder above the floor"),
+    "cylinder_orientation": (("snapshot",), "rad", "angle of a cylinder that has a spin"),
     "top_y": (
         ("snapshot",),
         "m",
@@ -18,16 +19,18 @@ VARIABLES = {
 }
 
 
-def measure(seen) -> dict:
+def measure(run) -> dict:
     """Values of VARIABLES by name."""
-    motion = seen.motion
-    found = {
-        "cylinder_y": motion.cylinder_y,
-        "granule_x": motion.position[:, :, 0],
-        "granule_y": motion.position[:, :, 1],
-        "granule_angle": motion.angle,
-        "granule_diameter": motion.diameters,
+    snapshots = run.snapshots
+    values = {
+        "cylinder_y": snapshots.cylinder_y,
+        "granule_x": snapshots.position[:, :, 0],
+        "granule_y": snapshots.position[:, :, 1],
+        "granule_angle": snapshots.angle,
+        "granule_diameter": snapshots.diameters,
     }
-    if seen.replicate.configuration.packing.pressure is not None:
-        found["top_y"] = motion.height
-    return found
+    if run.replicate.configuration.packing.pressure is not None:
+        values["top_y"] = snapshots.height
+    if snapshots.cylinder_orientation is not None:
+        values["cylinder_orientation"] = snapshots.cylinder_orientation
+    return values

@@ -29,8 +29,7 @@ VARIABLES = {
 
 def look(simulation) -> dict:
     """Values of VARIABLES by name, at one snapshot."""
-    found = simulation.stress()
-    (xx, xy), (yx, yy) = found.contact
-    kinetic = 0.5 * found.kinetic.trace()
-    values = xx, xy, yx, yy, kinetic, found.anisotropy, found.fabric_angle
+    stress = simulation.stress()
+    kinetic = 0.5 * stress.kinetic.trace()
+    values = *stress.contact.ravel(), kinetic, stress.anisotropy, stress.fabric_angle
     return dict(zip(VARIABLES, values, strict=True))

@@ -8,6 +8,8 @@ import math
 import numpy as np
 
 from dem.experiment.bed import diameters
+from dem.experiment.box import area_of_solids
+from dem.periodic import walled
 
 D = ("displacement",)
 VARIABLES = {
@@ -16,12 +18,12 @@ VARIABLES = {
 }
 
 
-def measure(seen) -> dict:
+def measure(run) -> dict:
     """Values of VARIABLES by name."""
-    offset = seen.record.wall_offset
-    turns = seen.bed.periodic is not None and seen.bed.periodic[1] is not None
-    height = np.full(len(offset), np.nan) if turns else offset[:, -1]
-    own = seen.replicate.configuration
-    granules = 0.25 * math.pi * np.sum(np.square(diameters(seen.replicate)))
-    room = own.box_width * height - 0.25 * math.pi * own.cylinder.diameter**2
+    own, periodic = run.replicate.configuration, run.bed.periodic
+    height = (
+        run.record.wall_offset[:, -1] if walled(periodic)[-1] else np.nan * run.record.time_step
+    )
+    granules = 0.25 * math.pi * np.sum(np.square(diameters(run.replicate)))
+    room = own.box_width * height - area_of_solids(own)
     return {"top_height": height, "bed_fraction": granules / room}

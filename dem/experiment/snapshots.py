@@ -7,18 +7,21 @@ import numpy as np
 
 from dem.dynamics.contact_list import ContactList
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import periods, shaped
+from dem.experiment.bed import periods, shaped, solids
+from dem.experiment.box import ahead_of
 from dem.experiment.config import Replicate
 from dem.experiment.scene import make_scene
 from dem.packing.random import Bed
 from dem.periodic import Periods
+from dem.solids import Solid
 
 
-class Motion(NamedTuple):
+class Snapshots(NamedTuple):
     """Snapshots s of granules n. SI units.
 
-    height (s,): of the box, up to its top wall; displacement, cylinder_y (s,); position (s, n, 2), not wrapped at periodic sides; angle (s, n); diameters (n,); drag (bins,)
-    at drag_displacement (bins,), None where it is not asked for.
+    height (s,): of the box, up to its top wall; displacement, cylinder_y (s,), cylinder_orientation (s,;
+    None: it does not turn); position (s, n, 2), not wrapped at periodic sides; angle (s, n);
+    diameters (n,); drag (bins,) at drag_displacement (bins,), None where it is not asked for.
     """
 
     replicate: Replicate
@@ -30,6 +33,7 @@ class Motion(NamedTuple):
     diameters: np.ndarray
     drag_displacement: np.ndarray | None = None
     drag: np.ndarray | None = None
+    cylinder_orientation: np.ndarray | None = None
 
     @property
     def periodic(self) -> Periods:
@@ -56,8 +60,20 @@ class Motion(NamedTuple):
             *(np.nan,) * 4,
             self.periodic,
         )
-        scene = make_scene(replicate, bed)
-        (drawn,) = scene.solids
-        axis = drawn.position[0], float(self.cylinder_y[snapshot])
-        scene = replace(scene, solids=replace(drawn, position=axis))
+        scene = replace(make_scene(replicate, bed), solids=self.solids(snapshot))
         return Simulation(scene, bed.state).contacts()
+
+    def solids(self, snapshot: int) -> tuple[Solid, ...]:
+        """The cylinder, and a second one, where they are at a snapshot."""
+        first, *others = solids(self.replicate, self.height[0])
+        way = self.displacement[snapshot] * np.array(
+            ahead_of(self.replicate.configuration.cylinder)
+        )
+        place = first.position[0] + way[0], float(self.cylinder_y[snapshot])
+        turn = (
+            first.angle
+            if self.cylinder_orientation is None
+            else self.cylinder_orientation[snapshot]
+        )
+        first = replace(first, position=place, angle=turn)
+        return first, *(replace(solid, position=solid.position + way) for solid in others)

@@ -1,0 +1,1 @@
+"""What forces do intruders of other outlines, and pairs of cylinders, feel?"""

@@ -1,0 +1,57 @@
+"""Drag and side force of single intruders: by their outline, and of a plate against its angle."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from dem.analysis.statistics import window_text, within
+from dem.base.intervals import mean_interval
+from dem.figures import style
+from studies.common.marks import marks
+
+FILE = "solids"
+CAPTION = "Drag and side force of intruders by their outline, and of a plate by its angle"
+AXES = {"intruder": 2, "seed": 2}
+PLATE = "plate "  # how the label of a plate begins, before its angle in degrees
+
+
+def force(dataset: xr.Dataset, name: str) -> xr.DataArray:
+    """A force (N) of each run, mean within the window, over intruder and seed."""
+    window = dataset.attrs["window_start"], dataset.attrs["window_stop"]
+    mean = within(dataset[name], *window).mean("displacement")
+    return mean.squeeze([dim for dim in mean.dims if mean.sizes[dim] == 1 and dim != "solid"])
+
+
+@style.styled
+def plot(dataset: xr.Dataset) -> Figure:
+    """Outlines on the left, angles of a plate on the right."""
+    drag, side = (
+        force(dataset, f"solid_{name}").sel(solid="cylinder") for name in ("drag", "side_force")
+    )
+    labels = dataset["intruder"].values.tolist()
+    outlines = [label for label in labels if not label.startswith(PLATE)]
+    angles = {label: float(label.removeprefix(PLATE)) for label in labels if label not in outlines}
+    figure, (left, right) = style.panels(2, 2, 0.6, 3.8)
+    looks = (
+        (drag, {"marker": "o", "color": style.CURVE, "label": "drag"}),
+        (side, {"marker": "s", "color": "0.35", "markerfacecolor": "white", "label": "side force"}),
+    )
+    for values, look in looks:
+        means = [mean_interval(values.sel(intruder=label)) for label in outlines]
+        marks(left, np.arange(len(outlines))[::-1], means, across=True, **look)
+        if angles:
+            means = [mean_interval(values.sel(intruder=label)) for label in angles]
+            marks(right, [*angles.values()], means, **look)
+    left.set_yticks(range(len(outlines)), outlines[::-1])
+    left.set(xlabel=f"Mean force from {window_text(dataset)} (N)")
+    right.set(xlabel="Angle of the plate (degrees)", ylabel="Mean force (N)")
+    right.set_xticks([*angles.values()])
+    for axes in (left, right):
+        axes.axhline(0.0, **style.REFERENCE) if axes is right else axes.axvline(
+            0.0, **style.REFERENCE
+        )
+    left.set_title("Outlines of one width")
+    right.set_title("A plate, 0: across the motion")
+    style.legend(figure, right, "outside lower center", ncols=2)
+    figure.suptitle("Drag and side force of intruders (bars: 95 % intervals)")
+    return figure

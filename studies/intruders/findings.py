@@ -1,0 +1,131 @@
+"""Forces on intruders of several outlines, and on pairs of cylinders."""
+
+from functools import cached_property
+
+import numpy as np
+import xarray as xr
+from rich.table import Table
+
+from dem.analysis.tables import numbers
+from dem.base.intervals import Estimate, mean_interval, ratio_interval
+from studies.common.findings import Findings, estimate
+from studies.intruders.figures.intruders import PLATE, force
+from studies.intruders.figures.pairs import apart
+
+__all__ = ["intruders", "pairs"]
+
+DIAMETER = 3.175e-3  # m
+WORDS = {
+    "cylinder": "cylinder",
+    "smooth": "cylinder without friction",
+    "free": "cylinder that turns freely",
+    "ellipse": "ellipse, half as long as wide",
+    "square": "square",
+    "tip": "wedge, tip ahead",
+    "base": "wedge, base ahead",
+}
+
+
+class Intruders(Findings):
+    """Single intruders of one width, intruders.nc."""
+
+    name, command = "intruders", "snakemake -j2 --configfile studies/intruders/sweep.yaml"
+    source = "intruders/solids.nc"
+
+    def forces(self, name: str) -> xr.DataArray:
+        """A force (N) of each run, over intruder and seed."""
+        return force(self.dataset, f"solid_{name}").sel(solid="cylinder")
+
+    @cached_property
+    def drags(self) -> xr.DataArray:
+        """Mean drag (N) of each run within the window."""
+        return self.forces("drag")
+
+    def runs(self, label: str) -> int:
+        """Number of runs."""
+        return int(np.isfinite(self.drags.sel(intruder=label)).sum())
+
+    def drag(self, label: str) -> Estimate:
+        """Mean drag (N)."""
+        return mean_interval(self.drags.sel(intruder=label))
+
+    def side(self, label: str) -> Estimate:
+        """Mean side force (N), to the right."""
+        return mean_interval(self.forces("side_force").sel(intruder=label))
+
+    def over(self, label: str, other: str = "cylinder") -> Estimate:
+        """Mean drag relative to that of another intruder."""
+        return ratio_interval(self.drags.sel(intruder=label), self.drags.sel(intruder=other))
+
+    def share(self, label: str) -> Estimate:
+        """Side force relative to the drag of the same intruder."""
+        drag, side = self.drags.sel(intruder=label), self.forces("side_force").sel(intruder=label)
+        return ratio_interval(side, drag)
+
+    def table(self) -> Table:
+        """One row per outline."""
+        table = numbers("intruder", "beds", "drag, N", "relative to the cylinder", words=1)
+        for label, words in WORDS.items():
+            over = "" if label == "cylinder" else estimate(self.over(label))
+            table.add_row(words, str(self.runs(label)), estimate(self.drag(label), "", 0), over)
+        return table
+
+    def plates(self) -> Table:
+        """One row per angle of the plate."""
+        table = numbers(
+            "angle, degrees", "beds", "drag, N", "side force, N", "side / drag", words=0
+        )
+        for label in self.dataset["intruder"].values.tolist():
+            if label.startswith(PLATE):
+                cells = estimate(self.drag(label), "", 0), estimate(self.side(label), "", 0)
+                angle = label.removeprefix(PLATE)
+                table.add_row(angle, str(self.runs(label)), *cells, estimate(self.share(label)))
+        return table
+
+
+class Pairs(Findings):
+    """Two cylinders that move together, pairs.nc."""
+
+    name, command = "pairs", "snakemake -j2 --configfile studies/intruders/pairs.yaml"
+    source = "pairs/solids.nc"
+
+    @cached_property
+    def drags(self) -> xr.DataArray:
+        """Mean drag (N) of each cylinder and run within the window."""
+        return force(self.dataset, "solid_drag")
+
+    @property
+    def gaps(self) -> list[float]:
+        """Gaps (m)."""
+        return self.dataset["second_gap"].values.tolist()
+
+    def drag(self, pair: str, gap: float, solid: str | None = None) -> xr.DataArray:
+        """Mean drag (N) of one cylinder in each run, or of both."""
+        values = self.drags.sel(pair=pair, second_gap=gap)
+        return values.mean("solid") if solid is None else values.sel(solid=solid)
+
+    def over(self, pair: str, gap: float, solid: str | None = None) -> Estimate:
+        """Mean drag of one cylinder, or of both, relative to that of a single one."""
+        return ratio_interval(self.drag(pair, gap, solid), intruders.drags.sel(intruder="cylinder"))
+
+    def apart(self, gap: float) -> Estimate:
+        """Force (N) that drives cylinders side by side apart."""
+        side = force(self.dataset, "solid_side_force").sel(pair="beside", second_gap=gap)
+        return mean_interval(apart(side))
+
+    def table(self) -> Table:
+        """One row per gap."""
+        heads = "side by side, each", "force apart, N", "in line, ahead", "in line, behind"
+        table = numbers("gap, mm", "gap / diameter", *heads, words=0)
+        for gap in self.gaps:
+            row = (
+                estimate(self.over("beside", gap)),
+                estimate(self.apart(gap), "", 0),
+                estimate(self.over("ahead", gap, "second")),
+                estimate(self.over("ahead", gap, "cylinder")),
+            )
+            table.add_row(f"{1e3 * gap:.1f}", f"{gap / DIAMETER:.2f}", *row)
+        return table
+
+
+intruders, pairs = Intruders(), Pairs()
