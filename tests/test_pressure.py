@@ -11,7 +11,7 @@ from dem.analysis.one_run import snapshots_of
 from dem.base.errors import InputError, PackingError
 from dem.dynamics.contact_list import FIRST_WALL
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import cylinder, diameters, make_bed
+from dem.experiment.bed import diameters, make_bed, solids
 from dem.experiment.box import height_of_box
 from dem.experiment.config import parse
 from dem.experiment.kinds import drag
@@ -118,7 +118,7 @@ def test_more_pressure_makes_a_lower_box_around_the_same_cylinder():
     """The cylinder is where it is before the height is known."""
     beds = {pressure: bed_under(pressure) for pressure in (5e6, PRESSURE)}
     assert beds[5e6].height > beds[PRESSURE].height
-    places = {cylinder(asked(p), bed.height).position for p, bed in beds.items()}
+    places = {solids(asked(p), bed.height)[0].position for p, bed in beds.items()}
     assert len(places) == 1
 
 
@@ -131,7 +131,7 @@ def test_a_box_too_low_for_the_stroke_is_refused():
     """Of the box at a packing fraction of 0.84 the stroke leaves a micrometre; the bed is lower."""
     run, bed = asked(HIGH), bed_under(HIGH)
     nominal = height_of_box(run.configuration, diameters(run))
-    at = cylinder(run, bed.height)
+    (at,) = solids(run, bed.height)
     stroke = nominal - at.position[1] - at.radius - 1e-6
     assert bed.height < nominal
     with pytest.raises(PackingError, match="would leave it during its stroke; at most"):
