@@ -22,7 +22,10 @@ include: "rules/common.smk"  # SWEEP, its RESULTS, and what rules ask of it
 wildcard_constraints:
     folder="results(/[A-Za-z0-9][A-Za-z0-9._ -]*)*",
     batch="[0-9a-f]{16}",
-    shape="[A-Za-z][A-Za-z0-9_-]*",
+    number="[0-9]+",
+    observable="|".join({*OBSERVABLES, *EXPERIMENTS, *(Path(file).stem for file in COMBINED)}),  # also of a user's own
+    figure="|".join(KNOWN_FIGURES),
+    study="|".join(REPORTED) or "-",
 
 
 localrules:
@@ -56,7 +59,10 @@ if REPORTED:
 
 
 onstart:
-    begin()
+    workflow.results_lock, sentences = prepare(SWEEP.results, SWEEP.store.folder)  # until the process ends
+    for sentence in (*sentences, *WARNINGS):
+        say(sentence)
+    logging.raiseExceptions = False  # that Snakemake's log cannot grow on a full disk is said once
 
 
 onsuccess:

@@ -38,5 +38,3 @@ checkpoint round:
         touch("{folder}/rounds/{number}"),
     params:
         sweep=values_of,
-    wildcard_constraints:
-        number="[0-9]+",

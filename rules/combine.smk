@@ -20,8 +20,6 @@ checkpoint combine:
         sweep=values_of,
         block=lambda w: block_of(w.folder)[1],
         config=lambda w: config_of(block_of(w.folder)[0]),
-    wildcard_constraints:  # also by files of a user's own
-        observable="|".join({*OBSERVABLES, *EXPERIMENTS, *(Path(file).stem for file in COMBINED)}),
     log:
         "{folder}/logs/combine/{observable}.log",
     shell:

@@ -15,22 +15,19 @@ rule figure:
     input:
         data=lambda w: f"{w.folder}/{KNOWN_FIGURES[w.figure].file}.nc",
     output:
-        report(
+        svg=report(
             "{folder}/figures/{figure}.svg",
             caption="caption.rst",
             category="Figures",
             subcategory="{folder}",
             labels=lambda w, params: {"figure": w.figure, "shows": params.caption},
         ),
-        "{folder}/figures/{figure}.png",
+        png="{folder}/figures/{figure}.png",
     params:
         code=lambda w: code_of_figure(KNOWN_FIGURES[w.figure]),
         caption=lambda w: KNOWN_FIGURES[w.figure].caption,
-        folder=lambda w, output: os.path.dirname(output[0]),
         by=lambda w: "dem" if w.figure in FIGURES else "python -P -m studies",
-    wildcard_constraints:
-        figure="|".join(KNOWN_FIGURES),
     log:
         "{folder}/logs/figures/{figure}.log",
     shell:
-        "{params.by} figure {wildcards.figure} {input.data:q} -o {params.folder:q} 2> {log:q}"
+        "{params.by} figure {wildcards.figure} {input.data:q} -o $(dirname {output.svg:q}) 2> {log:q}"

@@ -14,16 +14,7 @@ OUTPUTS
 """
 
 
-localrules:
-    report,
-
-
 rule report:
-    input:
-        f"{RESULTS}/report.html",
-
-
-rule report_page:
     message:
         "Write {output}"
     input:

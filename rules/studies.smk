@@ -16,18 +16,14 @@ rule results:
     message:
         "Write {output}"
     input:
-        read=lambda w: read_by(w.study),
-        batches=lambda w: batches_of(w.study) if has_sweep(w.study) else [],
-        derived=lambda w: batches_of(w.study, derived=True) if has_sweep(w.study) else [],
+        lambda w: read_by(w.study),
     output:
         f"{RESULTS}/{{study}}.nc",
     params:
-        code=lambda w: code_of(f"{folder_of(w.study)}/results.py", "dem/analysis", runs=measures(w.study)),
-        sweep=lambda w: study(w.study).text() if has_sweep(w.study) else SWEEP.text(None, *NOT_READ),
+        code=lambda w: code_of_study(w.study, "results.py", "dem/analysis", runs="MEASURES" in REPORTED[w.study]),
+        sweep=lambda w: study(w.study).text(None, *(() if has_sweep(w.study) else NOT_READ)),
         config=lambda w: config_of(study(w.study)),
-    threads: lambda w: workflow.cores if measures(w.study) else 1
-    wildcard_constraints:
-        study="|".join(REPORTED),
+    threads: lambda w: workflow.cores if "MEASURES" in REPORTED[w.study] else 1
     log:
         f"{RESULTS}/logs/{{study}}.log",
     shell:
@@ -43,9 +39,7 @@ rule table:
     output:
         report(f"{RESULTS}/{{study}}.txt", category="Tables", labels={"table": "{study}"}),
     params:
-        code=lambda w: code_of(f"{folder_of(w.study)}/findings.py", "dem/analysis", "dem/report"),
-    wildcard_constraints:
-        study="|".join(REPORTED),
+        code=lambda w: code_of_study(w.study, "findings.py", "dem/analysis", "dem/report"),
     log:
         f"{RESULTS}/logs/{{study}}/table.log",
     shell:

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from conftest import assert_not_blank
 from dem.figures.catalogue import FIGURES, draw, possible
 from dem.sweep import batch as making
-from dem.sweep.combined import combine_block
+from dem.sweep.combine import combine_block
 from dem.sweep.config import parse
 from dem.sweep.state import SweepState
 from dem.sweep.workers import Workers

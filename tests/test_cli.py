@@ -26,7 +26,7 @@ from dem.cli.app import app
 from dem.cli.terminal import reported
 from dem.figures import film
 from dem.io.progress import bar
-from dem.sweep.listing import is_written
+from dem.sweep.axis import is_written
 
 ROOT = Path(__file__).parent.parent
 RUN = shlex.split("simulate --config config/smoke.yaml --shape c1 --density 3900 --seed 1")
@@ -131,10 +131,6 @@ COMBINE = ("combine", "--config", "config/smoke.yaml", "-o", "OUT")
         ((*COMBINE, "--observable", "zz"), "observable is 'zz'"),
         (("figure", "13", "config/smoke.yaml", "-o", "OUT"), "there are figure07, figure08"),
         (
-            ("store", "point=0"),
-            "'point=0' names no value of a run; write PATH=VALUE, such as shape=c1",
-        ),
-        (
             ("draw", "docs/data/drag.nc", "-o", "OUT.avi"),
             "it must be the path of a file that ends in .mp4 or .gif or .png or .svg or .pdf or .pvd",
         ),
@@ -188,6 +184,23 @@ def test_a_value_that_no_verb_can_use_is_refused(tmp_path, monkeypatch, argument
     assert sentence in result.stderr and not list(tmp_path.iterdir())
     lines = [line for line in result.stderr.splitlines() if not re.match(r"\d{4}-\d\d-\d\d ", line)]
     assert len(lines) == 1  # after what a slow computer says of its progress
+
+
+def test_a_sweep_without_a_file_lists_what_there_is(monkeypatch):
+    """And makes nothing."""
+    monkeypatch.chdir(ROOT)
+    monkeypatch.setattr("dem.sweep.state.SweepState.of", None)
+    result = CliRunner().invoke(app, ["sweep"])
+    assert result.exit_code == 0 and "dem sweep config/paper.yaml\n" in result.stdout
+
+
+@pytest.mark.parametrize("verb", ["info", "means"])
+def test_a_table_of_means_fits_a_terminal(verb):
+    """Of 80 columns, no number cut."""
+    data, environment = str(ROOT / "docs/data/drag.nc"), {"COLUMNS": "80", "TERM": "dumb"}
+    result = CliRunner().invoke(app, [verb, data], env=environment)
+    assert result.exit_code == 0 and "…" not in result.stdout
+    assert "1295" in result.stdout or "1296" in result.stdout
 
 
 def test_a_file_that_is_cut_off_is_said_to_be(tmp_path):
@@ -299,11 +312,8 @@ def test_a_sweep_that_is_stopped_says_what_is_kept_and_how_it_goes_on(tmp_path, 
         signal.raise_signal(signal.SIGINT)
 
     result = faked(monkeypatch, tmp_path, make)
-    file = ROOT / "config/smoke.yaml"
     assert result.exit_code == 130 and result.stdout == ""
-    assert result.stderr == (
-        f"Interrupted; 7 of 10 runs are kept; to go on, type: dem sweep {file} -j 2\n"
-    )
+    assert result.stderr == ("Interrupted; 7 of 10 runs are kept; run the same command to go on\n")
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from rich.console import Console
 from dem.cli import show
 from dem.io.dataset import read
 from dem.report.status import status
-from dem.sweep.combined import combine_block
+from dem.sweep.combine import combine_block
 from dem.sweep.config import parse
 from dem.sweep.estimate import effort
 from dem.sweep.state import SweepState

@@ -184,10 +184,7 @@ def test_of_values_that_print_alike_the_one_that_is_written_is_selected():
 @pytest.mark.parametrize(
     ("select", "words"),
     [
-        (
-            ["shape=d1", "seed=1"],
-            "choose one, such as friction_granule=0.1 box=",
-        ),
+        (["shape=d1", "seed=1"], "choose one, such as friction_granule=0.1 box="),
         ([], "it has 16 runs; choose one, such as shape=c1 friction_granule=0.1 box="),
         (
             ["frction.granule=0.1"],

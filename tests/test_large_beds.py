@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import xarray as xr
 from made import SMOKE
 from numpy.testing import assert_array_equal
 from twin import Twin
@@ -179,3 +180,18 @@ def test_threads_are_no_part_of_a_run():
     )
     assert one.id == two.id and one.bed_id == two.bed_id and two.configuration.threads == 2
     assert make_bed(two).net_force <= 1e-9
+
+
+def test_a_file_that_is_read_in_pieces_may_hold_texts(tmp_path, monkeypatch):
+    """The one run of a large bed is such a file; its identity is a text."""
+    monkeypatch.setattr("dem.io.lazily.CHECKED", 0)
+    path = tmp_path / "run.nc"
+    xr.Dataset(
+        {
+            "run_id": ("run", np.array(["a8424e68"], object)),
+            "granule_x": ("granule", np.arange(9.0)),
+        }
+    ).to_netcdf(path, format="NETCDF4_CLASSIC")
+    with dem.open_results(path) as dataset:
+        assert dataset["granule_x"].chunks and dataset["granule_x"].values.tolist() == [*range(9)]
+        assert dataset["run_id"].values.tolist() == ["a8424e68"]

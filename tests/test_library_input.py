@@ -98,12 +98,7 @@ def test_a_value_that_cannot_be_used_is_refused_in_a_sentence(argument):
 def test_every_argument_of_the_library_is_looked_at():
     """Those of classes, class methods, methods and functions are among them."""
     assert len(ARGUMENTS) > 90
-    assert {
-        "Disc radius",
-        "Ellipse.of_size diameter",
-        "Scene walls",
-        "pack seed",
-    } <= ARGUMENTS.keys()
+    assert {"Disc radius", "Ellipse.of_size diameter", "Scene walls"} <= ARGUMENTS.keys()
     assert {"Simulation skin", "Simulation.record count", "plot.bed frame"} <= ARGUMENTS.keys()
 
 

@@ -11,12 +11,12 @@ from scipy import stats
 from typer.testing import CliRunner
 
 import dem
+from dem.analysis.drag import summarise
 from dem.analysis.means import compared, means, table_of, write_means
-from dem.analysis.statistics import summarise
 from dem.analysis.tables import TextTable
 from dem.base.errors import InputError
-from dem.base.intervals import mean_interval
 from dem.base.sources import ROOT
+from dem.base.statistics import mean_interval
 from dem.cli.app import app
 from dem.cli.show import PlainConsole, print_or_write
 from dem.io.checksums import seal
@@ -71,16 +71,9 @@ def test_the_mean_of_a_point_is_that_of_its_runs_within_the_window(file, tmp_pat
     assert [float(row["drag (N)"]) for row in rows] == pytest.approx(runs.mean(1))
     half = stats.t.ppf(0.975, 3) * runs.std(1, ddof=1) / 2.0
     assert [float(row["drag_half_interval (N)"]) for row in rows] == pytest.approx(half)
-    # the values that vary, and not the number of the point
-    assert [row["friction_granule"] for row in rows] == [
-        "0.1",
-        "0.2",
-        "0.3",
-    ] and "point" not in rows[0]
+    assert [row["friction_granule"] for row in rows] == ["0.1", "0.2", "0.3"]
+    assert "point" not in rows[0]  # its number
     assert {row["drag_runs"] for row in rows} == {"4"}
-
-
-def test_means_can_be_opened_as_results(file, tmp_path):
     write_means(means(file()), tmp_path / "means.nc")
     with dem.open_results(tmp_path / "means.nc") as found:
         assert found["drag"].dims == ("point",) and found["drag"].attrs["units"] == "N"
@@ -205,18 +198,6 @@ def test_points_of_a_name_are_compared_whatever_their_granules_are(file):
     two = changed(file("two.nc"), named([60, 90, 60]))
     found = table_of(compared(one, two, "drag"))
     assert len(found) == 3 and "granules" not in found
-
-
-def test_the_summary_counts_the_runs_of_each_quantity(file):
-    def edit(dataset):
-        lift = dataset["drag"].where(dataset["seed"] < 3).mean("displacement")
-        origin = dict.fromkeys(("history", "git_revision", "source_hash", "versions"), "-")
-        return (
-            dataset.assign(lift=lift, fall=dataset["drag"]).drop_vars("drag").assign_attrs(origin)
-        )
-
-    text = text_of(summary(changed(file(), edit)))
-    assert "fall_runs" in text and "lift_runs" in text
 
 
 @pytest.mark.parametrize("width", [30, 80, 1000])

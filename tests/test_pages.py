@@ -1,5 +1,6 @@
 """No page states a result by hand, and every released result is of today's kernels."""
 
+import ast
 import importlib.util
 import json
 import os
@@ -302,3 +303,32 @@ def test_no_picture_is_left_that_no_page_shows():
 def test_a_sentence_that_the_data_contradicts_ends_the_build():
     with pytest.raises(ValueError, match="contradict the sentence 'Discs drag less"):
         findings.fill("{{ holds('Discs drag less than ellipses', drag.falls('e1', 'c1')) }}")
+
+
+def sentences():
+    """Texts of the package, a value in them as …, as messages are printed."""
+    for path in ROOT.glob("dem/**/*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.JoinedStr):
+                words = (
+                    each.value if isinstance(each, ast.Constant) else "…" for each in node.values
+                )
+                yield "".join(words)
+            elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+                yield node.value
+
+
+def test_the_messages_of_the_page_of_faults_are_those_of_the_package():
+    text = (DOCS / "howto/recovery.md").read_text(encoding="utf-8")
+    table = text.partition("## What does the message mean?")[2].partition("\n## ")[0]
+    messages = re.findall(r"^\| `(.*?)` \|", table, re.M)
+    printed = list(sentences())
+    assert len(messages) > 5
+    assert [each for each in messages if not any(each in words for words in printed)] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_no_page_shows_a_place_for_a_number(page):
+    """A template of Jinja that was not filled in."""
+    prose = re.sub(r"^(`{3,}).*?^\1`*\s*$", "", page.read_text(encoding="utf-8"), flags=re.S | re.M)
+    assert not re.findall(r"\{\{|\{%", prose)

@@ -113,7 +113,7 @@ def test_the_next_process_compiles_nothing(swept, tmp_path):
 def known_by(*folders: Path) -> list[str]:
     """What the runs of sweeps and their machine code are known by, in a process of its own."""
     words = (
-        "import sys; from dem.sweep.config import load; from dem.sweep.jobs import kernel_key\n"
+        "import sys; from dem.sweep.config import load; from dem.sweep.grouping import kernel_key\n"
         "for path in sys.argv[1:]:\n"
         "    run = next(load(path).block('drag').unique())\n"
         "    print(run.id, run.bed_id, kernel_key(run))"
@@ -192,7 +192,7 @@ def test_readers_run_no_code_that_a_sweep_names(swept):
         run("-m", "dem", "sweep", "telling/sweep.yaml", "-n", cwd=swept)
         for name in ("drag.nc", "rotation.nc"):
             run("-m", "dem", "info", results / name, cwd=swept)
-        run("-m", "dem", "store", "shape=pebble", cwd=swept)
+        run("-m", "dem", "store", cwd=swept)
         run("-m", "dem", "figure", "all", results / "drag.nc", cwd=swept)
         run(
             "-m",
@@ -438,10 +438,8 @@ def test_an_observable_gives_grids_and_lists_of_any_length(tmp_path, length):
     found = dem.run_experiment(values)
     assert (found["contact_force"].count("contact") == found["contact_number"]).all()
     assert len(np.unique(found["contact_number"])) > 1
-    assert (
-        found["sector"].attrs["units"] == "rad"
-        and found["sector_granules"].sum() == found["granules"]
-    )
+    assert found["sector"].attrs["units"] == "rad"
+    assert found["sector_granules"].sum() == found["granules"]
 
 
 def test_an_experiment_gives_all_that_it_says(tmp_path):

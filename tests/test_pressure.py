@@ -9,7 +9,6 @@ import pytest
 
 from dem.analysis.one_run import snapshots_of
 from dem.base.errors import InputError, PackingError
-from dem.dynamics.contact_list import FIRST_WALL
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import diameters, make_bed, solids
 from dem.experiment.box import height_of_box
@@ -92,7 +91,7 @@ def test_a_snapshot_shows_the_top_wall_where_it_is():
     run = asked()
     motion = snapshots_of("drawn", run, drawn() | drag.axes(run.configuration))
     found = motion.contacts(-1)
-    on_top = found.partner == FIRST_WALL - 1  # the second wall, after the bottom
+    on_top = found.partner == -3  # after the cylinder and the bottom
     assert found.force[on_top].sum() / area_of(run) == pytest.approx(PRESSURE, rel=0.1)
     frames = of_motion(motion)
     scene = Scene(frames, "speed", forces=False)

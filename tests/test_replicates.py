@@ -19,13 +19,13 @@ import dem
 from conftest import posix
 from dem.analysis.means import means
 from dem.base.errors import InputError, RunError
-from dem.base.intervals import half_interval, ratio_interval
 from dem.base.sources import ROOT
+from dem.base.statistics import half_interval, ratio_interval
 from dem.report.info import summary as summary_of
 from dem.report.status import status
 from dem.sweep import precision
 from dem.sweep.batch import make
-from dem.sweep.combined import combine_block
+from dem.sweep.combine import combine_block
 from dem.sweep.estimate import summary
 from dem.sweep.state import SweepState
 
@@ -322,7 +322,7 @@ def test_replicates_of_a_derived_block_are_listed(sweep):
 
 def test_status_tells_what_is_done_waits_and_failed_and_changes_nothing(sweep):
     file = sweep(SEED, "[a, c]", "failures: 0.1\nbatch: 4\n")
-    assert "20 wait" in said(SweepState.of(file)) and not Path("results").exists()
+    assert "waiting: 20." in said(SweepState.of(file)) and not Path("results").exists()
     Path("left").write_text("15")
     with pytest.raises(KeyboardInterrupt):
         of_file(file)
@@ -332,7 +332,7 @@ def test_status_tells_what_is_done_waits_and_failed_and_changes_nothing(sweep):
     lines = (line.split() for line in text.splitlines() if line.startswith(("a ", "c ")))
     rows = {line[0]: dict(zip(names, line, strict=False)) for line in lines}
     assert sum(int(row["done"]) for row in rows.values()) == 15 and rows["c"]["failed"] == "1", text
-    assert "0 runs are under way and 4 wait" in text
+    assert "under way: 0, waiting: 4." in text
     assert before == sorted((p, p.stat().st_mtime_ns) for p in Path("results").rglob("*"))
 
 
@@ -342,8 +342,8 @@ def test_status_tells_which_run_a_process_is_at(sweep):
     state.begin("drag")
     run = next(state.block("drag").unique())
     with state.store.locked(state.store.run_of(run.id, ".lock")):
-        assert "1 run is under way and 19 wait" in said(SweepState.of(Path("sweep.yaml")))
-    assert "0 runs are under way and 20 wait" in said(
+        assert "under way: 1, waiting: 19." in said(SweepState.of(Path("sweep.yaml")))
+    assert "under way: 0, waiting: 20." in said(
         SweepState.of(Path("sweep.yaml"))
     )  # a lock that is left
 

@@ -8,8 +8,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 from scipy import stats
 
-from dem.analysis.statistics import summarise, within
-from dem.base.intervals import half_interval
+from dem.analysis.drag import summarise, within
+from dem.base.statistics import half_interval
 from dem.figures import style
 from dem.figures.sweep import plot
 

@@ -11,7 +11,7 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 import studies
-from conftest import CONFIG, needs_study, posix
+from conftest import CONFIG, posix
 from studies.__main__ import app
 from studies.catalogue import reported
 from studies.common.results import write_results
@@ -60,11 +60,3 @@ def test_a_study_works_in_its_smallest_form(name, tmp_path, monkeypatch):
         of_file(config := studies.FOLDERS[name] / "smoke.yaml")
     write_results(name, file := tmp_path / f"{name}.nc", config)
     assert_shown_and_drawn(name, file)
-
-
-@needs_study("claims")
-def test_the_file_of_a_study_says_what_shows_it():
-    command = [sys.executable, "-m", "dem", "info", "studies/claims/claims.nc"]
-    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    assert run.returncode == 2
-    assert "python -m studies claims info studies/claims/claims.nc shows this one" in run.stderr

@@ -21,18 +21,16 @@ from dem.base.errors import InputError, RunError
 from dem.base.yaml_file import read
 from dem.cli.app import app
 from dem.experiment.config import Replicate, entries
-from dem.io.checksums import Changed, seal
 from dem.io.dataset import read as read_runs
 from dem.report.info import drag_table
 from dem.report.status import status
 from dem.sweep import batch as making
 from dem.sweep import store as stores
 from dem.sweep.axis import changes_of_words
-from dem.sweep.combine import about, combine
-from dem.sweep.combined import combine_block
+from dem.sweep.combine import about, combine, combine_block
 from dem.sweep.config import load, merged, parse
-from dem.sweep.jobs import kernel_key, plan_batches
-from dem.sweep.prune import prune, sweeps
+from dem.sweep.grouping import kernel_key, plan_batches
+from dem.sweep.prune import prune, sweeps, usage
 from dem.sweep.state import SweepState
 
 FEW = {"c1": {"kind": "disc", "diameter": 1092e-6, "granules": 30}}
@@ -300,23 +298,6 @@ def test_a_value_of_the_command_line_is_the_number_that_a_file_would_give():
             "sweep gives files of results two things named friction_wall; rename one",
         ),
         (
-            {"shape": "c1", "box": {"a": {}}, "box_length": {"b": {}}},
-            "two things named box_length; rename one",
-        ),
-        ({"shape": "c1", "run_id_length": {"b": {}}}, "two things named run_id_length; rename one"),
-        (
-            {
-                "shape": "c1",
-                "ellipse.contact": "common_normal",
-                "ellipse_contact_length": {"b": {}},
-            },
-            "two things named ellipse_contact_length",
-        ),
-        (
-            {"blocks": {"a": {"shape": "c1", "s": {"x": {}}, "s_length": {"y": {}}}}},
-            "sweep.blocks.a gives files of results two things named s_length",
-        ),
-        (
             {
                 "blocks": {
                     "a": {"shape": "c1"},
@@ -422,7 +403,7 @@ def test_every_place_of_a_sweep_that_comes_with_the_code_is_a_run_of_its_own(fil
 
 
 def test_runs_that_compute_the_same_motion_share_machine_code():
-    """Whatever they record, and however their beds are pressed; other forces need other code."""
+    """Whatever they record; other forces need other code."""
 
     def kernels(path="seed", value=1, observables=("drag", "snapshots"), **values):
         record = SMALL["record"] | {"observables": list(observables)}
@@ -431,8 +412,6 @@ def test_runs_that_compute_the_same_motion_share_machine_code():
 
     first = kernels()
     assert first == kernels("friction.wall", 0.0) == kernels(observables=["drag"])
-    assert first == kernels("packing.friction", 0.3)
-    assert first == kernels("packing.friction", 0.3, experiment="jamming")
     others = [
         kernels("gravity", 9.81),
         kernels("material.restitution", 1.0),
@@ -483,12 +462,15 @@ def test_what_a_bed_reads_makes_another_bed():
     assert len(beds) == len(changed) + 1
 
 
-def test_chunks_are_filled_and_runs_of_one_bed_stay_together(tmp_path):
-    """Two beds of two runs are one chunk of four, and two chunks of at most three."""
+def test_chunks_are_filled_and_runs_of_one_bed_follow_each_other(tmp_path):
+    """Two beds of two runs, in chunks of at most so many."""
     block = small({"shape": "c1", "seed": [1, 2], "friction.granule": [0.1, 0.2]}).block("drag")
-    for size, runs in ((5, [4]), (4, [4]), (3, [2, 2]), (1, [1, 1, 1, 1])):
+    for size, runs in ((5, [4]), (4, [4]), (3, [3, 1]), (2, [2, 2]), (1, [1, 1, 1, 1])):
         chunks, _ = plan_batches((), block.unique(), size, "results")
         assert [len(chunk.runs) for chunk in chunks] == runs
+        if size == 2:
+            beds = {run.id: run.bed_id for run in block.unique()}
+            assert all(len({beds[run] for run in chunk.runs}) == 1 for chunk in chunks)
 
 
 def test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs():
@@ -594,21 +576,6 @@ def test_a_run_that_no_file_holds_is_named(tmp_path):
     assert not output.exists()
 
 
-@pytest.mark.parametrize(
-    "damage", [lambda content: content[:-1], lambda content: b"." + content[1:]]
-)
-def test_a_file_that_was_damaged_on_its_way_is_not_put_into_the_store(tmp_path, damage):
-    """Cut or changed, where another machine made it."""
-    store, path = stores.Store(tmp_path / "store"), tmp_path / "made"
-    path.write_bytes(bytes(1000))
-    seal(path)
-    with pytest.raises(Changed):
-        store.add("ab", damage(path.read_bytes()))
-    assert not list(store.folder.rglob("*.*"))
-    store.add("ab", path.read_bytes())
-    assert store.file_of("ab").read_bytes() == path.read_bytes()
-
-
 def _together(folder, name):
     done(small({"shape": "c1", "seed": "1 to 4"}, results=f"results/{name}", batch=2), folder)
 
@@ -664,10 +631,7 @@ def test_a_failed_run_is_a_row_with_its_reason(tmp_path):
 def test_failed_runs_have_the_same_gaps_whichever_chunk_comes_first(tmp_path):
     """NaN, and -1 for the number of steps; where too many failed, the first is named by its place."""
     sweep = {"shape": "c1", "numerics.max_overlap": [1e-6, 1.2], "seed": [1, 2]}
-    watched = SweepState(small(sweep), stores.Store(tmp_path / "store"), root=tmp_path)
-    assert watched.failed() == 0
     work = done(small(sweep, batch=1, failures=0.9), tmp_path)
-    assert watched.failed() == 2
     found = combined(work, tmp_path)
     steps = found["steps"].fillna(-1).values[0]
     assert (steps[0] == -1).all() and (steps[1] > 0).all()
@@ -686,6 +650,7 @@ def test_prune_removes_what_no_sweep_needs(tmp_path, monkeypatch):
     work = done(small({"shape": "c1", "packing.fraction": [0.8, 0.84]}, batch=1), tmp_path)
     assert prune(work.store) == ([], 0)
     left = done(small({"shape": "c1", "packing.fraction": [0.84]}, batch=1), tmp_path)
+    assert usage(left.store) == [(f"{tmp_path}/results/small", 1), ("no sweep", 1)]
     gone, size = prune(left.store)
     assert sorted(path.suffix for path in gone) == [".json", ".nc", ".npz"] and size > 0
     combine = tmp_path / "results/small"
@@ -844,7 +809,7 @@ def test_a_folder_of_the_store_that_is_away_is_one_sentence(pruned, folder, kind
 def test_a_command_about_the_store_says_where_there_is_none(tmp_path, monkeypatch):
     """And makes none."""
     monkeypatch.chdir(tmp_path)
-    for words in ([], ["--prune"], ["shape=c1"]):
+    for words in ([], ["--prune"]):
         found = CliRunner().invoke(app, ["store", *words])
         assert found.exit_code == 2 and "there is no store" in found.stderr, found.output
     assert not list(tmp_path.iterdir())
@@ -858,7 +823,7 @@ def test_a_plan_that_was_changed_is_written_again(pruned):
     before = path.read_text()
     path.write_text(re.sub(r'"fraction": 0\.\d+', '"fraction": 0.77', before))
     assert path.read_text() != before
-    with pytest.raises(InputError, match="start the sweep again"):
+    with pytest.raises(InputError, match="start the sweep, and workers"):
         pruned.store.replicates(batch)
     SweepState(pruned.sweep).begin("drag")
     assert path.read_text() == before and len(pruned.store.replicates(batch)) == 1

@@ -122,16 +122,12 @@ def test_too_little_for_a_law_is_refused(drag, words):
 @pytest.mark.parametrize(
     ("name", "values", "factors"),
     [
-        (
-            "density",
-            [4e3, 1.6e4],
-            (1.0, 2.0),
-        ),  # granules four times as dense come back half as fast
+        ("density", [4e3, 1.6e4], (1.0, 2.0)),  # four times as dense come back half as fast
         (
             "cylinder_diameter",
             [3e-3, 6e-3],
             (1.0, 0.5),
-        ),  # twice the diameter is half the rate of shear
+        ),  # of twice the size, half the rate of shear
     ],
 )
 def test_the_inertial_number_is_a_ratio_of_two_times(name, values, factors):
@@ -157,10 +153,7 @@ def test_points_that_differ_in_velocity_alone_are_its_axis(tmp_path):
     points = over_points(runs)
     assert rates(points).laws[()].limit[0] == rates(runs).laws[()].limit[0]
     points.to_netcdf(tmp_path / "drag.nc")
-    assert [file.suffix for file in draw("velocity", tmp_path / "drag.nc", tmp_path)] == [
-        ".svg",
-        ".png",
-    ]
+    assert len(draw("velocity", tmp_path / "drag.nc", tmp_path)) == 2
     over_points(runs, gravity=("point", VELOCITY)).to_netcdf(tmp_path / "more.nc")
     with pytest.raises(
         InputError, match="cylinder_velocity varies over point together with gravity;"

@@ -1,5 +1,6 @@
 """Who makes the runs of a sweep: this process, any executor, the workers of a Dask cluster."""
 
+import os
 import re
 import shutil
 import socket
@@ -11,7 +12,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from test_plugins import FILES
 from typer.testing import CliRunner
 
 import dem
@@ -19,9 +19,10 @@ from conftest import CONFIG
 from dem.base.errors import InputError, RunError
 from dem.cli.app import app
 from dem.io.dataset import read
-from dem.sweep import workers
+from dem.sweep import cluster, workers
 from dem.sweep.state import SweepState
-from dem.sweep.workers import Workers, make_task, task_of
+from dem.sweep.store import Store
+from dem.sweep.workers import Workers, make_batch
 
 SEEDS = [1, 2, 3, 4]
 
@@ -65,7 +66,7 @@ def left():
 
 
 def test_a_cluster_of_dask_leaves_what_this_process_leaves(file, monkeypatch):
-    """Where its workers do not see the store of the client too; and it stays open."""
+    """And stays open. A worker with other packages is refused by its name."""
     distributed = pytest.importorskip("distributed")
     alone = drag_of(file)
     with (
@@ -74,44 +75,23 @@ def test_a_cluster_of_dask_leaves_what_this_process_leaves(file, monkeypatch):
         ) as local,
         distributed.Client(local) as client,
     ):
-        task_of = workers.task_of
-        for shared in (True, False):
-            if not shared:
-                monkeypatch.setattr(
-                    workers, "task_of", lambda *args: task_of(*args)._replace(marks=(0, 0))
-                )
-            shutil.rmtree("results")
-            np.testing.assert_array_equal(drag_of(file, client), alone)
+        shutil.rmtree("results")
+        np.testing.assert_array_equal(drag_of(file, client), alone)
         executed = client.run(lambda dask_worker: dask_worker.state.executed_count)
-        assert sum(executed.values()) == 4 and min(executed.values()) > 0
+        assert sum(executed.values()) == 2 and min(executed.values()) > 0
         assert client.status == "running"
-        names = client.run_on_scheduler(lambda dask_scheduler: list(dask_scheduler.task_prefixes))
-        assert any("c1 at 3900 kg/m3, seed 1" in name for name in names)
+        monkeypatch.setattr(cluster, "installed", lambda: f"process {os.getpid()}")
+        with pytest.raises(InputError, match=r"there is process \d+; it must be process \d+"):
+            drag_of(file, client)
 
 
-def test_a_worker_without_the_store_takes_files_of_a_user_from_its_own_folder(
-    tmp_path, monkeypatch
-):
-    """It makes the batch in a store of its machine."""
-    mine = tmp_path / "mine"
-    mine.mkdir()
-    (mine / "rotation.py").write_text(FILES["rotation.py"])
-    record = {"observables": ["drag", "snapshots", "rotation.py"]}
-    file = write(mine, monkeypatch, record=record, sweep={"case": ["c1"], "seed": 1})
+def test_a_worker_that_does_not_see_the_folder_of_results_is_one_sentence(file):
     state = SweepState.of(file)
-    (batch,) = state.batches("drag")
-    state.begin("drag")
-    task = task_of(state.store, batch)
-    shutil.rmtree(mine / "results")
-    uploaded = tmp_path / "uploaded"
-    uploaded.mkdir()
-    (mine / "rotation.py").rename(uploaded / "rotation.py")
-    monkeypatch.setattr(workers, "cache_folder", lambda: tmp_path / "machine")
-    content = make_task(task, beside=str(uploaded))
-    assert not (mine / "results").exists()
-    state.store.add(batch.id, content)
-    values, _ = read(state.store.file_of(batch.id), ("run_id", "failure"))
-    assert values["run_id"].tolist() == list(batch.runs) and not values["failure"].any()
+    (batch, _) = state.batches("drag")
+    plan = state.store.plan_of(batch.id).absolute()
+    with pytest.raises(InputError, match=rf"{plan} is not on .*; all workers must see the folder"):
+        make_batch(plan)
+    assert not (file.parent / "results").exists()
 
 
 class Deadly(Workers):
@@ -119,9 +99,11 @@ class Deadly(Workers):
 
     killed = (MemoryError,)
 
-    def submit(self, task):
-        if '"seed": 3}' not in task.text:
-            return super().submit(task)
+    def submit(self, plan):
+        store = Store(plan.parents[1])
+        left = [run for run in store.replicates(plan.stem) if store.kept(run.id) is None]
+        if all(run.seed != 3 for run in left):
+            return super().submit(plan)
         found = Future()
         found.set_exception(MemoryError())
         return found
@@ -145,10 +127,10 @@ def test_only_the_run_that_kills_its_worker_is_a_failed_one(tmp_path, monkeypatc
 class Gone(Workers):
     """Workers whose scheduler ends after the first batch."""
 
-    def submit(self, task):
+    def submit(self, plan):
         if not getattr(self, "asked", False):
             self.asked = True
-            return super().submit(task)
+            return super().submit(plan)
         found = Future()
         found.cancel()
         found.set_running_or_notify_cancel()
@@ -162,7 +144,7 @@ def test_a_sweep_whose_workers_are_gone_keeps_what_is_finished(file):
     assert state.counts() == (2, 4)
     said = []
     state.make(Workers(), lambda *now: said.append(now))
-    assert state.counts() == (4, 4) and said[-1] == (4, 0, False)
+    assert state.counts() == (4, 4) and said[-1] == (4, 0)
 
 
 def test_a_process_makes_one_run_at_a_time(file):
@@ -177,18 +159,7 @@ def test_a_process_makes_one_run_at_a_time(file):
     (batch, _) = state.batches("drag")
     state.begin("drag")
     with workers.BUSY, pytest.raises(InputError, match="one run at a time"):
-        make_task(task_of(state.store, batch))
-
-
-def test_a_worker_of_other_packages_is_refused_by_name(file, monkeypatch):
-    state = SweepState.of(file)
-    (batch, _) = state.batches("drag")
-    state.begin("drag")
-    task = task_of(state.store, batch)
-    old = task._replace(made_with=task.made_with | {"numba": "0.1"})
-    with pytest.raises(InputError, match=r"numba on \S+ is [\d.]+; it must be 0\.1, as where"):
-        make_task(old)
-    assert state.counts() == (0, 4)
+        make_batch(state.store.plan_of(batch.id))
 
 
 @pytest.fixture(scope="module")

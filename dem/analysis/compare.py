@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.base.intervals import LEVEL, log_ratio_error, mean_interval, student
+from dem.base.statistics import LEVEL, log_ratio_error, mean_interval, student
 
 SUPPORTED, CONTRADICTED, UNDECIDED = "supported", "contradicted", "undecided"
 

@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from dem.analysis.statistics import over_seeds
+from dem.analysis.drag import over_seeds
 from dem.analysis.values import designs_of
 from dem.base.errors import InputError
 from dem.base.files import atomic
-from dem.base.intervals import LEVEL, half_interval, ratio_interval
+from dem.base.statistics import LEVEL, half_interval, ratio_interval
 from dem.io.checksums import seal
 from dem.io.dataset import FORMAT
 from dem.io.lazily import open_lazily, require
@@ -44,11 +44,11 @@ def run_means(dataset: xr.Dataset, path: Path | str, names: list[str] | None = N
         if name not in known:
             raise InputError(f"it has no {name}; it has {', '.join(known)}.")
     window = dataset[names or known]
-    for name in set(ALONG) & set(window.variables):
+    for name in set(ALONG) & set(dataset.variables):
         require(dataset, path, {}, (), WINDOW)
         start, stop = (dataset.attrs[end] for end in WINDOW)
         inside = (dataset[name] >= start) & (dataset[name] <= stop)
-        window = window.isel({inside.dims[0]: inside.values})
+        window = window.isel({inside.dims[0]: inside.values}, missing_dims="ignore")
     result = window.mean(set(window.dims) - set(dataset["run_id"].dims), keep_attrs=True).compute()
     return result.map(over_seeds, keep_attrs=True).where(np.isfinite)
 

@@ -17,7 +17,7 @@ from dem.base.messages import did_you_mean
 from dem.experiment.config import Replicate, of_values
 from dem.io.dataset import LABELS, content_of
 from dem.io.lazily import open_lazily
-from dem.sweep.listing import PRINTED, is_written
+from dem.sweep.axis import is_written
 from dem.sweep.store import Store
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from dem.experiment.snapshots import Snapshots
 
+PRINTED = 5e-5  # relative tolerance of a number that a table shows with five digits
 SHOWN = 8  # values of an axis that a sentence lists
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 from dem.base.errors import InputError
-from dem.base.intervals import Estimate, bootstrap_interval, bootstrap_weights
+from dem.base.statistics import Estimate, bootstrap_interval, bootstrap_weights
 
 LEAST = 3  # numbers of granules, and seeds
 

@@ -16,7 +16,7 @@ import xarray as xr
 
 from dem.analysis.values import along, axes_beside, places_of, value_of
 from dem.base.errors import InputError
-from dem.base.intervals import half_interval
+from dem.base.statistics import half_interval
 
 AXIS = "shear_inertial_number"
 LEAST = {AXIS: 2}  # values that curves take
@@ -53,24 +53,23 @@ def rheology(dataset: xr.Dataset) -> dict[tuple, Curves]:
         return dataset[name].mean("shear_strain", skipna=False)
 
     normal, on_lid = steady("normal_stress"), steady("lid_normal_stress")
-    asked = value_of(dataset, "shear.pressure")
+    pressure = value_of(dataset, "shear.pressure")
     area = 0.25 * np.pi * dataset["diameter"] ** 2
-    rate = steady("shear_rate") * np.sqrt(dataset["density"] * area / asked) / dataset[AXIS]
+    rate = steady("shear_rate") * np.sqrt(dataset["density"] * area / pressure) / dataset[AXIS]
     measured = {
-        "number": dataset[AXIS] * rate / np.sqrt(normal / asked),
+        "number": dataset[AXIS] * rate / np.sqrt(normal / pressure),
         "friction": steady("lid_shear_stress") / on_lid,
         "middle": steady("shear_stress") / normal,
         "fraction": steady("shear_fraction"),
-        "pressure": on_lid / asked,
+        "pressure": on_lid / pressure,
         "rate": rate,
     }
     others = axes_beside(dataset, AXIS)
-    found = {name: _interval(each, others) for name, each in measured.items()}
-    found["number"] = found["number"][..., 0]
-    return {
-        place: Curves(**{name: each[row] for name, each in found.items()})
-        for row, place in enumerate(places_of(dataset, others))
-    }
+    curves = {name: _interval(values, others) for name, values in measured.items()}
+    curves["number"] = curves["number"][..., 0]
+    rows = (dict(zip(curves, row, strict=True)) for row in zip(*curves.values(), strict=True))
+    places = places_of(dataset, others)
+    return {place: Curves(**row) for place, row in zip(places, rows, strict=True)}
 
 
 def _interval(values: xr.DataArray, others: list[str]) -> np.ndarray:

@@ -8,6 +8,7 @@ import json
 from collections.abc import Iterator
 from itertools import product
 
+import pandas as pd
 import xarray as xr
 
 from dem.base.errors import InputError
@@ -19,15 +20,13 @@ def value_of(dataset: xr.Dataset, path: str) -> xr.DataArray:
     """A number of the runs, such as cylinder.diameter, over the axes along which it varies; raises
     InputError where the file does not tell it."""
     if (name := name_of(path)) in dataset.variables:
-        found = dataset[name]
+        value = dataset[name]
     else:
-        found = json.loads(dataset.attrs["configuration"])
-        for key in path.split("."):
-            found = found.get(key) if isinstance(found, dict) else None
-        found = xr.DataArray(float("nan") if found is None else found)
-    if found.dtype.kind not in "iuf" or not bool(found.notnull().any()):
+        table = pd.json_normalize(json.loads(dataset.attrs["configuration"]))
+        value = xr.DataArray(table[path].iloc[0] if path in table else None)
+    if value.dtype.kind not in "iuf" or not bool(value.notnull().any()):
         raise InputError(f"it does not tell {path} of its runs, a number.")
-    return found
+    return value
 
 
 def designs_of(runs: xr.DataArray | xr.Dataset) -> list[str]:

@@ -15,10 +15,10 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import over_seeds, summarise
+from dem.analysis.drag import over_seeds, summarise
 from dem.analysis.values import along, axes_beside, places_of, value_of
 from dem.base.errors import InputError
-from dem.base.intervals import Estimate, bootstrap_interval, bootstrap_weights
+from dem.base.statistics import Estimate, bootstrap_interval, bootstrap_weights
 
 AXIS = "cylinder_velocity"
 LEAST = {AXIS: 4, "seed": 3}  # values that a fit and its intervals take
@@ -45,8 +45,8 @@ class Law(NamedTuple):
         """Velocity (m/s) at which the drag is above its limit by a share of it; infinite where it
         never is."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            found = (share / self.rise) ** (1.0 / self.exponent)
-        return np.where(self.rise > 0.0, found, np.inf)
+            velocity = (share / self.rise) ** (1.0 / self.exponent)
+        return np.where(self.rise > 0.0, velocity, np.inf)
 
 
 class Rates(NamedTuple):
@@ -85,7 +85,8 @@ def rates(dataset: xr.Dataset) -> Rates:
     means = {
         place: weights @ row.T for place, row in zip(places_of(runs, others), rows, strict=True)
     }
-    return Rates(velocity, means, {at: fit(velocity, each) for at, each in means.items()}, beds)
+    laws = {place: fit(velocity, drag) for place, drag in means.items()}
+    return Rates(velocity, means, laws, beds)
 
 
 def fit(velocity: np.ndarray, drag: np.ndarray) -> Law:

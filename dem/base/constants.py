@@ -4,7 +4,6 @@ A folder is then the list of what is in it: figures, kinds of experiment, studie
 """
 
 import ast
-import re
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -13,12 +12,12 @@ from pathlib import Path
 @cache
 def constants(path: Path) -> dict:
     """The constants of a file by name: capitals that are set to plain values."""
-    found = {}
+    table = {}
     for node in ast.parse(Path(path).read_bytes(), str(path)).body:
         if isinstance(node, ast.Assign) and isinstance(name := node.targets[0], ast.Name):
-            with suppress(ValueError):  # computed, so nothing that is said here
-                found[name.id] = ast.literal_eval(_Filled(found).visit(node.value))
-    return found
+            with suppress(ValueError):  # computed
+                table[name.id] = ast.literal_eval(_Filled(table).visit(node.value))
+    return table
 
 
 class _Filled(ast.NodeTransformer):
@@ -45,8 +44,5 @@ def definitions(path: Path) -> dict[str, list[str]]:
 @cache
 def described(folder: Path, sign: str) -> dict[str, dict]:
     """Constants of those files of a folder that set `sign`, by name without .py."""
-    written = re.compile(rb"^%s\s*=" % sign.encode(), re.MULTILINE)
-    files = sorted(Path(folder).glob("*.py"))
-    some = [path for path in files if written.search(path.read_bytes())]  # parsing takes longer
-    found = {path.stem: constants(path) for path in some}
-    return {name: each for name, each in found.items() if sign in each}
+    tables = {path.stem: constants(path) for path in sorted(Path(folder).glob("*.py"))}
+    return {name: table for name, table in tables.items() if sign in table}

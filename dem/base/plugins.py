@@ -10,7 +10,6 @@ import importlib
 import os
 import sys
 from functools import cache
-from itertools import chain
 from pathlib import Path
 from types import ModuleType
 
@@ -21,7 +20,7 @@ from dem.base.errors import InputError
 KEYS = "kind", "observables", "experiment"  # of configurations, that may name a file
 
 _added: list[str] = []  # the folder of such files that is on Python's path for the last of them
-_imported: dict[Path, tuple] = {}  # `_read` of the files of users that this process runs
+_imported: dict[Path, dict[str, str]] = {}  # code of the files of users as this process runs them
 
 
 def is_plugin(word) -> bool:
@@ -117,81 +116,56 @@ def refresh() -> None:
 
 
 def load(file: Path) -> ModuleType:
-    """Import a file, of this package or of a user; again where its code has changed since.
+    """Import a file, of this package or of a user.
 
-    Raises InputError where it cannot be imported, or is not as it was when runs were planned.
+    Raises InputError where it cannot be imported, or has changed since this process imported it:
+    Python would go on with its old code.
     """
     if file.is_relative_to(sources.PACKAGE):
         return importlib.import_module(_name(file, sources.ROOT))
-    previous = _imported.get(file)
-    now, modules = _read(file)
-    if now != sources.planned_codes(file):
-        raise InputError(f"{file}: it has changed since runs were planned; start again.")
-    files = (previous[1] if previous else {}) | modules
-    if previous == (now, modules) and file.stem in sys.modules and _has(files):
-        return sys.modules[file.stem]
-    current = [read[1].values() for other, read in _imported.items() if _is_current(other, read)]
-    kept = {name for name, each in files.items() if _has({name: each}) and each in chain(*current)}
-    stale = (files.keys() & sys.modules) - kept
-    before = {name: sys.modules.pop(name) for name in stale}
-    for folder in set(_added) & set(sys.path):
-        sys.path.remove(folder)
-    _added[:] = [] if str(file.parent) in sys.path else [str(file.parent)]
+    is_first, code = file not in _imported, note(file)
+    if code != sources.planned_codes(file):
+        raise InputError(sources.EDITED.format(file))
+    files = {
+        _name(path, file.parent): path.resolve()
+        for path in sources.with_imports(file)
+        if path.is_relative_to(file.parent)
+    }
+    for name, path in files.items():
+        imported = _file_of(name)  # from another folder of files of users, or before an edit
+        is_plugin_file = any(imported.is_relative_to(other.parent) for other in _imported)
+        if is_plugin_file and (is_first or imported != path):
+            sys.modules.pop(name)
+    sys.path[:] = [folder for folder in sys.path if folder not in _added]
+    _added[:] = [str(file.parent)] if str(file.parent) not in sys.path else []
     sys.path += _added
     importlib.invalidate_caches()
-    writes, sys.dont_write_bytecode = sys.dont_write_bytecode, True  # nothing beside a sweep file
     prefix, sys.pycache_prefix = sys.pycache_prefix, os.devnull  # whose times are of seconds
     try:
-        _imported[file] = now, modules
         module = importlib.import_module(file.stem)
-        if sources.plugin_codes(file) != now:
-            raise InputError("it has changed while it was imported; start again.")
-        if not _has(files):
-            raise InputError(
-                "it, or what it imports, has the name of a module that is installed, or of Python, "
-                "or of another folder; give it another name."
-            )
     except Exception as error:
-        _imported.pop(file)
-        if previous:
-            _imported[file] = previous
-        for name in stale | {file.stem}:
-            sys.modules.pop(name, None)
-        sys.modules.update(before)
+        del _imported[file]
         words = " ".join(f"{type(error).__name__}: {error}".split())
-        reason = error if isinstance(error, InputError) else f"it cannot be imported ({words})."
-        raise InputError(f"{file}: {reason}") from error
+        raise InputError(f"{file}: it cannot be imported ({words}).") from error
     finally:
-        sys.dont_write_bytecode, sys.pycache_prefix = writes, prefix
+        sys.pycache_prefix = prefix
+    for name, path in files.items():
+        if name in sys.modules and _file_of(name) != path:
+            raise InputError(
+                f"{path}: Python has another module named {name}, which is installed; give the "
+                "file another name."
+            )
     return module
 
 
-def _has(files: dict[str, Path]) -> bool:
-    """Whether each module that Python has by one of some names is of the file of that name."""
-    modules = {name: getattr(sys.modules.get(name), "__file__", None) for name in files}
-    return all(
-        path is None or Path(path).resolve() == files[name].resolve()
-        for name, path in modules.items()
-    )
+def _file_of(name: str) -> Path:
+    """The file of the module that Python has by a name; the root of the disk if it has none."""
+    return Path(getattr(sys.modules.get(name), "__file__", None) or "/").resolve()
 
 
 def note(file: Path) -> dict[str, str]:
     """Note the code of a file that is being imported, and of what it imports; returns it."""
-    return _imported.setdefault(file, _read(file))[0]
-
-
-def _read(file: Path) -> tuple[dict[str, str], dict[str, Path]]:
-    """The code of a file as it is now, and the files of its modules by their names."""
-    files = [each for each in sources.with_imports(file) if each.is_relative_to(file.parent)]
-    return sources.plugin_codes(file), {_name(each, file.parent): each for each in files}
-
-
-def _is_current(file: Path, read: tuple) -> bool:
-    """Whether a file, and what it imports, is as it was read."""
-    try:
-        return _read(file) == read
-    except sources.UNREADABLE:
-        return False
+    return _imported.setdefault(file, sources.plugin_codes(file))
 
 
 def _name(file: Path, folder: Path) -> str:

@@ -64,11 +64,11 @@ def files_of(names: Iterable[str], folder: Path = PACKAGE) -> list[Path]:
 
 def codes(files: Iterable[Path], folder: Path = ROOT) -> dict[str, str]:
     """Hash of the code of each file, by its name below a folder or ROOT; raises UNREADABLE."""
-    found = {}
+    hashes = {}
     for file in files:
         start = ROOT if file.is_relative_to(PACKAGE) else folder
-        found[file.relative_to(start).as_posix()] = _code(_content(file))
-    return found
+        hashes[file.relative_to(start).as_posix()] = _code(_content(file))
+    return hashes
 
 
 def code_hash(codes: dict[str, str]) -> str:
@@ -86,10 +86,10 @@ def run_codes(*plugins: Path) -> dict[str, str]:
 
     plugins: the files of its experiment, its observables and its shape.
     """
-    found = dict(_codes_of_all_runs())
+    hashes = _codes_of_all_runs()
     for plugin in plugins:
-        found |= planned_codes(plugin)
-    return found
+        hashes = hashes | planned_codes(plugin)
+    return hashes
 
 
 @cache
@@ -121,23 +121,23 @@ planned_codes = cache(plugin_codes)  # as it was when runs were planned
 
 def with_imports(file: Path) -> list[Path]:
     """A file, and the files of its folder that it imports, directly or not; raises UNREADABLE."""
-    found, left = set(), [file]
-    while left:
-        path = left.pop()
-        if path not in found and path.is_file():
-            found.add(path)
-            left += _imports(path, {file.parent, _top(file)})
-    return sorted(found)
+    files, queue = set(), [file]
+    while queue:
+        path = queue.pop()
+        if path not in files and path.is_file():
+            files.add(path)
+            queue += _imports(path, {file.parent, _top(file)})
+    return sorted(files)
 
 
 def _imports(file: Path, folders: set[Path]) -> Iterator[Path]:
     """Where the modules that a file imports would be in some folders."""
     for node in ast.walk(ast.parse(file.read_bytes(), str(file))):
         if isinstance(node, ast.Import):
-            starts, names = folders, [each.name for each in node.names]
+            starts, names = folders, [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             starts = {file.parents[node.level - 1]} if node.level else folders
-            names = [f"{node.module or ''}.{each.name}".lstrip(".") for each in node.names]
+            names = [f"{node.module or ''}.{alias.name}".lstrip(".") for alias in node.names]
         else:
             continue
         for start, parts in product(starts, (name.split(".") for name in names)):
@@ -173,10 +173,10 @@ def _codes_of_all_runs() -> dict[str, str]:
     note = cache_folder() / "sources" / f"{hashlib.sha256(content).hexdigest()[:32]}.json"
     with suppress(OSError, ValueError):  # absent or damaged
         return json.loads(note.read_text())
-    found = codes(files)
+    hashes = codes(files)
     with suppress(OSError), atomic(note) as part:
-        part.write_text(json.dumps(found))
-    return found
+        part.write_text(json.dumps(hashes))
+    return hashes
 
 
 def cache_folder() -> Path:
@@ -201,11 +201,11 @@ def _code(content: bytes) -> str:
 def _plain(node):
     """A syntax tree as lists and texts, the same for all versions of Python."""
     if isinstance(node, list):
-        return [_plain(each) for each in node if not _is_docstring(each)]
+        return [_plain(item) for item in node if not _is_docstring(item)]
     if not isinstance(node, ast.AST):
         return ascii(node)
     if isinstance(node, ast.JoinedStr):  # Python 3.12.1 puts empty texts between its values
-        node.values = [each for each in node.values if getattr(each, "value", None) != ""]
+        node.values = [part for part in node.values if getattr(part, "value", None) != ""]
     fields = [(name, getattr(node, name, None)) for name in node._fields if name not in NO_CODE]
     return [
         type(node).__name__,

@@ -186,29 +186,20 @@ def checked(target: Target) -> Target:
 
 
 def _checked(function: Any, head: str) -> Any:
-    parameters = inspect.signature(function).parameters
-    names = [name for name, each in parameters.items() if each.kind is each.POSITIONAL_OR_KEYWORD]
+    signature = inspect.signature(function)
     types = {
         name: parameter.annotation
-        for name, parameter in parameters.items()
+        for name, parameter in signature.parameters.items()
         if parameter.annotation is not parameter.empty
     }
-    validators: dict[str, Any] = {}  # of the arguments that were given so far: a bed asks often
-
-    def taken(name: str, value: Any) -> Any:
-        if name not in types:
-            return value
-        if name not in validators:
-            validators[name] = adapter(types[name]).validator
-        try:
-            return validators[name].validate_python(value)
-        except ValidationError as error:
-            raise InputError(_sentences(error, types[name], head + name, "", shown)) from None
 
     @functools.wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
-        first, rest = map(taken, names, args), args[len(names) :]
-        return function(*first, *rest, **{name: taken(name, kwargs[name]) for name in kwargs})
+        bound = signature.bind(*args, **kwargs)
+        for name, value in bound.arguments.items():
+            if name in types:
+                bound.arguments[name] = parsed(types[name], value, head + name, show=shown)
+        return function(*bound.args, **bound.kwargs)
 
     return call
 
@@ -247,19 +238,12 @@ def parsed(
     try:
         return adapter(annotation).validate_python(value)
     except ValidationError as error:
-        raise InputError(_sentences(error, annotation, key, source, show)) from None
-
-
-def _sentences(
-    error: ValidationError, annotation: Any, key: str, source: str, show: Callable[[Any], str]
-) -> str:
-    """What is wrong with a value, a line a fault; arguments as of `parsed`."""
+        faults = [fault for fault in error.errors() if not _follows(fault)]
     field = FieldInfo.from_annotation(annotation)
-    faults = [fault for fault in error.errors() if not _follows(fault)]
-    sentences = [_sentence(fault, key, field, show) for fault in faults]
+    sentences = [f"{_sentence(fault, key, field, show)}." for fault in faults]
     if more := len(sentences[LISTED:]):
-        sentences[LISTED:] = [f"and {more} more"]
-    return "\n".join(f"{source}: {words}."[0 if source else 2 :] for words in sentences)
+        sentences[LISTED:] = [f"and {more} more."]
+    raise InputError("\n".join(f"{source}: {words}" if source else words for words in sentences))
 
 
 def refuse(key: str, value: Any, words: str) -> NoReturn:

@@ -33,5 +33,6 @@ def main(
     """Options without a verb."""
 
 
-for verb in (*sweep.VERBS, *results.VERBS):
-    app.command()(verb)
+for panel, verbs in {"Make runs": sweep.VERBS, "Look at results": results.VERBS}.items():
+    for verb in verbs:
+        app.command(rich_help_panel=panel)(verb)

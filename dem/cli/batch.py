@@ -21,7 +21,7 @@ def batch(
     store, name = Store(output.parents[1]), output.stem
     with bar(f"batch {name}", float(len(store.replicates(name)))) as update:
 
-        def progress(done, failed, compiles=False):
+        def progress(done, failed):
             update(done, f"batch {name}" + (f", {failed} failed" if failed else ""))
 
         make(store, name, progress)

@@ -21,8 +21,10 @@ def option(kind, about: str, *names: str, writes: str | None = None, **more):
     return _marked(kind, typer.Option(*names, help=about, **more), writes)
 
 
-def _marked(kind, made, writes: str | None):
-    return Annotated[kind, made] if writes is None else Annotated[kind, made, Writes(writes)]
+def _marked(kind, parameter, writes: str | None):
+    return (
+        Annotated[kind, parameter] if writes is None else Annotated[kind, parameter, Writes(writes)]
+    )
 
 
 OUTPUT = "-o", "--output"

@@ -19,8 +19,8 @@ def info(
     with bar(f"reading {data}"):
         from dem.report.info import summary  # this may take longer than the file
 
-        found = summary(data)
-    print_or_write(found, output)
+        table = summary(data)
+    print_or_write(table, output)
 
 
 def means(
@@ -37,6 +37,7 @@ def means(
     """
     from dem.analysis import means as analysis
     from dem.analysis.tables import TextTable
+    from dem.report.info import brief
 
     with bar(f"reading {data}"):
         if other is None:
@@ -46,7 +47,7 @@ def means(
     if output is not None:
         analysis.write_means(table, output)
         return
-    print_or_write(TextTable(analysis.table_of(table)), None)
+    print_or_write(TextTable(brief(table)), None)
 
 
 def figure(

@@ -1,6 +1,6 @@
 """Command line, runs: `dem sweep`, `status`, `combine`, `store`, `simulate`."""
 
-import shlex
+from contextlib import nullcontext
 from pathlib import Path
 
 from dem.base.messages import say
@@ -13,7 +13,7 @@ FileArgument = argument(Path, "Configuration file of a sweep (YAML).")
 
 
 def sweep(
-    file: FileArgument = PAPER,
+    file: argument(Path | None, "Configuration file of a sweep (YAML); a list if absent.") = None,
     dry_run: option(bool, "Only estimate runs, beds and time.", "-n", "--dry-run") = False,
     retry: option(bool, "Try failed runs again.", "--retry") = False,
     jobs: option(int, "Number of processes.", "-j", "--jobs", min=1) = 2,
@@ -26,11 +26,15 @@ def sweep(
 
     Example: dem sweep config/smoke.yaml -j 2
     """
+    if file is None:
+        files = *Path("config").glob("*.yaml"), *Path("studies").glob("*/sweep.yaml")
+        show("\n".join(["Name a sweep:", *(f"  dem sweep {path}" for path in sorted(files))]))
+        return
     start_lean()
-    from dem.io.results_folder import prepare
     from dem.sweep.estimate import interrupted, outcome, summary
+    from dem.sweep.restart import prepare
     from dem.sweep.state import SweepState
-    from dem.sweep.workers import Processes
+    from dem.sweep.workers import processes
 
     state = SweepState.of(file)
     for warning in state.check():
@@ -40,7 +44,7 @@ def sweep(
             words = summary(state, jobs, retry)
         show(words)
         return
-    workers = Processes(jobs) if scheduler is None else _cluster(scheduler, wait, state.store)
+    pool = processes(jobs) if scheduler is None else _cluster(scheduler, wait)
     lock, sentences = prepare(state.results, state.store.folder)
     for sentence in sentences:
         say(sentence)
@@ -48,33 +52,30 @@ def sweep(
         if retry:
             say(f"{state.retry()} failed runs are tried again.")
         before, _ = state.counts()
-        with bar("running", 1.0) as update:
+        with bar("running, the first runs compile", 1.0) as update:
 
-            def progress(done, failed, compiles):
-                words = "running, and compiling" if compiles else "running"
+            def progress(done, failed):
                 share = done / len(state.runs())  # of those that are known to be needed
-                update(share, words + (f", {failed} failed" if failed else ""))
+                update(share, "running" + (f", {failed} failed" if failed else ""))
 
-            with workers:
+            with pool as workers:
                 state.make(workers, progress)
         for sentence in state.notes:
             say(sentence)
         say(outcome(state, state.counts()[0] - before))
     except KeyboardInterrupt as stop:
-        how = ["--scheduler", scheduler] if scheduler else ["-j", str(jobs)]
-        again = shlex.join(["dem", "sweep", str(file), *how])
-        stop.add_note(interrupted(state, f"to go on, type: {again}"))
+        stop.add_note(interrupted(state))
         raise
     finally:
         lock.release()
 
 
-def _cluster(scheduler: str, wait: float, store):
+def _cluster(scheduler: str, wait: float):
     """The workers of a scheduler; raises InputError, or RunError where there is none in time."""
     from dem.sweep.cluster import Cluster, connected
 
     with bar(f"waiting for a worker of {scheduler}"):
-        return Cluster(connected(scheduler, wait), store)
+        return nullcontext(Cluster(connected(scheduler, wait)))
 
 
 def status(
@@ -112,7 +113,7 @@ def combine(
 
     Example: dem combine --config config/smoke.yaml -o drag.nc
     """
-    from dem.sweep.combined import combine_block
+    from dem.sweep.combine import combine_block
     from dem.sweep.state import SweepState
     from dem.sweep.store import check_place
 
@@ -126,23 +127,18 @@ def combine(
 
 
 def store(
-    values: argument(
-        list[str] | None,
-        "List only runs with these values, such as shape=c1 friction.granule=0.3.",
-        metavar="PATH=VALUE",
-    ) = None,
     prune: option(bool, "Remove the runs that no sweep needs.", "--prune") = False,
 ):
-    """List the stored runs of all sweeps by their values.
+    """Show how many of the stored runs each sweep needs.
 
-    Example: dem store shape=c1 friction.granule=0.3
+    Example: dem store
     """
     from dem.base.errors import InputError
-    from dem.sweep.listing import listing, wanted_values
     from dem.sweep.prune import prune as remove
+    from dem.sweep.prune import usage
     from dem.sweep.store import Store
 
-    runs, wanted = Store(), wanted_values(values or ())
+    runs = Store()
     if not runs.is_there():
         raise InputError(
             f"{runs.folder}: there is no store; go to the folder where the sweeps were started."
@@ -153,11 +149,8 @@ def store(
         show(f"{len(files)} files removed, {1e-6 * size:.1f} MB.")
         return
     with bar("reading the store"):
-        table = listing(runs, wanted)
-    if values and not table.rows:
-        say(f"No stored run has {' and '.join(values)}.")
-        return
-    print_or_write(table, None)
+        lines = [f"{count:7} runs: {folder}" for folder, count in usage(runs)]
+    show("\n".join(lines))
 
 
 def simulate(
@@ -199,8 +192,8 @@ def simulate(
 
     file = load(config)
     file.replicate(shape, density, seed)  # refuses what the file lacks by the words of the file
-    own = changes_of_words(file, values or []) | ({"threads": threads} if threads else {})
-    changed = file.changed(own, shape)
+    changes = changes_of_words(file, values or []) | ({"threads": threads} if threads else {})
+    changed = file.changed(changes, shape)
     run = changed.replicate(shape, density, seed)
     if (experiment := run.configuration.experiment) != "drag":
         raise InputError(
@@ -213,10 +206,7 @@ def simulate(
         half_packed = checkpoint.with_name(f"{checkpoint.name}.bed.npz")
     for sentence in slow_beds([run]):
         say(sentence)
-    words, fraction = (
-        f"packing {shape}, seed {seed}",
-        run.configuration.packing.fraction,
-    )
+    words, fraction = f"packing {shape}, seed {seed}", run.configuration.packing.fraction
     with bar(words, 1.0) as update:
 
         def report(iterations, net_force):

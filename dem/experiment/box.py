@@ -118,27 +118,31 @@ def check_room(configuration, label: str, *seeds: int) -> None:
 
 def _check_box(configuration, label: str, height: float, largest: float) -> None:
     """Raise InputError where cylinder or the largest granule (m) do not fit into a box (m)."""
-    shape, cylinder = configuration.shapes[label], configuration.cylinder
-    where = f"with shapes.{label} the box is {configuration.box_width:.4g} m by {height:.4g} m"
-    turns = [each in configuration.periodic for each in "xy"]  # "none" has neither
+    shape, cylinder, width = (
+        configuration.shapes[label],
+        configuration.cylinder,
+        configuration.box_width,
+    )
+    where = f"with shapes.{label} the box is {width:.4g} m by {height:.4g} m"
     if cylinder is not None:
+        turns = "x" in configuration.periodic, "y" in configuration.periodic
         _check_cylinder(configuration, height, where, turns)
     length = largest * math.sqrt(shape.ratio)
-    if length > min(configuration.box_width, height):
+    if length > min(width, height):
         raise InputError(
             f"shapes.{label}.diameter is {shape.diameter:g} m: {where}, and a granule of length "
             f"{length:.3g} m cannot fit."
         )
     least = ROOM * 0.5 * (length + max(length, cylinder.diameter if cylinder else 0.0))
-    for key, side, turn in zip("xy", (configuration.box_width, height), turns, strict=True):
-        if turn and side < least:
+    for key, side in {"x": width, "y": height}.items():
+        if key in configuration.periodic and side < least:  # "none" has neither
             raise InputError(
                 f"periodic is {configuration.periodic}: {where}; along {key} it must be at least "
                 f"{least:.4g} m, {ROOM:g} times the greatest distance at which two bodies touch."
             )
 
 
-def _check_cylinder(configuration, height: float, where: str, turns: list[bool]) -> None:
+def _check_cylinder(configuration, height: float, where: str, turns: tuple[bool, bool]) -> None:
     """Raise InputError where a solid does not fit into a box of this height (m), or leaves it."""
     cylinder, stroke = configuration.cylinder, configuration.cylinder.stroke
     for section, name in ((cylinder, "cylinder"), (configuration.second, "second")):

@@ -330,15 +330,25 @@ class Replicate:
 
     @property
     def variant(self) -> str:
-        """The values that select the machine code of the run, as text: of each motion that it
-        computes, its own and those of its bed."""
-        c = self.configuration
-        motions, ellipse = c.module.motions(self), str(EllipseSection())
-        if c.packing.friction > 0:
-            motions.add((True, True, False, False, False, ellipse))
-        if c.packing.preparation == "grown":
-            motions.add((False, True, False, False, False, ellipse))
-        return f"{self.shape.kind} {c.periodic} {sorted(motions)}"
+        """The values that select the machine code of the run and of its bed, as text."""
+        c, kind = self.configuration, self.shape.kind
+        walls = (c.at(f"walls.{name}.friction") for name in ("left", "right", "bottom", "top"))
+        frictions = c.friction.granule, c.friction.wall, c.friction.cylinder, *walls
+        values = (
+            kind,
+            c.ellipse if kind == "ellipse" else None,
+            c.experiment,
+            c.periodic,
+            c.packing.preparation,
+            c.packing.friction > 0,
+            c.packing.pressure is not None,
+            any((*frictions, c.at("second.friction"))),
+            c.at("cylinder.outline"),
+            c.material.restitution < 1,
+            c.gravity > 0,
+            "ledger" in c.observables,
+        )
+        return str(values)
 
     def _known(self, *paths: str) -> str:
         """The values at some paths and below them that this run is known by, as text."""
@@ -463,8 +473,8 @@ def entries(
         if section:
             is_table = get_origin(field.annotation) is dict
             heads = [f"{path}.{label}." for label in shapes] if is_table else [f"{path}."]
-            for each in heads:
-                paths |= entries(shapes, section.model_fields, each)
+            for start in heads:
+                paths |= entries(shapes, section.model_fields, start)
         elif path not in FIXED_KEYS:
             unit = unit_of(field.rebuild_annotation())
             paths[path] = Entry(path, unit, field.description, field)

@@ -8,7 +8,6 @@ import numpy as np
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import diameters, shaped, solids, thickness
 from dem.experiment.config import Replicate
-from dem.experiment.sections import WallSection, WallsSection
 from dem.experiment.solids import material_of
 from dem.material import Friction, Material
 from dem.motion import Drive
@@ -16,6 +15,8 @@ from dem.packing.random import Bed
 from dem.periodic import walled
 from dem.scene import Scene
 from dem.solids import Wall
+
+NAMES = "left", "right", "bottom", "top"  # of walls, in the order of dem.box
 
 
 def granules(replicate: Replicate):
@@ -53,14 +54,11 @@ def _walls(replicate: Replicate, bed: Bed) -> list[Wall]:
     own, walls = replicate.configuration, [Wall(plane) for plane in planes]
     pressure, area = own.packing.pressure, bed.width * thickness(replicate)
     if own.walls is not None:
-        names = np.array([*WallsSection.model_fields])[walled(bed.periodic)]
-        sections = [getattr(own.walls, name) or WallSection() for name in names]
-        walls = [
-            replace(
-                wall, friction=section.friction, material=material_of(replicate, section.material)
-            )
-            for wall, section in zip(walls, sections, strict=True)
-        ]
+        for number, name in enumerate(np.array(NAMES)[walled(bed.periodic)]):
+            if section := getattr(own.walls, name):
+                material = material_of(replicate, section.material)
+                wall = replace(walls[number], friction=section.friction, material=material)
+                walls[number] = wall
     if pressure is not None and walls:
         lid = Drive(
             force=(None, -pressure * area),

@@ -2,7 +2,6 @@
 
 from dem.experiment.box import ahead_of, circles_of, polygon_of, width_of
 from dem.experiment.config import Replicate
-from dem.experiment.sections import SolidMaterialSection
 from dem.material import Material
 from dem.motion import Turn
 from dem.shapes.disc import Disc
@@ -20,7 +19,7 @@ def outline_of(section):
     return Disc([half])
 
 
-def material_of(replicate: Replicate, section: SolidMaterialSection | None) -> Material | None:
+def material_of(replicate: Replicate, section) -> Material | None:
     """Material of a wall or a solid, None if it is rigid; its density is not asked for."""
     if section is None:
         return None

@@ -13,11 +13,24 @@ from dem.periodic import wrapped
 from dem.shapes.protocol import unit_circle
 from dem.solids import walls_of
 
-PLAIN, SHADED = "#dfe7ee", style.CURVE
-EDGE = {"edgecolors": style.OUTLINE, "linewidths": 0.35}
-STEEL = {"facecolor": style.STEEL, "edgecolor": "black", "linewidth": 0.8, "zorder": 3}
+PLAIN, SHADED = "#eef2f6", style.LAYERS[1]
+EDGE = {"edgecolors": style.OUTLINE, "linewidths": 0.5}
+STEEL = {"facecolor": "white", "edgecolor": "black", "hatch": "xxxx", "zorder": 3}
 SOLID = {"facecolor": "0.93", "edgecolor": "0.6", "hatch": "////", "linewidth": 0.0, "zorder": 0}
 AHEAD = 1.5  # diameters of the cylinder: height of the cluster that is shaded
+NECK = 11  # of the points of an outline, one in so many on each side: width where two parts meet
+
+
+def joined(rings) -> np.ndarray:
+    """Outlines (n, points, 2) in one piece; rings (n, rings, points, 2) of one part, or of the two
+    that meet on the x axis, the right one first."""
+    if rings.shape[1] == 1:
+        return rings[:, 0]
+    right, left = rings[:, 0, :-1], rings[:, 1, :-1]
+    points = left.shape[1]
+    neck = points // NECK
+    parts = left, np.roll(right, -(points // 2), axis=1)  # each begins where they meet
+    return np.concatenate([each[:, neck : points - neck + 1] for each in parts], axis=1)
 
 
 def circle(diameter: float) -> np.ndarray:
@@ -26,12 +39,11 @@ def circle(diameter: float) -> np.ndarray:
 
 
 def placed(rings, position, angle) -> np.ndarray:
-    """Outlines (n rings, points, 2) in mm of granules at positions (n, 2) in m, angles (n,)."""
-    cosine, sine = np.cos(angle)[:, None, None], np.sin(angle)[:, None, None]
-    x, y = rings[..., 0], rings[..., 1]
-    turned = np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
-    moved = turned + np.asarray(position)[:, None, None, :]
-    return 1e3 * moved.reshape(-1, *rings.shape[2:])
+    """Outlines (n, ..., 2) in mm of granules at positions (n, 2) in m, angles (n,)."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    turn = np.stack([cosine, sine, -sine, cosine], axis=-1).reshape(-1, 2, 2)  # transposed
+    flat = rings.reshape(len(rings), -1, 2) @ turn + np.asarray(position)[:, None]
+    return 1e3 * flat.reshape(rings.shape)
 
 
 def edges(planes, view) -> tuple[np.ndarray, np.ndarray]:
@@ -73,19 +85,17 @@ class Drawing:
     """
 
     def __init__(self, axes, rings, view, solids=(), periodic=None, hatched=False):
-        self.rings, self.view, self.periodic = rings, np.asarray(view), periodic
+        self.rings, self.view, self.periodic = joined(rings), np.asarray(view), periodic
         self.outlines = solids
         self.shifts = shifts(periodic)
         self.granules = PolyCollection([], **EDGE, zorder=1)
-        self.joints = LineCollection([], colors=style.OUTLINE, linewidths=1.1, zorder=1.5)
         self.forces = LineCollection([], colors="#b34700", capstyle="round", zorder=2)
         self.solids = PolyCollection([], **STEEL)
-        self.marks = LineCollection([], colors="white", linewidths=1.2, zorder=4)
+        self.marks = LineCollection([], colors="black", linewidths=1.6, zorder=4)
         self.walls = LineCollection(
             [], colors="black", linewidths=1.4, capstyle="projecting", zorder=1
         )
-        collections = self.granules, self.joints, self.forces, self.solids, self.marks, self.walls
-        for collection in collections:
+        for collection in (self.granules, self.forces, self.solids, self.marks, self.walls):
             axes.add_collection(collection, autolim=False)
         self.solid = PathPatch(Path(np.empty((0, 2))), **SOLID)
         if hatched:
@@ -107,20 +117,15 @@ class Drawing:
         rings = [1e3 * each[[*range(len(each)), 0]] for each in (around, space)]
         self.solid.set_path(Path.make_compound_path(*map(Path, rings)))
         rings = placed(self.rings, wrapped(np.asarray(position), self.periodic), np.asarray(angle))
-        rings = self._images(rings)
-        self.granules.set_verts(rings)
-        if (
-            parts := self.rings.shape[1]
-        ) > 1:  # a line from part to part tells which belong together
-            self.joints.set_segments(rings.mean(axis=1).reshape(-1, parts, 2))
+        self.granules.set_verts(self._images(rings))
         rings, marks = [], []
-        for k, ring in enumerate(self.outlines):
+        for k, outline in enumerate(self.outlines):
             turn = turns[k] if len(turns) else 0.0
             place = wrapped(np.array([solids[k]], float), self.periodic)
-            (ring,) = placed(ring[None, None], place, np.array([turn]))
-            rings += [*self._images(ring[None])]
-            if len(turns) and np.ptp(np.hypot(*self.outlines[k].T)) < 1e-9:  # round: shows no angle
-                marks += [*self._images(np.stack([1e3 * place[0], ring[0]])[None])]
+            ring = placed(outline[None], place, np.array([turn]))
+            rings += [*self._images(ring)]
+            if len(turns) and np.ptp(np.hypot(*outline.T)) < 1e-9:  # round: it shows no angle
+                marks += [*self._images(np.stack([1e3 * place[0], ring[0, 0]])[None])]
         self.solids.set_verts(rings)
         self.marks.set_segments(marks)
 
@@ -129,16 +134,12 @@ class Drawing:
         return (lines + 1e3 * self.shifts[:, None, None]).reshape(-1, *lines.shape[1:])
 
     def paint(self, colors) -> None:
-        """Colours (n, ...), one per granule."""
-        self.granules.set_facecolor(self._parts(colors))
+        """Colours (n,), one per granule."""
+        self.granules.set_facecolor(np.tile(colors, len(self.shifts)))
 
     def shade(self, values) -> None:
         """Colours by numbers (n,), one per granule, on the scale of `granules`."""
-        self.granules.set_array(self._parts(values))
-
-    def _parts(self, values) -> np.ndarray:
-        """Of each granule its value for all its parts and images."""
-        return np.concatenate([np.repeat(values, self.rings.shape[1], axis=0)] * len(self.shifts))
+        self.granules.set_array(np.tile(values, len(self.shifts)))
 
     def push(self, segments, forces, largest: float) -> None:
         """Lines (m, 2, 2) in m with the width of the force (m,) in N; the largest is 4 points

@@ -106,7 +106,7 @@ def _sizes(axes: dict[str, int], labels: dict[str, tuple]) -> dict[str, int]:
 
 def drawable_from(data: Path, dataset, figures: dict[str, FigureSpec] = FIGURES) -> list[str]:
     """Names of those of some figures that a file suffices for."""
-    from dem.analysis.statistics import by_case, cases_of
+    from dem.analysis.drag import by_case, cases_of
 
     variables, sizes, cases = set(dataset.variables), {}, None
     if any(figure.cases is not None or figure.axes for figure in figures.values()):
@@ -164,7 +164,7 @@ def draw(
 
 def _draw(figure: FigureSpec, data: Path, folder: Path, options: dict) -> list[Path]:
     """Draw one figure; options: of its function."""
-    from dem.analysis.statistics import by_case
+    from dem.analysis.drag import by_case
     from dem.figures.style import save
 
     with open_lazily(data) as dataset:

@@ -54,7 +54,8 @@ def _mesh(motion: Snapshots, snapshot: int) -> meshio.Mesh:
     place = wrapped(motion.position[snapshot], motion.periodic)
     solids, way = motion.solids(snapshot), motion.replicate.configuration.cylinder
     outlines = 1e-3 * placed(rings, place, motion.angle[snapshot])
-    polygons = np.concatenate([outlines, *(_ring(k, corners, motion.periodic) for k in solids)])
+    solid_rings = [_ring(solid, corners, motion.periodic) for solid in solids]
+    polygons = np.concatenate([outlines.reshape(-1, corners, 2), *solid_rings])
     contacts = motion.contacts(snapshot)
     first = place[contacts.granule]
     points = np.concatenate([polygons.reshape(-1, 2), first, first + contacts.branch])

@@ -1,6 +1,6 @@
 """Figure 7: drag against displacement, one panel per shape, the first shape for comparison.
 
-All panels have the same axes. Curves are running means with intervals at each displacement, by
+Every panel has a scale of its own. Curves are running means with intervals at each displacement, by
 Student's t over the runs. The means in words are those within the window.
 """
 
@@ -8,60 +8,51 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.statistics import summarise, table1
+from dem.analysis.drag import summarise, table1
 from dem.figures import style
 
 FILE = "drag"
 CAPTION = "Drag against displacement for every shape"
 CASES = {}
 COLUMNS = 3
+ROOM = 1.25  # top of an axis over the highest curve: for the mean in words
+MOST = 2.0  # with two or three runs an interval can be many times the mean: it is cut there
 
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """Mean drag over the seeds at every displacement, smoothed and raw, with its interval.
+    """Mean drag over the seeds at every displacement, smoothed, with its interval.
 
     Raises InputError when no case is to be compared by shape.
     """
     labels = table1(dataset)
     dataset, columns = dataset.sel(case=labels), min(COLUMNS, len(labels))
-    figure, panels = style.panels(len(labels), columns, 1.5, 2.5, sharex=True, sharey=True)
-    means, runs, x = summarise(dataset)["mean"], style.runs(dataset), style.displacement(dataset)
-    raw, (smooth, half) = dataset["drag"].mean("seed"), style.smoothed(dataset)
-    start, stop = (dataset.attrs[f"window_{end}"] for end in ("start", "stop"))
+    figure, panels = style.panels(len(labels), columns, 1.3, 2.7, sharex=True)
+    numbers, x = summarise(dataset), style.displacement(dataset)
+    smooth, half = style.smoothed(dataset)
+    first = smooth.sel(case=labels[0])
     for axes, label in zip(panels, labels, strict=True):
-        curve = smooth.sel(case=label)
-        axes.plot(x, curve, color=style.CURVE, zorder=3, label=f"running mean of {runs}")
-        style.band(
-            axes, x, curve, half.sel(case=label), style.CURVE, "95 % interval of the running mean"
-        )
-        axes.plot(x, raw.sel(case=label), label=f"mean of {runs} in every bin", **style.RAW)
+        curve, around = smooth.sel(case=label), half.sel(case=label)
+        name = f"running mean over {1e3 * style.SMOOTHING:g} mm, {style.runs(dataset)}"
+        axes.plot(x, curve, color=style.CURVE, zorder=3, label=name)
+        style.band(axes, x, curve, around, style.CURVE, "its 95 % interval")
         if label != labels[0]:
-            first = smooth.sel(case=labels[0])
             axes.plot(x, first, label=f"running mean of {labels[0]}", **style.REFERENCE)
-        style.mark_window(axes, dataset)
-        axes.set_title(f"{label}: {style.describe(dataset.sel(case=label))}", loc="left")
-        axes.text(
-            style.millimetres(0.5 * (start + stop)),
-            0.97,
-            f"mean {float(means.sel(case=label)):.0f} N",
-            ha="center",
-            va="top",
-            transform=axes.get_xaxis_transform(),
-            bbox={"color": "white", "alpha": 0.7, "pad": 2.0},
-        )
+        middle = style.mark_window(axes, dataset)
+        axes.set_title(f"{label}: {style.describe(dataset.sel(case=label))}")
+        own = numbers.sel(case=label)
+        words = style.value(float(own["mean"]), float(own["half_interval"]), "N")
+        at = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "top"}
+        axes.text(middle, 0.97, words, **at)
+        highest = float(np.maximum(curve, first).max())
+        widest = max(highest, float((curve + around.fillna(0.0)).max()))
+        axes.set_ylim(min(0.0, float(curve.min())), ROOM * min(widest, MOST * highest))
     for axes in panels[::columns]:
-        axes.set_ylabel(f"Drag (N), running\nmean over {1e3 * style.SMOOTHING:g} mm")
+        axes.set_ylabel("Drag (N)")
     for axes in panels[-columns:]:
         axes.tick_params(labelbottom=True)
         axes.set_xlabel("Displacement (mm)")
-    # with two or three runs an interval can be many times the mean
-    curves, half = np.array([raw, smooth]), half.fillna(0.0)
-    widest, top = float((smooth + half).max()), 2.0 * np.nanmax(curves)
-    cut = widest > top
-    low = min(0.0, np.nanmin(curves) if cut else float((smooth - half).min()))
-    axes.set_ylim(low, 1.05 * min(max(widest, np.nanmax(curves)), top))
-    more = f"\n(intervals are cut at {low:.0f} N and {1.05 * top:.0f} N)" if cut else ""
-    figure.suptitle(f"Drag of the cylinder against its displacement{more}")
-    style.legend(figure, axes, "outside lower center", ncols=2)
+    about = f"(numbers: mean of the window{style.its_interval(dataset)})"
+    figure.suptitle(f"Drag of the cylinder against its displacement\n{about}")
+    style.legend(figure, panels[-1], "outside lower center", ncols=2)
     return figure

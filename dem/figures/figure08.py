@@ -1,13 +1,13 @@
 """Figure 8: the ellipse code at aspect ratio 1 against the disc code, beside the paper's means.
 
-The paper gives a standard deviation without saying of what; the deviation over a run is beside it.
+The paper gives a standard deviation without saying of what.
 Runs with the same seed start from the same bed but for rounding: the change is one of pairs.
 """
 
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.statistics import change, find, summarise
+from dem.analysis.drag import change, find, summarise
 from dem.base.errors import InputError
 from dem.figures import style
 
@@ -40,39 +40,24 @@ def plot(dataset: xr.Dataset) -> Figure:
         left.plot(x, curve, zorder=3, label=name, **line)
         style.band(left, x, curve, half, look.color, "95 % interval of the mean")
         mean, half = float(case_numbers["mean"]), float(case_numbers["half_interval"])
-        thin = {"linestyle": "none", "elinewidth": 1.0, "capsize": 3}
-        name = "standard deviation over the run"
-        right.errorbar(
-            place - 0.18, mean, case_numbers["sd_over_run"], color="0.35", label=name, **thin
-        )
-        right.errorbar(
-            place - 0.18,
-            mean,
-            half,
-            color=look.color,
-            marker=look.marker,
-            markersize=8,
-            linestyle="none",
-            elinewidth=4.0,
-            zorder=4,
-            label=f"mean{style.its_interval(numbers)}",
-        )
+        point = style.INTERVAL | {"color": look.color, "marker": look.marker}
+        name = f"mean{style.its_interval(numbers)}"
+        right.errorbar(place - 0.18, mean, half, label=name, **point)
         style.show_runs(right, place + 0.02, case_numbers["run_mean"], 0.1)
-        star = {"color": "black", "marker": "*", "markersize": 11, "markerfacecolor": "white"}
         name = "paper, mean and standard deviation"
-        right.errorbar(place + 0.25, paper, paper * deviation, label=name, **star, **thin)
+        right.errorbar(
+            place + 0.25, paper, paper * deviation, label=name, elinewidth=1.0, **style.STAR
+        )
         ticks.append(f"{code}\n{style.value(mean, half, 'N')}\npaper: {paper:.0f} N")
     style.mark_window(left, dataset)
     right.set_xticks(range(len(cases)), ticks)
     right.set_xlim(-0.5, len(cases) - 0.5)
-    right.set_title(f"Mean{style.its_interval(dataset)}", loc="left")
     if len(cases) == len(CODES):
         disc, ellipse = cases.values()
         difference = style.percent(*change(numbers["run_mean"], disc, ellipse))
         right.set_xlabel(f"{ellipse} against {disc}: {difference}")
-    left.set_title("Against displacement", loc="left")
-    words = f"Drag (N), running mean over {1e3 * style.SMOOTHING:g} mm"
-    left.set(xlabel="Displacement of the cylinder (mm)", ylabel=words)
+    left.set_xlabel("Displacement of the cylinder (mm)")
+    left.set_ylabel(f"Drag (N), running mean over {1e3 * style.SMOOTHING:g} mm")
     style.from_zero(left)
     figure.suptitle("Drag by the disc code and by the ellipse code at aspect ratio 1")
     for axes, place in ((left, "outside lower left"), (right, "outside lower right")):

@@ -3,12 +3,13 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.statistics import summarise, table1
+from dem.analysis.drag import summarise, table1
 from dem.figures import style
 
 FILE = "drag"
 CAPTION = "Mean drag by shape"
 CASES = {}
+PAPER = {"c1": 1295.0}  # N, section 3.2
 
 
 @style.styled
@@ -36,9 +37,11 @@ def plot(dataset: xr.Dataset) -> Figure:
         )
         value = style.value(float(own["mean"]), float(own["half_interval"]), "N")
         style.write_above(axes, place, top, value)
+        if paper := PAPER.get(str(own["shape"].values)):
+            axes.plot(place + 0.42, paper, label=f"paper, {paper:.0f} N", **style.STAR)
     ticks = [f"{label}\n" + style.describe(numbers.sel(case=label), "\n") for label in labels]
     style.finish_bars(axes, ticks, dataset)
     axes.set_title(f"Above each bar: mean drag{style.its_interval(dataset)}", loc="left")
     figure.suptitle("Mean drag by shape of the granules")
-    style.legend(figure, axes, "outside lower center", grey="mean", ncols=3)
+    style.legend(figure, axes, "outside lower center", grey="mean", ncols=4)
     return figure

@@ -6,7 +6,7 @@ A seed means one bed at all densities, so the interval of a change is one of pai
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.statistics import change, densities, summarise
+from dem.analysis.drag import change, densities, summarise
 from dem.base.errors import InputError
 from dem.figures import style
 
@@ -53,7 +53,10 @@ def _group(axes, place, labels, numbers) -> None:
         middle = place + width * (number - 0.5 * (len(labels) - 1))
         fill, hatch = FILLS[min(number, len(FILLS) - 1)]
         own = numbers.sel(case=label)
-        name = f"mean of {style.runs(numbers)} at {float(own['density']):g} kg/m³"
+        density = float(own["density"])
+        alike = numbers.sel(case=numbers["density"] == density)
+        words = f"{density:,g}".replace(",", "\N{THIN SPACE}")
+        name = f"mean of {style.runs(alike)} at {words} kg/m³"
         look = {"color": fill, "edgecolor": "black", "hatch": hatch, "label": name}
         tops.append(style.bar(axes, middle, width, own, **look))
     changes = [change(numbers["run_mean"], labels[0], label) for label in labels[1:]]

@@ -7,13 +7,15 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.statistics import find
+from dem.analysis.drag import find
 from dem.base.errors import InputError
 from dem.figures import bed, style
 from dem.periodic import Periods, periods_of, wrapped
 from dem.shapes import outlines
 
 SHARES = (0.0, 0.5, 1.0)  # of the stroke: displacements that are shown
+PANEL, AROUND = 2.5, 1.2  # inches: width of a bed; height of the words around all beds
+SCALE = 5.0  # mm, of the bar
 
 
 class Bed(NamedTuple):
@@ -73,24 +75,28 @@ def beds(dataset: xr.Dataset, shapes: tuple[str, ...], colors: str, title: str) 
         raise InputError(f"there is none of the shapes {', '.join(shapes)} in the data.")
     moved = dataset["snapshot_displacement"].values
     snapshots = [int(np.abs(moved - moved[-1] * share).argmin()) for share in SHARES]
-    figure = Figure(figsize=(style.WIDTH, 0.9 + 3.05 * len(there)))
+    tall = sum(found.height.max() / found.width for found in there.values())
+    figure = Figure(figsize=(style.WIDTH, AROUND + PANEL * tall))
     grid = figure.subplots(len(there), len(snapshots), squeeze=False)
     for row, (case, found) in zip(grid, there.items(), strict=True):
         one = dataset.sel(case=case)
         _row(row, found, one, snapshots, colors)
+        width, height = 1e3 * found.width, 1e3 * found.height[0]
         row[0].annotate(
-            f"{case}: {style.describe(one)}{style.drawn(one)}",
+            f"{case}: {style.describe(one)}{style.drawn(one)}\nbox {width:.3g} mm \N{MULTIPLICATION SIGN} {height:.3g} mm",
             (-0.04, 0.5),
             rotation=90,
             xycoords="axes fraction",
             ha="right",
             va="center",
-            fontsize=11,
         )
     for axes, snapshot in zip(grid[0], snapshots, strict=True):
         shown = style.millimetres(moved[snapshot])
         axes.set_title(f"after {shown:.1f} mm" if shown else "at the start")
-    figure.suptitle(title)
+    look = {"color": "black", "linewidth": 3.0, "solid_capstyle": "butt", "clip_on": False}
+    grid[-1, 0].plot([0.0, SCALE], [-1.2, -1.2], **look)
+    grid[-1, 0].text(1.2 * SCALE, -1.2, f"{SCALE:g} mm", va="center")
+    figure.suptitle(f"{title}\n(one run each, seed {int(dataset['seed'][0])})")
     return figure
 
 
@@ -104,7 +110,6 @@ def _row(row, found: Bed, one: xr.Dataset, snapshots: list[int], colors: str) ->
         paint = bed.layer_colors(start, found.height[0])
     for axes, snapshot in zip(row, snapshots, strict=True):
         drawn = bed.Drawing(axes, rings, view, [bed.circle(found.cylinder)], found.periods)
-        drawn.joints.set_visible(False)  # panels are too small for them
         walls = bed.box_walls(found.width, found.height[snapshot], found.periods)
         place = found.axis[snapshot]
         drawn.move(found.position[snapshot], found.angle[snapshot], walls, [place])

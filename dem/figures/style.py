@@ -9,9 +9,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from dem.analysis.statistics import edges_of_bins, running_mean, window_text
+from dem.analysis.drag import edges_of_bins, running_mean, window_text
 from dem.base.files import atomic
-from dem.base.intervals import half_interval
+from dem.base.statistics import half_interval
 from dem.shapes import KINDS
 
 RC: dict[Any, Any] = {
@@ -42,7 +42,6 @@ WIDTH = 8.0  # inches
 DPI = 200
 CURVE = "#17457d"  # where one colour is enough
 WINDOW = {"color": "0.93", "linewidth": 0.0, "zorder": 0}  # shade of the averaging window
-RAW = {"color": "0.6", "linewidth": 0.5}
 REFERENCE = {"color": "black", "linewidth": 1.1, "linestyle": (0, (1.5, 1.5))}
 RUN = {
     "marker": "o",
@@ -51,6 +50,13 @@ RUN = {
     "markeredgecolor": "0.15",
     "linestyle": "none",
     "zorder": 5,
+}
+STAR = {  # a number of the paper
+    "marker": "*",
+    "markersize": 11,
+    "color": "black",
+    "markerfacecolor": "white",
+    "linestyle": "none",
 }
 INTERVAL = {
     "ecolor": "black",
@@ -87,7 +93,7 @@ OTHER = Look("#5b4a8a", "#d9d2ea", (0, (1, 1)), "^", "xx")  # of all other kinds
 CASES = ("#2f7fd1", "#b34700", "#5b4a8a", "#6fae8a", "#2f7d4f", "#0f5a30", "black")
 MARKERS = "osD^vPX"
 LAYERS = ("#f3f5f7", "#5d87b0")  # of a bed in turn: far apart in grey
-OUTLINE, STEEL = "0.25", "0.55"  # of granules; the cylinder
+OUTLINE = "0.25"  # of granules
 
 
 def look(case: xr.Dataset) -> Look:
@@ -128,11 +134,12 @@ def millimetres(lengths) -> np.ndarray:
     return 1e3 * np.asarray(lengths)
 
 
-def mark_window(axes, dataset: xr.Dataset) -> None:
-    """Shade the averaging window, on an axis along the whole stroke."""
+def mark_window(axes, dataset: xr.Dataset) -> float:
+    """Shade the averaging window, on an axis along the whole stroke; returns its middle (mm)."""
     edges = millimetres([dataset.attrs["window_start"], dataset.attrs["window_stop"]])
     axes.axvspan(*edges, label=f"averaging window, {window_text(dataset)}", **WINDOW)
     axes.set_xlim(0.0, millimetres(edges_of_bins(dataset)[-1]))
+    return edges.mean()
 
 
 def show_runs(axes, middle: float, values, width: float) -> None:

@@ -17,7 +17,7 @@ from matplotlib.ticker import EngFormatter, MaxNLocator
 from dem.analysis.means import quantities_of, run_means
 from dem.analysis.values import designs_of, factors_of
 from dem.base.errors import InputError
-from dem.base.intervals import half_interval
+from dem.base.statistics import half_interval
 from dem.figures import style
 
 FILE = "drag"
@@ -85,8 +85,7 @@ def plot(dataset: xr.Dataset, of: str | None = None) -> Figure:
     notes += [f"{len(factors) - PANELS} factors more are not shown"] * (len(factors) > PANELS)
     figure.suptitle(f"{name} over what was varied\n({'; '.join(notes)})")
     if line:
-        columns = min(4, runs.sizes[line])
-        style.legend(figure, grid[0], "outside lower center", ncols=columns)
+        style.legend(figure, grid[0], "outside lower center", ncols=min(4, runs.sizes[line]))
     return figure
 
 
@@ -193,8 +192,6 @@ def _lines(axes, means: xr.Dataset, line: str | None, along: xr.DataArray, marks
             markersize=6.5,
             markerfacecolor="white" if number % 2 else None,
             capsize=3,
-            elinewidth=1.2,
-            linewidth=1.6,
             linestyle=LINES[number % len(LINES)] if numeric and not marks else "none",
             label=at_place(means, line, at) if line else "",
         )

@@ -43,8 +43,6 @@ def plot(dataset: xr.Dataset) -> Figure:
                 means,
                 linestyle="none",
                 capsize=3,
-                markersize=6,
-                elinewidth=1.4,
                 **look,
             )
             drag, low, high = np.array([found.interval(law.drag(v) / over) for v in along]).T
@@ -54,11 +52,10 @@ def plot(dataset: xr.Dataset) -> Figure:
     above.set(yscale="log", ylabel=f"Mean drag from\n{style.window_text(dataset)} (N)")
     below.axhline(1.0, **style.REFERENCE)
     below.set(xlabel="Velocity of the cylinder (m/s)", ylabel="Drag over its\nquasi-static limit")
-    below.set_xscale("log")
+    style.logarithmic(below, "x")
     below.set_xticks(found.velocity, [f"{v:.3g}" for v in found.velocity])
-    below.set_xticks([], minor=True)
     for axes in (above, below) if marked else ():
-        axes.axvline(usual, **style.RAW | {"linewidth": 1.0})
+        axes.axvline(usual, color="0.6", linewidth=1.0)
     if (slow := inertial_number(dataset)) is not None:
         scale = (lambda v: slow * v, lambda i: i / slow)
         above.secondary_xaxis("top", functions=scale).set_xlabel("Inertial number")

@@ -39,8 +39,8 @@ def is_sealed(path: Path) -> bool:
 
 def _checksum(file, size: int) -> bytes:
     """Checksum, as text, of so many bytes from the start; the file is then behind them."""
-    found = sha256()
+    checksum = sha256()
     file.seek(0)
     for start in range(0, size, BLOCK):
-        found.update(file.read(min(BLOCK, size - start)))
-    return found.hexdigest().encode()
+        checksum.update(file.read(min(BLOCK, size - start)))
+    return checksum.hexdigest().encode()

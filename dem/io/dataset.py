@@ -109,10 +109,10 @@ MORE = {  # attributes of CF beside name and units
 def attributes(name: str, layout: dict) -> dict:
     """CF attributes of a variable."""
     _, units, long_name = layout[name]
-    found = {"long_name": long_name, "units": units} | MORE.get(name, {})
+    attrs = {"long_name": long_name, "units": units} | MORE.get(name, {})
     if name == "displacement" and "displacement_bounds" in layout:
-        found["bounds"] = "displacement_bounds"
-    return {key: value for key, value in found.items() if value is not None}
+        attrs["bounds"] = "displacement_bounds"
+    return {key: value for key, value in attrs.items() if value is not None}
 
 
 def global_attributes(title: str, source: str, **more) -> dict:
@@ -143,12 +143,7 @@ def write(path: Path, values: dict, attrs: dict, layout: dict) -> None:
     with create(path) as file:
         file.setncatts(attrs)
         for name, value in values.items():
-            dims = layout[name][0]
-            array = np.asarray(value)
-            add_dimensions(file, dims, array.shape)
-            # with fletcher32 any program that reads the file notices damage
-            options = {"zlib": array.nbytes > COMPRESSED, "fletcher32": bool(dims)}
-            add(file, name, dims, array, attributes(name, layout), **options)
+            add(file, name, layout[name][0], value, attributes(name, layout))
 
 
 def add_dimensions(file, dims: tuple, shape: tuple) -> None:
@@ -158,25 +153,29 @@ def add_dimensions(file, dims: tuple, shape: tuple) -> None:
             file.createDimension(dim, size)
 
 
-def add(file, name: str, dims: tuple, values: np.ndarray, attrs: dict, **options) -> None:
-    """Add a variable to a file: texts as characters, along a dimension of their length, and whole
-    numbers in 32 bits, or as real ones where they are larger. options: of createVariable, for
-    numbers."""
-    kind = values.dtype.kind
-    if kind == "U":
-        values = np.char.encode(values, "utf-8")
-        width = values.dtype.itemsize
-        file.createDimension(f"{name}_length", width)
-        dims, options = (*dims, f"{name}_length"), {}
-        values = np.frombuffer(values.tobytes(), "S1").reshape(*values.shape, width)
+def add(file, name: str, dims: tuple, values, attrs: dict) -> None:
+    """Add a variable to a file: texts as characters, along a dimension of that length, and whole
+    numbers in 32 bits, or as real ones where they are larger."""
+    values = np.asarray(values)
+    if values.dtype.kind == "U":
+        values = np.char.encode(values, "utf-8")[..., None].view("S1")
+        dims, attrs = (*dims, f"string{values.shape[-1]}"), attrs | {"_Encoding": "utf-8"}
     elif values.dtype == np.int64:
         values = values.astype("i4" if np.abs(values).max(initial=0) < 2**31 else float)
-    made = file.createVariable(name, values.dtype, dims, **options)
-    made.setncatts(attrs)
-    if kind == "U":
-        made._Encoding = "utf-8"
-        made.set_auto_chartostring(False)
-    made[...] = values
+    elif values.dtype == bool:  # netCDF has no truth values
+        values = values.astype("i1")
+    add_dimensions(file, dims, values.shape)
+    variable = file.createVariable(
+        name,
+        values.dtype,
+        dims,
+        zlib=values.nbytes > COMPRESSED,
+        fletcher32=bool(dims) and values.dtype.kind != "S",  # so that any reader notices damage
+        fill_value=False,
+    )
+    variable.set_auto_chartostring(False)
+    variable.setncatts(attrs)
+    variable[...] = values
 
 
 def read(path: Path, names: tuple[str, ...]) -> tuple[dict, dict]:

@@ -55,12 +55,18 @@ def open_results(path: str | Path) -> xr.Dataset:
         if small := Path(path).stat().st_size <= CHECKED:
             is_sealed(path)
         try:
+            dataset = xr.open_dataset(path, engine="netcdf4")
             if small:
-                return xr.open_dataset(path, engine="netcdf4")
+                return dataset
             import dask  # half a second to load
 
             with dask.config.set({"array.chunk-size": PIECE}):
-                return xr.open_dataset(path, engine="netcdf4", chunks="auto")
+                numbers = {
+                    name: values.variable.chunk("auto")
+                    for name, values in dataset.items()
+                    if values.dtype != object  # of a text nobody knows the size
+                }
+            return dataset.assign(numbers)
         except (OSError, ValueError, RuntimeError):
             why = "it is cut off, damaged or another file: make it again, or copy it again"
             if Path(path).suffix in (".yaml", ".yml"):

@@ -1,6 +1,5 @@
 """Progress of long work: a bar on a terminal, a line now and then in a log."""
 
-import logging
 import sys
 import time
 from contextlib import contextmanager
@@ -49,17 +48,3 @@ def span(seconds: float) -> str:
     if seconds < 3600:
         return f"{seconds // 60} min {seconds % 60} s"
     return f"{seconds // 3600} h {seconds % 3600 // 60} min"
-
-
-class WorkflowProgress(logging.Handler):
-    """Adds how many runs are there to the steps that Snakemake counts; counts: gives that, and of
-    how many."""
-
-    def __init__(self, counts):
-        super().__init__()
-        self.counts, self.last = counts, time.monotonic()
-
-    def emit(self, record: logging.LogRecord) -> None:
-        if hasattr(record, "done") and time.monotonic() - self.last >= EVERY:
-            self.last = time.monotonic()
-            say("{} of {} runs are there".format(*self.counts()))

@@ -7,14 +7,14 @@ import xarray as xr
 from rich.console import Group
 from rich.text import Text
 
+from dem.analysis.drag import summarise, window_text
 from dem.analysis.means import WINDOW, heading, means_of, quantities_of, run_means, table_of
 from dem.analysis.one_run import replicate_of, values_of_runs
-from dem.analysis.statistics import summarise, window_text
 from dem.analysis.tables import TextTable
 from dem.analysis.values import value_of
 from dem.base.errors import InputError
 from dem.io.dataset import LABELS
-from dem.io.lazily import open_combined, open_lazily, require
+from dem.io.lazily import open_lazily, require, require_drag
 from dem.sweep.axis import seed_words
 
 LEGEND = """\
@@ -31,16 +31,14 @@ def summary(path: Path) -> Group:
     files."""
     with open_lazily(path) as dataset:
         if "run_id" not in dataset:
-            raise InputError(
-                f"{path}: it holds no runs; name drag.nc or a file of runs{_study_of(path, dataset)}."
-            )
+            raise InputError(f"{path}: it holds no runs; name drag.nc or a file of runs.")
         require(dataset, path, {}, (), ORIGIN)
         if dataset["run_id"].dims == ("run",):
             return _shown(dataset.attrs, {}, runs_table(path, dataset))
         if "drag" not in dataset:
             return _shown(dataset.attrs, _runs_of(dataset), means_table(path, dataset))
-    with open_combined(path) as dataset:
-        require(dataset, path, {}, (), (*ORIGIN, "configuration"))
+        require_drag(dataset, path)
+        require(dataset, path, {}, (), ("configuration",))
         speed = value_of(dataset, "cylinder.velocity")
         window = f"{window_text(dataset)} of displacement, cylinder at {_range(speed)} m/s"
         return _shown(
@@ -48,18 +46,12 @@ def summary(path: Path) -> Group:
         )
 
 
-def _study_of(path: Path, dataset: xr.Dataset) -> str:
-    """What shows the file of a study, as the file itself says who wrote it."""
-    writer, _, rest = str(dataset.attrs.get("source", "")).partition(" -m studies ")
-    return f"; {writer} -m studies {rest.split()[0]} info {path} shows this one" if rest else ""
-
-
 def _shown(attrs: dict, about: dict, table: pd.DataFrame, legend: str = "") -> Group:
     """Title, where the numbers come from, more about them, and a table."""
     origin = {
         "written": attrs["history"],
         "revision": attrs["git_revision"],
-        "sources": ", ".join(each[:16] for each in attrs["source_hash"].split("; ")),
+        "sources": ", ".join(code[:16] for code in attrs["source_hash"].split("; ")),
         "versions": attrs["versions"],
         **about,
     }
@@ -83,22 +75,22 @@ def drag_table(dataset: xr.Dataset) -> pd.DataFrame:
         overlap = dataset["max_overlap"]
         columns["overlap"] = overlap.max(set(overlap.dims) - set(mean.dims))
     columns = {name: values.drop_attrs(deep=False) for name, values in columns.items()}
-    return _table(xr.Dataset(columns).drop_vars("seed", errors="ignore"))
+    return brief(xr.Dataset(columns).drop_vars("seed", errors="ignore"))
 
 
 def means_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
     """Means of the first quantities of a combined file without drag, with half their intervals."""
-    return _table(means_of(dataset, path, quantities_of(dataset)[:MEANS]))
+    return brief(means_of(dataset, path, quantities_of(dataset)[:MEANS]))
 
 
-def _table(result: xr.Dataset) -> pd.DataFrame:
-    """A table without what belongs to a shape, which its label says, and what is the same
-    everywhere."""
-    coords = result.coords.items()
-    labels = [
-        name for name, values in coords if name not in result.dims and {"shape"} >= set(values.dims)
-    ]
-    return table_of(result.drop_vars(labels))
+def brief(result: xr.Dataset) -> pd.DataFrame:
+    """A table for a terminal: without what belongs to a shape, which its label says, and what is
+    the same everywhere; other labels of points last."""
+    coords = [values for name, values in result.coords.items() if name not in result.dims]
+    left = [values.name for values in coords if {"shape"} >= set(values.dims)]
+    frame = table_of(result.drop_vars(left))
+    labels = [heading(values) for values in coords if heading(values) in frame]
+    return frame[[*frame.columns.drop(labels), *labels]]
 
 
 def runs_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:

@@ -5,6 +5,7 @@ gives factors on the file's own value. Any other name takes named points, each a
 that change together, or a design over ranges.
 """
 
+import math
 import re
 from typing import Literal, NamedTuple
 
@@ -163,6 +164,17 @@ def changes_of_words(configuration: Configuration, words: list[str]) -> dict:
             raise InputError(f"{word!r} is said by an option; write --{path} {text}.")
         texts[path] = text
     return changes(texts, configuration, "values")
+
+
+def is_written(value, text: str, tolerance: float = 5e-5) -> bool:
+    """Whether a value is what a text says; a real number also as tables print it, with five digits.
+
+    tolerance: of real numbers, relative to their size.
+    """
+    try:
+        return math.isclose(value, float(text), rel_tol=tolerance * isinstance(value, float))
+    except (TypeError, ValueError):
+        return text in (str(value), str(value).lower())  # files have true and none
 
 
 def _values(spec, entry: Entry, sweep: Configuration, key: str) -> list:

@@ -7,6 +7,7 @@ last run did since its checkpoint. A run that fails is a row with its reason.
 import json
 import time
 import traceback
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -20,16 +21,15 @@ from dem.experiment.config import Replicate
 from dem.experiment.warmup import compile_kernels
 from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, read, write
 from dem.packing.random import Bed
-from dem.sweep.jobs import kernel_key
+from dem.sweep.grouping import kernel_key
 from dem.sweep.store import Store
 
 
-def make(store: Store, batch: str, progress=lambda done, failed, compiles=False: None) -> Path:
+def make(store: Store, batch: str, progress=lambda done, failed: None) -> Path:
     """The file of a batch, made if it is not there; returns its path.
 
     Two processes that want the same runs do not make them twice: the second waits. progress is
-    called with how many runs are done, of these how many failed, and whether kernels are compiled
-    first.
+    called with how many runs are done, and of these how many failed.
     """
     path, replicates = store.file_of(batch), store.replicates(batch)
     if is_whole(path, replicates):
@@ -38,13 +38,9 @@ def make(store: Store, batch: str, progress=lambda done, failed, compiles=False:
     for replicate in replicates:
         with store.locked(store.run_of(replicate.id, ".lock")):
             if (row := _stored(store, replicate)) is None:
+                with suppress(Exception):  # the run fails too, with its own words
+                    _compile(replicate)
                 done = len(rows)
-                try:
-                    _compile(replicate, lambda d=done, f=failed: progress(d, f, True))
-                except InputError:  # such as a file that cannot be imported
-                    raise
-                except Exception:  # the run fails too, with its own words
-                    pass
                 row = _row(store, replicate, lambda s, d=done, f=failed: progress(d + s, f))
         rows.append(row)
         failed += int(row["failure"]) != 0
@@ -55,17 +51,15 @@ def make(store: Store, batch: str, progress=lambda done, failed, compiles=False:
     return path
 
 
-def _compile(replicate: Replicate, before) -> None:
-    """Compile the kernels of a run once for all processes of this machine; first call `before`."""
+def _compile(replicate: Replicate) -> None:
+    """Compile the kernels of a run once for all processes of this machine."""
     key = digest(kernel_key(replicate), provenance.compilers(), provenance.processor())
     mark = cache_folder() / "kernels" / key
     if not mark.exists():
-        before()
         mark.parent.mkdir(parents=True, exist_ok=True)
         with FileLock(mark.with_suffix(".lock")):
-            if not mark.exists():
-                compile_kernels(replicate)
-                mark.touch()
+            compile_kernels(replicate)  # which others may have done meanwhile
+            mark.touch()
 
 
 def is_whole(path: Path, replicates: list[Replicate]) -> bool:
@@ -91,10 +85,10 @@ def _stored(store: Store, replicate: Replicate) -> dict | None:
 
 def rows_of(path: Path, replicates: list[Replicate]) -> dict[str, dict]:
     """What some runs gave, by their identity; none of a file that is damaged."""
-    own = replicates[0].configuration.module.layout(replicates[0].configuration)
+    layout = replicates[0].configuration.module.layout(replicates[0].configuration)
     wanted = {replicate.id for replicate in replicates}
     try:
-        values, _ = read(path, (*own, "run_id", "failure", "failure_reason", "spent"))
+        values, _ = read(path, (*layout, "run_id", "failure", "failure_reason", "spent"))
     except InputError:
         return {}
     rows = enumerate(values.pop("run_id").tolist())
@@ -204,7 +198,7 @@ def write_one(path: Path, replicate: Replicate, values: dict) -> None:
 def retry(store: Store, batch: str, replicates: list[Replicate]) -> int:
     """Mark the failed runs of a batch to be made again, and return how many there are."""
     path = store.file_of(batch)
-    rows = rows_of(path, replicates) or {each.id: store.kept(each.id) for each in replicates}
+    rows = rows_of(path, replicates) or {run.id: store.kept(run.id) for run in replicates}
     failed = [run for run, row in rows.items() if row is not None and row["failure"] != 0]
     if failed and path.exists():
         for run in rows.keys() - set(failed):

@@ -1,20 +1,25 @@
 """The runs of a block in one file, over its axes: drag.nc over (case, seed, displacement).
 
-Batches are read one after another (netCDF4 is not safe with threads) and written at once: at any
-moment one batch, and the few blocks of the file that are not full yet, are in memory, however many
-there are. What has a value for every granule stays in the batches, but for the beds of
-snapshots.nc."""
+Batches are read one after another (netCDF4 is not safe with threads) and written at once: one batch
+is in memory, and what the library buffers, however many there are. What has a value for every
+granule stays in the batches, but for the beds of snapshots.nc.
+"""
 
+import hashlib
 import json
+import math
 from collections import Counter
+from collections.abc import Iterable, Iterator
 from functools import reduce
 from itertools import groupby
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
+import netCDF4
 import numpy as np
 
 from dem.base.errors import InputError, RunError
-from dem.experiment.config import Entry
+from dem.base.sources import ROOT, code_hash, codes, files_of
 from dem.io.dataset import (
     LABELS,
     OF_STORE,
@@ -31,12 +36,15 @@ from dem.io.dataset import (
 from dem.sweep.axis import OWN
 from dem.sweep.config import Sweep
 from dem.sweep.expand import Block
+from dem.sweep.precision import short_of
+from dem.sweep.store import Batch, Store
 
 PROVENANCE = ("versions", "git_revision", "source_hash", "processor")
-BLOCK = 64  # runs along the last axis that are kept, compressed and read together
+BLOCK = 64  # runs along the last axis that are compressed and read together, at most
+CHUNK = 4_000_000  # bytes that are, at most: netCDF buffers several of these
 BEDS = "snapshots"  # the observable whose file has values for every granule, of the first seeds
 REASONS = 5  # of failed runs that a file tells, at most
-HELD = 8_000_000  # bytes of a variable that are in memory until they are written
+RECIPE = "combined_by"  # attribute: hash of the code and the values by which runs were combined
 
 
 def combine(
@@ -46,86 +54,123 @@ def combine(
     observable: str,
     output: Path,
     progress=lambda done: None,
-    attrs: dict | None = None,
+    recipe: str = "",
     partial: bool = False,
 ) -> None:
     """Write what an observable gave for all runs of a block.
 
     paths:   files of batches in any order; runs of other sweeps in them are left out
-    attrs:   attributes of the file, beside its title and the provenance of the runs
+    recipe:  hash of the code and the values by which they are combined
     partial: what no file holds is a gap, and the attribute `partial` says how many runs there are
 
     The file is written atomically and without loss. Where the sweep allows failures, those are gaps
-    (NaN) and `failure` tells why; so are seeds that a place has no replicate of. Raises InputError
+    (NaN) and `failure` tells why; so are seeds that a point has no replicate of. Raises InputError
     for a damaged file and for a run that no file holds; RunError where too many runs failed, or
     all of a case or shape.
     """
     layout, names = layout_of(block, observable)
-    left, failed = set(block.points), []
+    left, failed = set(block.points), {}
     gaps = bool(sweep.failures or partial or block.until or observable == BEDS)
     provenance = {name: {} for name in PROVENANCE}
     with create(output) as file:
-        for done, path in enumerate(sorted(paths, key=str)):
-            values, batch_attrs = read(path, (*names, "run_id", "failure", "failure_reason"))
-            given = {name: values[name] for name in names}
+        for done, path in enumerate(sorted(paths, key=str), 1):
+            values, origin = read(path, (*names, "run_id", "failure", "failure_reason"))
             rows = {run: row for row, run in enumerate(values["run_id"].tolist()) if run in left}
-            left -= rows.keys()
+            places = sorted(
+                (place, row) for run, row in rows.items() for place in block.points[run]
+            )
             if rows and not file.dimensions:
-                _make_room(file, block, layout, given, gaps)
+                _create_variables(file, block, layout, {n: values[n] for n in names}, gaps)
             with content_of(path):
                 for name in PROVENANCE:
-                    provenance[name][batch_attrs.get(name, "unknown")] = None
-                places = sorted((p, row) for run, row in rows.items() for p in block.points[run])
-                _fill(file, given, places)
-            failed += [
-                (place, int(values["failure"][row]), str(values["failure_reason"][row]))
+                    provenance[name][origin[name]] = None
+                _fill(file, {name: values[name] for name in names}, places)
+            failed |= {
+                place: (int(values["failure"][row]), str(values["failure_reason"][row]))
                 for place, row in places
                 if values["failure"][row]
-            ]
-            progress((done + 1) / len(paths))
-        if left and partial and file.dimensions:
-            total = len(block.points)
-            file.setncattr("partial", f"{total - len(left)} of {total} runs")
-            for place in (place for run in left for place in block.points[run]):
-                file.variables["run_id"][place] = np.bytes_()
-                if block.until:
-                    file.variables[REPLICATES][block.without_seed(place)] -= 1
-        elif left:
+            }
+            left -= rows.keys()
+            progress(done / len(paths))
+        if left and not (partial and file.dimensions):
             missing = next(run for run in block.runs.values() if run.id in left)
             raise InputError(f"{missing.words()} is in none of the {len(paths)} files; run again.")
         if not (partial or (observable == BEDS and sweep.failures)):
-            _check(sweep, block, sorted(failed))
+            _check(sweep, block, failed)
+        for variable in _labels(block, layout, left):
+            add(file, *variable)
         if gaps:
-            for place, flag, _ in failed:
-                file.variables["failure"][place] = flag
-            if reasons := list(dict.fromkeys(reason for *_, reason in failed)):
-                file.variables["failure"].comment = "; ".join(reasons[:REASONS])
+            flags = np.zeros(block.shape, "i1")
+            for place, (flag, _) in failed.items():
+                flags[place] = flag
+            reasons = list(dict.fromkeys(reason for _, reason in failed.values()))
+            comment = {"comment": "; ".join(reasons[:REASONS])} if reasons else {}
+            add(file, "failure", block.dims, flags, attributes("failure", layout) | comment)
         merged = {name: "; ".join(kept) for name, kept in provenance.items()}
-        file.setncatts(about(sweep, block, merged) | (attrs or {}))
+        if left:
+            total = len(block.points)
+            merged["partial"] = f"{total - len(left)} of {total} runs"
+        file.setncatts(about(sweep, block, merged) | {RECIPE: recipe})
 
 
 def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
     """Layout of the combined file, and the names of what its runs give."""
     configuration = block.first.configuration
     experiment = configuration.module
-    recorded, variables = experiment.layout(configuration), {}
-    for name, entry in experiment.variables(configuration, observable).items():
-        if name in recorded and (observable == BEDS or "granule" not in entry[0]):
-            variables[name] = entry
-    store = {name: OF_STORE[name] for name in ("run_id", "bed_family", "failure")}
-    layout = {
-        name: ((*block.dims, *dims), *rest) for name, (dims, *rest) in (variables | store).items()
+    recorded = experiment.layout(configuration)
+    variables = {
+        name: entry
+        for name, entry in experiment.variables(configuration, observable).items()
+        if name in recorded and (observable == BEDS or "granule" not in entry[0])
     }
+    of_runs = variables | {name: OF_STORE[name] for name in ("run_id", "bed_family", "failure")}
+    layout = {name: ((*block.dims, *dims), *rest) for name, (dims, *rest) in of_runs.items()}
     used = {dim for dims, *_ in variables.values() for dim in dims}
     axes = experiment.along(configuration)
     return layout | {n: entry for n, entry in axes.items() if set(entry[0]) & used}, list(variables)
 
 
-def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> None:
-    """Dimensions, axes, labels and empty variables; gaps: whether runs may be missing, which a
-    variable then has a value for."""
-    first = block.first.configuration
-    axes = first.module.axes(first)
+def _create_variables(file, block: Block, layout: dict, values: dict, gaps: bool) -> None:
+    """Create the dimensions of a file, and the variables of which a batch has some values, empty.
+
+    gaps: whether runs may be missing, which a variable then has a value for.
+    """
+    add_dimensions(file, block.dims, block.shape)
+    most = max(run.shape.granules for run in block.runs.values())
+    labels = " ".join(block.labels())
+    for name, array in values.items():
+        dims = layout[name][0][len(block.dims) :]
+        shape = [
+            most if dim == "granule" else size
+            for dim, size in zip(dims, array.shape[1:], strict=True)
+        ]
+        add_dimensions(file, dims, shape)
+        fitting = CHUNK // (math.prod(shape) * array.dtype.itemsize)
+        runs = max(1, min(BLOCK, block.shape[-1], fitting))
+        variable = file.createVariable(
+            name,
+            array.dtype,
+            layout[name][0],
+            zlib=True,
+            fletcher32=True,
+            chunksizes=(*[1] * (len(block.dims) - 1), runs, *shape),
+            fill_value=np.nan if gaps else False,
+        )
+        variable.setncatts(attributes(name, layout) | ({"coordinates": labels} if labels else {}))
+
+
+def _labels(block: Block, layout: dict, left: set[str]) -> Iterator[tuple]:
+    """Name, dimensions, values and attributes of axes and labels, and of the identities of all runs
+    but those that are left out."""
+    labels = block.labels()
+    for axis in block.axes:
+        labels[axis.name] = axis.entry, (axis.name,), axis.coordinate
+    for name, (entry, dims, values) in labels.items():
+        known = LABELS | OF_SWEEP
+        if entry is not None and entry.about:
+            known = {name: (dims, entry.units, entry.about)}
+        yield name, dims, values, attributes(name, known)
+    axes = block.first.configuration.module.axes(block.first.configuration)
     for run in {id(run.configuration): run for run in block.runs.values()}.values():
         for name, values in run.configuration.module.axes(run.configuration).items():
             if not np.array_equal(values, axes[name]):
@@ -133,137 +178,172 @@ def _make_room(file, block: Block, layout: dict, sample: dict, gaps: bool) -> No
                     f"the coordinate {name} must be the same in all runs of {block.name}; use "
                     "blocks."
                 )
-    for axis in block.axes:
-        file.createDimension(axis.name, len(axis.points))
-    labels = block.labels()
-    for axis in block.axes:
-        _write(file, axis.name, (axis.name,), np.asarray(axis.coordinate), axis.entry)
     for name, values in axes.items():
         if name in layout:
-            dims = layout[name][0]
-            add_dimensions(file, dims, values.shape)
-            _write(file, name, dims, values, layout=layout)
-    for name, (entry, dims, values) in labels.items():
-        _write(file, name, dims, np.asarray(values), entry)
-    of_runs = {"run_id": "id"} | ({"bed_family": "bed_family"} if "jam_fraction" in layout else {})
-    for name, attribute in of_runs.items():
-        texts = np.full(block.shape, "", object)
-        for point, run in block.runs.items():
-            texts[point] = getattr(run, attribute)
-        _write(file, name, block.dims, texts, layout=layout)
-    aside = " ".join(labels)
+            yield name, layout[name][0], values, attributes(name, layout)
+    ids, families = (np.zeros(block.shape, "U32") for _ in range(2))
+    counts = np.zeros([len(axis.points) for axis in block.beside_seed], np.int64)
+    for point, run in block.runs.items():
+        if run.id not in left:
+            ids[point], families[point] = run.id, run.bed_family
+            counts[block.without_seed(point)] += 1
+    yield "run_id", block.dims, ids, attributes("run_id", layout)
+    if "jam_fraction" in layout:
+        yield "bed_family", block.dims, families, attributes("bed_family", layout)
     if block.until:
-        array = np.zeros([len(axis.points) for axis in block.beside_seed], np.int64)
-        for place, count in block.counts.items():
-            array[place] = count
-        _write(file, REPLICATES, [axis.name for axis in block.beside_seed], array)
-        file.variables[REPLICATES].setncatts(block.until.model_dump())
-    most = max(run.shape.granules for run in block.runs.values())
-    for name, values in sample.items():
-        dims = layout[name][0][len(block.dims) :]
-        shape = [
-            most if dim == "granule" else size
-            for dim, size in zip(dims, values.shape[1:], strict=True)
-        ]
-        sizes = (*[1] * (len(block.dims) - 1), min(BLOCK, block.shape[-1]), *shape)
-        add_dimensions(file, dims, shape)
-        variable = file.createVariable(
-            name,
-            values.dtype,
-            layout[name][0],
-            zlib=True,
-            complevel=4,
-            shuffle=True,
-            fletcher32=True,
-            chunksizes=sizes,
-            fill_value=np.nan if gaps else False,
-        )
-        # runs mostly come in order, and what is full is written and forgotten
-        size = 2 * int(np.prod(sizes)) * values.dtype.itemsize
-        variable.set_var_chunk_cache(
-            size=max(size, 4096, min(HELD, 64 * size)), nelems=1009, preemption=1.0
-        )
-        variable.setncatts(attributes(name, layout) | ({"coordinates": aside} if aside else {}))
-    if gaps:
-        variable = file.createVariable(
-            "failure", "i1", block.dims, fletcher32=True, fill_value=False
-        )
-        variable.setncatts(attributes("failure", layout))
-        variable[...] = 0
-
-
-def _write(
-    file, name: str, dims, values: np.ndarray, entry: Entry | None = None, layout=None
-) -> None:
-    """An axis or a label."""
-    known = LABELS | OF_SWEEP | (layout or {})
-    if entry is not None and entry.about:
-        known |= {name: (dims, entry.units, entry.about)}
-    if values.dtype == bool:  # netCDF has no truth values
-        values = values.astype("i1")
-    if values.dtype == object:
-        values = values.astype(str)
-    add(file, name, tuple(dims), values, attributes(name, known), fill_value=False)
+        dims = tuple(axis.name for axis in block.beside_seed)
+        attrs = attributes(REPLICATES, OF_SWEEP) | block.until.model_dump()
+        yield REPLICATES, dims, counts, attrs
 
 
 def _fill(file, values: dict, places: list[tuple[tuple[int, ...], int]]) -> None:
     """Write rows at their places; what is side by side along the last axis at once."""
-    for _, some in groupby(
+    for _, group in groupby(
         enumerate(places), lambda item: (item[1][0][:-1], item[1][0][-1] - item[0])
     ):
-        points, rows = zip(*(place for _, place in some), strict=True)
-        there = (*points[0][:-1], slice(points[0][-1], points[0][-1] + len(rows)))
-        for name in values.keys() & file.variables.keys():
-            of_run = map(slice, values[name].shape[1:])  # some have fewer granules than others
-            file.variables[name][(*there, *of_run)] = values[name][list(rows)]
+        points, rows = zip(*(place for _, place in group), strict=True)
+        (*first, start), rows = points[0], list(rows)
+        for name, array in values.items():
+            of_run = map(slice, array.shape[1:])  # some have fewer granules than others
+            file.variables[name][(*first, slice(start, start + len(rows)), *of_run)] = array[rows]
 
 
-def _check(sweep: Sweep, block: Block, failed) -> None:
-    """Raise RunError where more runs failed than the sweep allows, or all of a case or shape."""
+def _check(sweep: Sweep, block: Block, failed: dict) -> None:
+    """Raise RunError where more runs failed than the sweep allows, or all of a case or shape.
+
+    failed: kind of error and reason, by point.
+    """
     if not failed:
         return
-    groups = Counter(run.words().partition(",")[0] for run in block.runs.values())
-    fails = Counter(block.runs[point].words().partition(",")[0] for point, *_ in failed)
-    for group, count in fails.items():
+    first = min(failed)
+    groups, failures = (
+        Counter(block.runs[point].words().partition(",")[0] for point in points)
+        for points in (block.runs, failed)
+    )
+    for group, count in failures.items():
         if count == groups[group]:
             raise RunError(
-                f"{group}: none of its {count} runs could be made ({failed[0][2]}); take it out of "
-                "the configuration, or change its values."
+                f"{group}: none of its {count} runs could be made ({failed[first][1]}); take it "
+                "out of the configuration, or change its values."
             )
     if len(failed) > sweep.failures * len(block.runs) + 1e-9:  # 0.29 * 100 is a little less than 29
-        first = block.runs[failed[0][0]]
         raise RunError(
             f"{len(failed)} of {len(block.runs)} runs could not be made; failures allows "
             f"{sweep.failures:g} of them: change their values, raise failures, or after a change "
-            f"of the code use dem sweep FILE --retry. The first is {first.words()}: {failed[0][2]}"
+            f"of the code use dem sweep FILE --retry. The first is {block.runs[first].words()}: "
+            f"{failed[first][1]}"
         )
 
 
 def about(sweep: Sweep, block: Block, provenance: dict) -> dict:
     """Attributes of the file. The averaging window is among them, so that figures need nothing
     else, and the cylinder's velocity where all runs have the same. The configuration is that of
-    the sweep with what the block sets for all its runs."""
+    the sweep with what all runs of the block share."""
     configuration, drawn = sweep.dump(), {}
-    paths = [path for path in block.paths if path not in OWN]
-    values = shared(block, [*paths, "cylinder.velocity"])
     if sweep.record and sweep.cylinder:
         drawn["window_start"], drawn["window_stop"] = sweep.record.window
-        if "cylinder.velocity" in values:
-            drawn["cylinder_velocity"] = values["cylinder.velocity"]
-    for path in set(paths) & values.keys():
+    velocity = ["cylinder.velocity"] if sweep.cylinder else []
+    for path in dict.fromkeys([*block.paths, *velocity]):
         *groups, last = path.split(".")
-        reduce(dict.__getitem__, groups, configuration)[last] = values[path]
+        values = {
+            run.at(path)
+            for run in block.runs.values()
+            if groups[:1] != ["shapes"] or groups[1] == run.label
+        }
+        if len(values) == 1 and path not in OWN:
+            (value,) = values
+            reduce(dict.__getitem__, groups, configuration)[last] = value
+            if drawn and [path] == velocity:
+                drawn["cylinder_velocity"] = value
     return global_attributes(
         sweep.title, "dem sweep", configuration=json.dumps(configuration), **provenance, **drawn
     )
 
 
-def shared(block: Block, paths: list[str]) -> dict:
-    """Values by path that are the same in all runs of a block, or in all of the shape whose value
-    it is."""
-    values = {path: set() for path in paths}
-    for run in block.runs.values():
-        for path in paths:
-            if not path.startswith("shapes.") or path.split(".")[1] == run.label:
-                values[path].add(run.at(path))
-    return {path: some.pop() for path, some in values.items() if len(some) == 1}
+def read_combined(path: Path) -> tuple[str, tuple[str, ...]]:
+    """The recipe of a combined file and the identities of its runs, empty where none can be read."""
+    try:
+        with netCDF4.Dataset(path) as file:
+            ids = file.variables["run_id"][...].ravel().tolist()
+            return str(getattr(file, RECIPE, "")), tuple(filter(None, map(str, ids)))
+    except Exception:  # damage makes the library raise many errors; nothing good is lost
+        return "", ()
+
+
+def lost_runs(path: Path, held: Iterable[str], runs: Iterable[str]) -> list[str]:
+    """A sentence where a combined file held runs that its sweep has no longer."""
+    if not (lost := set(held).difference(runs)):
+        return []
+    return [
+        f"{path}: {len(lost)} of the {len(set(held))} runs that it held are no longer in this sweep, "
+        "because its values or the code changed; the store keeps them until dem store --prune."
+    ]
+
+
+def combine_block(
+    state,
+    name: str,
+    observable: str,
+    output: Path,
+    progress=lambda done: None,
+    partial: bool = False,
+) -> None:
+    """Write what an observable gave for all runs of a block of a SweepState, unless the file is up
+    to date.
+
+    partial: for those runs that exist. Raises InputError for an observable that the runs lack,
+    RunError where a precision means nothing.
+    """
+    known = state.observables(name)
+    if observable not in known:
+        raise InputError(f"observable is {observable!r}; runs of {name} have {', '.join(known)}.")
+    if partial:
+        whole = [path.resolve() for other in state.sweep.blocks for path in state.combined(other)]
+        if output.resolve() in whole:
+            raise InputError(
+                f"output is {str(output)!r}, where the whole of the sweep will be; name another "
+                "file for a part."
+            )
+    block = state.block(name)
+    if block.until and not partial and observable == known[0]:
+        state.notes += short_of(block, state.values(block))
+    if observable == BEDS:
+        block = block.first_seeds()
+    sources = files_of(("dem/sweep/combine.py", "dem/io/dataset.py"), ROOT)
+    text = f"{code_hash(codes(sources))} {state.text(name)} {observable}"
+    recipe = hashlib.sha256(text.encode()).hexdigest()
+    batches = [
+        other for other in state.batches(name) if not block.points.keys().isdisjoint(other.runs)
+    ]
+    files = [state.store.file_of(batch.id) for batch in batches]
+    before, held = read_combined(output)
+    if before == recipe and not partial and {*held} == {*block.points}:
+        written = output.stat().st_mtime_ns
+        if all(file.stat().st_mtime_ns <= written for file in files):
+            return  # so that what is drawn from it is not drawn again
+    with TemporaryDirectory() as folder:
+        if partial:
+            files = list(_existing(state.store, block, batches, Path(folder)))
+            if not files:
+                raise InputError(
+                    f"no run of {name} is finished yet; dem status shows how far the sweep is."
+                )
+        combine(files, state.sweep, block, observable, output, progress, recipe, partial)
+    if output == state.combined(name)[0] and state.sweep.needed(name):
+        state.notes += lost_runs(output, held, block.points)
+
+
+def _existing(store: Store, block: Block, batches: list[Batch], folder: Path) -> Iterator[Path]:
+    """Files of the runs of a block that exist: finished batches, and in a folder the runs of
+    others."""
+    from dem.sweep.batch import write_batch  # with the kernels
+
+    runs = {run.id: run for run in block.unique()}
+    for batch in batches:
+        path = store.file_of(batch.id)
+        if path.is_file():
+            yield path
+        elif rows := {run: row for run in batch.runs if run in runs and (row := store.kept(run))}:
+            path = folder / path.name
+            write_batch(path, [runs[run] for run in rows], list(rows.values()))
+            yield path

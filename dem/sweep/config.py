@@ -1,6 +1,7 @@
 """A whole configuration file: the values of a run, and what is varied."""
 
 import os
+from contextlib import suppress
 from functools import cached_property
 from importlib.metadata import files as installed_files
 from pathlib import Path
@@ -10,7 +11,6 @@ import yaml
 from pydantic import Field, model_validator
 
 from dem.base.errors import InputError
-from dem.base.files import atomic
 from dem.base.messages import did_you_mean
 from dem.base.plugins import refresh, with_folder
 from dem.base.sources import ROOT
@@ -19,6 +19,7 @@ from dem.base.yaml_file import read
 from dem.experiment.config import Configuration, model_of
 from dem.sweep.expand import Block, Derived, expand
 from dem.sweep.precision import GridPoint
+from dem.sweep.restart import write_changed
 
 DISTRIBUTION = "granular-drag"
 FOLDERS = ("store", "figures", "logs", "rounds")  # of results
@@ -246,20 +247,22 @@ def file_of(sweep: Sweep, path: Path) -> str:
     """
     path = Path(path).resolve()
     if path == (Path(sweep.results) / CONFIG).resolve():
-        with path.open(encoding="utf-8") as file:
-            first = file.readline().rstrip("\n")
-        return first.removeprefix(FROM) if first.startswith(FROM) else ""
+        return origin_of(path)
     try:
         return Path(os.path.relpath(path, os.path.realpath(Path.cwd()))).as_posix()
     except ValueError:  # another drive of Windows
         return path.as_posix()
 
 
+def origin_of(path: Path) -> str:
+    """The file that a resolved configuration was made from; empty where none is named."""
+    with suppress(OSError, UnicodeDecodeError), path.open(encoding="utf-8") as file:
+        first, name = file.readline().rstrip("\n").partition(FROM)[::2]
+        return "" if first else name
+    return ""
+
+
 def save(sweep: Sweep, path: Path, file: str = "") -> None:
     """Write the resolved configuration, which `load` reads again. file: that of the sweep."""
     head = f"{FROM}{file}\n" if file.isprintable() and file else ""
-    text = (head + yaml.safe_dump(sweep.dump(), sort_keys=False)).encode()
-    path = Path(path)
-    if not path.is_file() or path.read_bytes() != text:  # a pipe has no end
-        with atomic(path) as part:
-            part.write_bytes(text)
+    write_changed(Path(path), head + yaml.safe_dump(sweep.dump(), sort_keys=False))

@@ -1,6 +1,7 @@
 """Values derived from another block's result: packing fractions at equal distance from jamming."""
 
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -12,15 +13,14 @@ from dem.io.lazily import open_lazily
 from dem.sweep.axis import Derive
 
 
-class Jamming:
+class Jamming(NamedTuple):
     """Beds that were grown until they jam.
 
     beds: a table of kind (text), friction while they grow (1), fraction (1) at which they jam,
           slope of load^(2/3) against fraction, and diameter (m) that loads are measured by
     """
 
-    def __init__(self, beds: pd.DataFrame):
-        self.beds = beds
+    beds: pd.DataFrame
 
     def of(self, kind: str, column: str, friction: float = 0.0) -> np.ndarray:
         """A column of the beds of a kind; raises InputError if there are none."""
@@ -35,8 +35,8 @@ class Jamming:
 
     def at_distance(self, kind: str, other: str, fraction: float, friction: float = 0.0) -> float:
         """Where a kind is as far from jamming as another is at a packing fraction."""
-        here, there = (self.mean(each, "fraction", friction) for each in (kind, other))
-        return here + fraction - there
+        fractions = [self.mean(name, "fraction", friction) for name in (kind, other)]
+        return fractions[0] + fraction - fractions[1]
 
     def at_load(self, kind: str, other: str, fraction: float) -> float:
         """Where a kind has the load on the walls that another has at a packing fraction.
@@ -45,7 +45,7 @@ class Jamming:
         """
         distance = fraction - self.mean(other, "fraction")
         if distance > 0.0:
-            size, other_size = (float(self.of(each, "diameter")[0]) for each in (kind, other))
+            size, other_size = (float(self.of(name, "diameter")[0]) for name in (kind, other))
             ratio = (other_size / size) ** (2 / 3)
             distance = distance * self.mean(other, "slope") / self.mean(kind, "slope") * ratio
         return self.mean(kind, "fraction") + distance

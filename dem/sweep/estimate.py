@@ -1,19 +1,22 @@
-"""What a sweep costs: how many runs exist, and roughly how long the others take."""
+"""What a sweep costs: how many runs exist, why others must be made again, and how long that takes."""
 
 import json
 import shlex
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from itertools import islice
 from math import pi
 
 import numpy as np
 
 from dem.base.errors import InputError
+from dem.base.provenance import versions
+from dem.base.sources import run_codes
 from dem.experiment.config import Replicate, of_values
 from dem.io.dataset import read
 from dem.io.progress import span
 from dem.packing.cost import packing_time
-from dem.sweep.explain import reasons
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 
@@ -21,8 +24,10 @@ from dem.sweep.store import Store
 GUESS = {"disc": 3e-8, "dumbbell": 6e-8, "ellipse": 6e-8}
 ITERATED = 6e-7  # the same of shapes whose contacts are found by iteration, as of superellipses
 DAMPED = 30.0  # by how much damping bounds the step, over how much stiffness does, a damping ratio
-NEWEST = 40  # batches of the store whose times are read
+NEWEST = 100  # batches of the store that are read
+SAMPLE = 200  # runs to be made that are compared with them
 REASONS = 10  # that are listed
+FEW = 3  # names of files in a sentence
 
 
 def summary(state: SweepState, jobs: int, retry: bool = False) -> str:
@@ -100,19 +105,42 @@ def guessed(runs: list[Replicate], packed: set[str]) -> Iterator[float]:
 
 def speeds_of(store: Store) -> dict[str, float]:
     """Processor time over that guessed, by kind of run, in the newest batches of the store."""
-    paths = (store.folder / "batches").glob("*.nc")
     times = {}
-    for path in islice(sorted(paths, key=lambda path: -path.stat().st_mtime), NEWEST):
-        try:
-            values, attrs = read(path, ("spent", "failure"))
-            runs = [of_values(run) for run in json.loads(attrs["values"])]
-        except (InputError, KeyError, ValueError):  # of another version
-            continue
+    for runs, values, _ in newest(store):
         of_runs = zip(runs, values["spent"], values["failure"], guessed(runs, set()), strict=True)
         for run, spent, failure, guess in of_runs:
             if not failure:
                 times.setdefault(_kind(run), []).append(spent / guess)
     return {kind: float(np.median(some)) for kind, some in times.items()}
+
+
+def newest(store: Store) -> Iterator[tuple[list[Replicate], dict, dict]]:
+    """Runs of the newest batches of a store, with variables and attributes of their files."""
+    paths = (store.folder / "batches").glob("*.nc")
+    for path in sorted(paths, key=lambda path: path.stat().st_mtime)[-NEWEST:]:
+        with suppress(InputError, KeyError, ValueError):  # of another version
+            values, attrs = read(path, ("spent", "failure"))
+            yield [of_values(run) for run in json.loads(attrs["values"])], values, attrs
+
+
+def reasons(store: Store, runs: Iterable[Replicate]) -> Counter:
+    """Reasons, in words, why runs must be made again whose values are in the store, with how many
+    runs have each: the code of some file has changed, or the version of a package."""
+    stored = {run.run_key(): attrs for runs, _, attrs in newest(store) for run in runs}
+    return Counter(
+        _reason(run, stored[run.run_key()])
+        for run in islice(runs, SAMPLE)
+        if run.run_key() in stored
+    )
+
+
+def _reason(run: Replicate, attrs: dict) -> str:
+    then, now = json.loads(attrs["code"]), run_codes(*run.files)
+    names = sorted(name for name in now | then if now.get(name) != then.get(name))
+    if not names:
+        return f"it was made with {attrs['versions']}, which is now {versions()}"
+    more = f" and {len(names) - FEW} more" if len(names) > FEW else ""
+    return f"the code has changed since it was made: {', '.join(names[:FEW])}{more}"
 
 
 def _kind(run: Replicate) -> str:
@@ -121,20 +149,20 @@ def _kind(run: Replicate) -> str:
 
 def effort(run: Replicate) -> float:
     """How much there is to do, but for a factor: granules times steps, without the bed."""
-    own, shape = run.configuration, run.shape
-    if (duration := own.module.duration(run)) is None:
+    configuration, shape = run.configuration, run.shape
+    if (duration := configuration.module.duration(run)) is None:
         return 1e5 * shape.granules
-    speed = np.sqrt(own.material.young_modulus / run.density)
-    decay = -np.log(own.material.restitution)
+    speed = np.sqrt(configuration.material.young_modulus / run.density)
+    decay = -np.log(configuration.material.restitution)
     damped = DAMPED * decay / np.sqrt(pi**2 + decay**2)  # (step / f)^2 + damped step = 1
-    step = 2.0 / (np.sqrt(damped**2 + 4.0 / own.numerics.step_fraction**2) + damped)
+    step = 2.0 / (np.sqrt(damped**2 + 4.0 / configuration.numerics.step_fraction**2) + damped)
     return shape.granules * duration * speed / shape.diameter / step
 
 
-def interrupted(state: SweepState, how: str = "run the same command to go on") -> str:
+def interrupted(state: SweepState) -> str:
     """Message when a sweep is interrupted."""
-    (runs, total), failed = state.counts(), state.failed()
-    return f"{runs} of {total} runs are kept{f', {failed} of them failed' if failed else ''}; {how}"
+    runs, total = state.counts()
+    return f"{runs} of {total} runs are kept; run the same command to go on"
 
 
 def outcome(state: SweepState, new: int | None = None, draws: str = "dem figure all {}") -> str:
@@ -146,9 +174,8 @@ def outcome(state: SweepState, new: int | None = None, draws: str = "dem figure 
     first, failed = [state.combined(name)[0] for name in state.sweep.blocks], 0
     if state.sweep.failures:
         failed = sum(int((read(path, ("failure",))[0]["failure"] != 0).sum()) for path in first)
-    words = f"{state.results} holds {state.counts()[1]} runs"
-    words += "" if new is None else f", {new} of them new"
-    words += f"; {failed} of them failed." if failed else "."
+    counts = f"{state.counts()[1]} runs{'' if new is None else f', {new} of them new'}"
+    counts += f"; {failed} of them failed." if failed else "."
     file = shlex.quote(str(first[0]))
-    after = [f"dem info {file}", *([draws.format(file)] if first[0].stem == "drag" else [])]
-    return f"{words} Next: {' or '.join(after)}"
+    draw = f" or {draws.format(file)}" if first[0].stem == "drag" else ""
+    return f"{state.results} holds {counts} Next: dem info {file}{draw}"

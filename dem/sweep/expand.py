@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from math import prod
@@ -12,9 +13,8 @@ import numpy as np
 from dem.base.errors import InputError
 from dem.experiment.box import check_room
 from dem.experiment.config import Configuration, Entry, Replicate, entries
-from dem.io.dataset import LABELS, OF_STORE
 from dem.sweep.axis import OWN, Axis, Derive, axis_of, changes, name_of
-from dem.sweep.precision import MOST_RUNS, GridPoint
+from dem.sweep.precision import MOST_RUNS, GridPoint, Until
 
 WORDS = ("needs", "values")  # of a block, beside what varies
 SAME = "cylinder.stroke", "shear.strain", "experiment"  # beside the sizes of runs
@@ -23,6 +23,7 @@ SAME = "cylinder.stroke", "shear.strain", "experiment"  # beside the sizes of ru
 Derived = Callable[[dict, Replicate], Any]
 
 
+@dataclass(eq=False)
 class Block:
     """All runs of a block.
 
@@ -30,18 +31,17 @@ class Block:
     axes:  what varies
     runs:  by grid point, in the order of the grid
     fixed: paths of values that all runs share, and that may differ from those of the file
-    until: precision that replicates are added for, None where seeds are listed
     """
 
-    def __init__(
-        self,
-        name: str,
-        axes: list[Axis],
-        runs: dict[GridPoint, Replicate],
-        fixed: Iterable[str] = (),
-    ):
-        self.name, self.axes, self.runs, self.fixed = name, axes, runs, tuple(fixed)
-        self.until = next((axis.until for axis in axes if axis.until), None)
+    name: str
+    axes: list[Axis]
+    runs: dict[GridPoint, Replicate]
+    fixed: Iterable[str] = ()
+
+    @property
+    def until(self) -> Until | None:
+        """The precision that replicates are added for, None where seeds are listed."""
+        return next((axis.until for axis in self.axes if axis.until), None)
 
     @property
     def first(self) -> Replicate:
@@ -81,10 +81,8 @@ class Block:
         """The same block with the first seed alone."""
         at = self.dims.index("seed")
         axes = list(self.axes)
-        seeds = axes[at]
-        axes[at] = seeds._replace(
-            coordinate=seeds.coordinate[:1], points=seeds.points[:1], until=None
-        )
+        first = {"coordinate": axes[at].coordinate[:1], "points": axes[at].points[:1]}
+        axes[at] = axes[at]._replace(until=None, **first)
         runs = {point: run for point, run in self.runs.items() if point[at] == 0}
         return Block(self.name, axes, runs, self.fixed)
 
@@ -129,40 +127,36 @@ class Block:
 
     def labels(self) -> dict[str, tuple[Entry, tuple[str, ...], np.ndarray]]:
         """Labels of the runs beside the axes: units and words, dimensions, values."""
-        base = [axis.name for axis in self.axes if axis.name in ("case", "shape")]
-        runs, labels = list(self.runs.values()), {}
-        of_runs = [run.labels() for run in runs]
+        axes, runs = self.axes, list(self.runs.values())
+        if self.until:  # some points have fewer replicates, which have the same labels
+            axes, runs = self.beside_seed, [group[0] for group in self.replicates.values()]
+        cases = [axis.name for axis in axes if axis.name in ("case", "shape")]
+        of_runs, labels = [run.labels() for run in runs], {}
         for name in of_runs[0]:
             if name not in self.dims:
-                along = self._along([each[name] for each in of_runs], base * (name != "seed"))
-                labels[name] = (None, *along)
+                values, kept = [of_run[name] for of_run in of_runs], cases * (name != "seed")
+                labels[name] = None, *_varying(values, axes, kept)
         known = entries({run.label: None for run in runs}, self.first.configuration.read)
         for path in self.paths:
             name = name_of(path)
             if path in known and name not in self.dims and not path.startswith("shapes."):
                 values = [run.configuration.at(path) for run in runs]
-                along = self._along([np.nan if v is None else v for v in values], [])
-                labels[name] = (known[path], *along)
+                values = [np.nan if value is None else value for value in values]
+                labels[name] = known[path], *_varying(values, axes, [])
         return labels
 
-    def _along(self, values: list, kept: list[str]) -> tuple[tuple[str, ...], np.ndarray]:
-        """Values of all runs, along the kept axes and those along which they vary."""
-        values = np.array(values)
-        array = np.empty(self.shape, values.dtype)
-        if len(values) < array.size:  # where a point has fewer replicates, as its first one
-            for point, value in reversed(list(zip(self.runs, values, strict=True))):
-                seeds = zip(point, self.axes, strict=True)
-                array[tuple(slice(None) if axis.until else i for i, axis in seeds)] = value
-        for point, value in zip(self.runs, values, strict=True):
-            array[point] = value
-        dims = list(self.dims)
-        for at, name in reversed(list(enumerate(self.dims))):
-            first = array.take([0], at)
-            same = (array == first) | ((array != array) & (first != first))
-            if name not in kept and same.all():
-                array = array.take(0, at)
-                dims.remove(name)
-        return tuple(dims), array
+
+def _varying(values: list, axes: list[Axis], kept: list[str]) -> tuple[tuple[str, ...], np.ndarray]:
+    """Values of the runs of a grid, along the kept axes and those along which they vary."""
+    array = np.reshape(values, [len(axis.points) for axis in axes])
+    dims = [axis.name for axis in axes]
+    for axis in range(len(dims) - 1, -1, -1):
+        first = np.broadcast_to(array.take([0], axis), array.shape)
+        same = np.array_equal(array, first, equal_nan=array.dtype.kind == "f")
+        if same and dims[axis] not in kept:
+            array = array.take(0, axis)
+            del dims[axis]
+    return tuple(dims), array
 
 
 def expand(
@@ -213,8 +207,7 @@ def expand(
     first = grid.first.configuration
     names = [*grid.dims, *map(name_of, ways.keys() - {axis.entry.path for axis in axes})]
     recorded = first.module.names(first)
-    lengths = {f"{name}_length" for name in (*names, *recorded, *LABELS, *OF_STORE)}  # of texts
-    if twice := [name for name in names if names.count(name) > 1 or name in recorded | lengths]:
+    if twice := [name for name in names if names.count(name) > 1 or name in recorded]:
         raise InputError(f"{where} gives files of results two things named {twice[0]}; rename one.")
     if grid.until:
         if "needs" in block:

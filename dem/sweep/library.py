@@ -10,8 +10,8 @@ from dem.base.errors import InputError
 from dem.experiment.config import of_values
 from dem.io.dataset import LABELS, attributes, global_attributes
 from dem.io.lazily import open_results
-from dem.io.results_folder import prepare
 from dem.sweep.config import load, merged
+from dem.sweep.restart import prepare
 from dem.sweep.state import SweepState
 from dem.sweep.workers import workers_of
 
@@ -88,17 +88,14 @@ def run_sweep(path: str | Path, executor=None, block: str | None = None) -> xr.D
     """
     state = SweepState.of(Path(path))
     state.check()
-    blocks = list(state.sweep.blocks)
-    output = state.combined(block or blocks[0])[0]
-    workers = workers_of(executor, state.store)
+    output = state.combined(block or next(iter(state.sweep.blocks)))[0]
+    workers = workers_of(executor)
     if executor is None:
-        for name in blocks:
-            for file in {file for run in state.block(name).unique() for file in run.files}:
-                plugins.load(file)  # what cannot be is said before anything is written
+        for file in {file for run in state.replicates() for file in run.files}:
+            plugins.load(file)  # what cannot be is said before anything is written
     lock, _ = prepare(state.results, state.store.folder)
     try:
-        with workers:
-            state.make(workers)
+        state.make(workers)
     finally:
         lock.release()
     return open_results(output)
@@ -137,19 +134,19 @@ def run_experiment(values: dict) -> xr.Dataset:
     """
     plugins.refresh()
     replicate = of_values(_whole(values))
-    own = replicate.configuration
-    own.check_files()
-    experiment = own.module
+    configuration = replicate.configuration
+    configuration.check_files()
+    experiment = configuration.module
     values = experiment.run(replicate)
-    layout = experiment.layout(own) | experiment.along(own) | LABELS
-    coordinates = experiment.axes(own) | replicate.labels()
+    layout = experiment.layout(configuration) | experiment.along(configuration) | LABELS
+    coordinates = experiment.axes(configuration) | replicate.labels()
     used = {"bound", *(dim for name in values for dim in layout[name][0])}
     variables = {
         name: (layout[name][0], value, attributes(name, layout))
         for name, value in (coordinates | values).items()
         if used.issuperset(layout[name][0])
     }
-    title = f"{own.experiment}: {replicate.words()}"
+    title = f"{configuration.experiment}: {replicate.words()}"
     attrs = global_attributes(title, "dem.run_experiment", run_id=replicate.id)
     return xr.Dataset(variables, attrs=attrs).set_coords(coordinates.keys() & variables.keys())
 

@@ -19,8 +19,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from dem.base.errors import InputError, RunError
-from dem.base.intervals import Estimate, mean_interval, ratio_interval
 from dem.base.messages import did_you_mean
+from dem.base.statistics import Estimate, mean_interval, ratio_interval
 from dem.base.types import SEEDS, Count, Section, Seed, must
 from dem.io.dataset import AXES, OF_RUN, OF_STORE, read
 
@@ -213,12 +213,12 @@ def counts(
         while number < rounds and all(len(values[point]) >= n for point, n in now.items()):
             after, so_far = dict(now), {point: values[point][:n] for point, n in now.items()}
             for point, mean in estimates(
-                until, so_far, {each: partners[each] for each in group}
+                until, so_far, {other: partners[other] for other in group}
             ).items():
                 over = SAFETY * excess(mean, until)
-                for each in {point, partners[point] or point} if over > 1.0 else ():
-                    wanted = min(now[each] * over**2, GROWTH * now[each], until.most)
-                    after[each] = max(after[each], math.ceil(wanted))
+                for other in {point, partners[point] or point} if over > 1.0 else ():
+                    wanted = min(now[other] * over**2, GROWTH * now[other], until.most)
+                    after[other] = max(after[other], math.ceil(wanted))
             if after == now:
                 break
             now, number = after, number + 1
@@ -248,8 +248,8 @@ class Numbers:
                 names = "run_id", "failure", "failure_reason", self.variable
                 with suppress(InputError):  # damaged: who needs it says so
                     values, _ = read(self.store.file_of(batch.id), names)
-                    own = next(replicates[run] for run in batch.runs if run in replicates)
-                    self._of |= self._means(own.configuration, values)
+                    run = next(replicates[run] for run in batch.runs if run in replicates)
+                    self._of |= self._means(run.configuration, values)
         estimate = {run: self._of[run] for run in replicates if run in self._of}
         for run in replicates.keys() - estimate if kept else ():
             if (row := self.store.kept(run)) is not None:
@@ -259,7 +259,7 @@ class Numbers:
                 estimate |= self._means(replicates[run].configuration, values)
         return estimate
 
-    def _means(self, own, values: dict[str, np.ndarray]) -> dict[str, float]:
+    def _means(self, configuration, values: dict[str, np.ndarray]) -> dict[str, float]:
         """The number of each run of a configuration, from the variables of some (run, ...)."""
         ids, failed = values["run_id"].tolist(), values["failure"] != 0
         self.failed |= zip(
@@ -268,10 +268,15 @@ class Numbers:
         if self.variable not in values:  # of a run that failed
             return dict.fromkeys(ids, math.nan)
         array = values[self.variable].astype(float)
-        dims = (own.module.layout(own) | OF_STORE)[self.variable][0]
-        for name in ("displacement", "snapshot_displacement") if own.module.observed else ():
+        dims = (configuration.module.layout(configuration) | OF_STORE)[self.variable][0]
+        for name in (
+            ("displacement", "snapshot_displacement") if configuration.module.observed else ()
+        ):
             if AXES[name][0] == dims[-1:]:  # of the way of the cylinder, alone
-                along, (start, stop) = own.module.code.axes(own)[name], own.record.window
+                along, (start, stop) = (
+                    configuration.module.code.axes(configuration)[name],
+                    configuration.record.window,
+                )
                 array = array[..., (along >= start) & (along <= stop)]
         array[failed] = np.nan
         flat = array.reshape(len(array), -1)

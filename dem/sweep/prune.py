@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from dem.base.errors import InputError
-from dem.sweep.combined import read_combined
+from dem.sweep.combine import read_combined
 from dem.sweep.config import CONFIG, FOLDERS
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store
@@ -32,15 +32,21 @@ def sweeps(store: Store) -> Iterator[tuple[Path, set[str], set[str]]]:
                     f"{path}: it is a link to what is not there; connect its disk, or delete the "
                     "link if you deleted the folder for good."
                 )
-        combined = filter(None, map(read_combined, folder.glob("*.nc")))
-        runs, beds = {run for file in combined for run in file.runs}, set()
+        runs, beds = {run for path in folder.glob("*.nc") for run in read_combined(path)[1]}, set()
         if CONFIG in files:
             state = SweepState.of(folder / CONFIG)
-            for name in state.sweep.blocks:
-                beds |= {run.bed_id for run in state.block(name).unique()}
+            beds = {run.bed_id for run in state.replicates()}
             runs |= state.runs()
         if runs:
             yield folder, runs, beds
+
+
+def usage(store: Store) -> list[tuple[str, int]]:
+    """Folders of results, each with how many of the stored runs it needs, and how many none needs."""
+    stored = {run for batch in store.complete().values() for run in batch.runs}
+    needed = {str(folder): stored & runs for folder, runs, _ in sweeps(store)}
+    counts = {folder: len(runs) for folder, runs in needed.items()}
+    return [*counts.items(), ("no sweep", len(stored.difference(*needed.values())))]
 
 
 def prune(store: Store) -> tuple[list[Path], int]:
@@ -52,9 +58,9 @@ def prune(store: Store) -> tuple[list[Path], int]:
     # first, because a sweep that starts meanwhile writes its configuration before its plans
     files, known = list(store.files()), list(store.batches())
     try:
-        for _, wanted, used in sweeps(store):
-            runs |= wanted
-            beds |= used
+        for _, some, some_beds in sweeps(store):
+            runs |= some
+            beds |= some_beds
         if not runs and files:
             raise InputError(
                 f"{store.folder.parent}: no sweep is here; start the sweeps again whose runs you "

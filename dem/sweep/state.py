@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from functools import cached_property
-from itertools import takewhile
+from itertools import chain, takewhile
 from pathlib import Path
 
 import numpy as np
@@ -16,10 +16,10 @@ from dem.base.files import check_output
 from dem.base.yaml_file import read
 from dem.experiment.config import Replicate
 from dem.packing.cost import near_jamming
-from dem.sweep.combined import combine_block, lost_runs, read_combined, refuse_foreign
-from dem.sweep.config import CONFIG, Sweep, file_of, load, parse, save
+from dem.sweep.combine import combine_block, lost_runs, read_combined
+from dem.sweep.config import CONFIG, Sweep, file_of, load, origin_of, parse, save
 from dem.sweep.expand import Block
-from dem.sweep.jobs import plan_batches
+from dem.sweep.grouping import plan_batches
 from dem.sweep.precision import GridPoint, Numbers, counts
 from dem.sweep.store import FOLDER, Batch, Store
 from dem.sweep.workers import Workers, make_batches
@@ -50,23 +50,21 @@ class SweepState:
 
     sweep: the configuration
     store: where runs are
-    file:  what the sweep is known by; empty where it has none, None where nobody will ask
+    file:  what the sweep is known by; empty where it has none
     root:  folder that all paths of the sweep are in; the working folder if absent
     notes: sentences to show in the end
     """
 
     def __init__(
-        self, sweep: Sweep, store: Store | None = None, file: str | None = None, root: Path = Path()
+        self, sweep: Sweep, store: Store | None = None, file: str = "", root: Path = Path()
     ):
         self.sweep, self.file, self.root = sweep, file, Path(root)
         self.store = store or Store(self.root / FOLDER)
         self.notes: list[str] = []
         self._rounds: dict[str, list[Block]] = {}  # of each block
         self._plans: dict[tuple[str, int], list[Batch]] = {}  # by block and round
-        self._new: dict[str, list[Replicate]] = {}  # runs of batches whose plans are not written
+        self._new: dict[Batch, list[Replicate]] = {}  # runs of batches whose plans are not written
         self._numbers: dict[str, Numbers] = {}
-        self._ended: set[str] | None = None  # batches that `failed` has looked at
-        self._failed: set[str] = set()
 
     @classmethod
     def of(cls, path: Path, root: Path = Path()) -> "SweepState":
@@ -81,9 +79,10 @@ class SweepState:
     def of_values(cls, values: dict, files: list, root: str = "") -> "SweepState":
         """The sweep of the values that Snakemake has read of some files, and perhaps changed."""
         names = [os.path.relpath(file) for file in files]
-        written = [read(Path(name)) for name in names]  # refuses what Snakemake reads otherwise
+        for name in names:
+            read(Path(name))  # refuses what Snakemake reads otherwise
         sweep = parse(values, ", ".join(names) or "the configuration")
-        return cls(sweep, None, file_of(sweep, names[0]) if written == [values] else "", root)
+        return cls(sweep, None, file_of(sweep, names[0]) if names else "", root)
 
     # Names of files
 
@@ -107,7 +106,7 @@ class SweepState:
         unless figures of beds by case can be drawn from them."""
         block = self.block(name)
         recorded = block.first.configuration.recorded
-        return tuple(each for each in recorded if each != "snapshots" or block.is_by_case)
+        return tuple(o for o in recorded if o != "snapshots" or block.is_by_case)
 
     def combined(self, name: str) -> list[Path]:
         """The combined files of a block; the runs of the first one are compared."""
@@ -140,8 +139,8 @@ class SweepState:
             self._rounds[name] = [self.sweep.block(name, derived)]
             while self.grow(name):
                 pass
-        found = self._rounds[name]
-        return found[-1 if rounds is None else min(rounds, len(found) - 1)]
+        blocks = self._rounds[name]
+        return blocks[-1 if rounds is None else min(rounds, len(blocks) - 1)]
 
     def grow(self, name: str) -> bool:
         """Add a round to a block, where all its runs exist and it takes one."""
@@ -181,8 +180,12 @@ class SweepState:
         """What the runs of the store gave, by the name of a variable."""
         return self._numbers.setdefault(variable, Numbers(self.store, variable))
 
+    def replicates(self) -> Iterator[Replicate]:
+        """All runs, as far as they are known."""
+        return chain.from_iterable(self.block(name).unique() for name in self.sweep.blocks)
+
     def runs(self) -> set[str]:
-        """Identities of all runs, as far as they are known."""
+        """Their identities."""
         return {run for name in self.sweep.blocks for run in self.block(name).points}
 
     # Batches
@@ -195,14 +198,14 @@ class SweepState:
         for path in self.needed(name):
             if not path.is_file():
                 raise InputError(f"{path}: it is missing; the block {name} needs it first.")
-        for each in self.sweep.blocks:  # in one order, because blocks share runs
-            if each == name or self.is_known(each):
-                self.block(each)
-                for number, block in enumerate(self._rounds[each]):
-                    if (each, number) not in self._plans:
+        for other in self.sweep.blocks:  # in one order, because blocks share runs
+            if other == name or self.is_known(other):
+                self.block(other)
+                for number, block in enumerate(self._rounds[other]):
+                    if (other, number) not in self._plans:
                         planned = {b.id: b for batches in self._plans.values() for b in batches}
                         known = (self.store.complete() | planned).values()
-                        self._plans[each, number], new = plan_batches(
+                        self._plans[other, number], new = plan_batches(
                             known, block.unique(), self.sweep.batch, self.sweep.results
                         )
                         self._new |= new
@@ -217,13 +220,12 @@ class SweepState:
         """Write what jobs read: the resolved configuration, whose path is returned, and what the
         batches of some blocks are to make."""
         path = self.results / CONFIG
-        save(self.sweep, path, self.file or "")  # first, so that pruning knows what is needed
+        save(self.sweep, path, self.file)  # first, so that pruning knows what is needed
         for name in names:
             self.batches(name)
-            for number in range(len(self._rounds[name])):
-                for batch in self._plans[name, number]:  # some may be planned for another block
-                    if batch.id in self._new:
-                        self.store.write_plan(batch, self.sweep.results, self._new.pop(batch.id))
+        for batch, runs in self._new.items():
+            self.store.write_plan(batch, self.sweep.results, runs)
+        self._new.clear()
         return str(path)
 
     def counts(self) -> tuple[int, int]:
@@ -233,18 +235,6 @@ class SweepState:
         kept = [run for run in wanted - complete if self.store.run_of(run).is_file()]
         return len(wanted & complete) + len(kept), len(wanted)
 
-    def failed(self) -> int:
-        """How many runs failed in batches that ended since this was first asked. Each file is read
-        once, and none that existed before: reading takes a hundredth of a second."""
-        complete = self.store.complete().keys()
-        if self._ended is None:
-            self._ended = set(complete)
-        for batch in complete - self._ended:
-            self._ended.add(batch)
-            with suppress(InputError, OSError):  # a damaged file is said by who needs it
-                self._failed |= self.store.failed(batch)
-        return len(self._failed & self.runs())
-
     # All of it
 
     def check(self) -> list[str]:
@@ -253,16 +243,19 @@ class SweepState:
         of runs that will be gone."""
         with suppress(OSError):  # a dry run writes nothing; what does, says that it cannot
             check_output("the file to write", self.results / CONFIG)
-        runs = (run for name in self.sweep.blocks for run in self.block(name).unique())
-        warnings = [*self._new_store(), *self._fast_cylinder(), *slow_beds(runs)]
+        other = origin_of(self.results / CONFIG)
+        if other not in ("", self.file) and Path(other).exists():
+            raise InputError(
+                f"results is {self.sweep.results!r}, which has the results of {other}: name another "
+                f"folder in {self.file or 'the configuration'}, or move what is there away."
+            )
+        warnings = [*self._new_store(), *self._fast_cylinder(), *slow_beds(self.replicates())]
         for name in self.sweep.blocks:
             for number, path in enumerate(self.combined(name)):
                 with suppress(OSError):
                     check_output("the file to write", path)
-                combined = read_combined(path)
-                refuse_foreign(path, combined, self.sweep, self.file)
                 if number == 0 and not self.sweep.needed(name):
-                    warnings += lost_runs(path, combined, self.block(name).points)
+                    warnings += lost_runs(path, read_combined(path)[1], self.block(name).points)
         return warnings
 
     def _new_store(self) -> Iterator[str]:
@@ -279,17 +272,17 @@ class SweepState:
     def _fast_cylinder(self) -> Iterator[str]:
         """A warning of the fastest run, where another unit was probably meant: mm/s for m/s, MPa
         for Pa."""
-        velocities = {}  # by Mach number
-        for run in (run for name in self.sweep.blocks for run in self.block(name).unique()):
-            own = run.configuration
-            if own.experiment == "drag":
-                sound = math.sqrt(own.material.young_modulus / run.density)
-                velocities[own.cylinder.velocity / sound] = own.cylinder.velocity, sound
-        share = max(velocities, default=0.0)
-        if share > FASTEST:
-            velocity, sound = velocities[share]
+        machs = {}
+        for run in self.replicates():
+            configuration = run.configuration
+            if configuration.experiment == "drag":
+                velocity = configuration.cylinder.velocity
+                sound = math.sqrt(configuration.material.young_modulus / run.density)
+                machs[velocity / sound] = velocity, sound
+        if (mach := max(machs, default=0.0)) > FASTEST:
+            velocity, sound = machs[mach]
             yield (
-                f"Warning: cylinder.velocity is {velocity:g} m/s, {share:.2g} of the velocity of "
+                f"Warning: cylinder.velocity is {velocity:g} m/s, {mach:.2g} of the velocity of "
                 f"sound in a granule, sqrt(material.young_modulus / density) = {sound:.4g} m/s; it "
                 f"should be below {FASTEST:g}. Are all values in SI units?"
             )
@@ -303,11 +296,10 @@ class SweepState:
         batches = dict.fromkeys(batch.id for name in known for batch in self.batches(name))
         return sum(retry(self.store, batch, self.store.replicates(batch)) for batch in batches)
 
-    def make(self, workers: Workers, progress=lambda done, failed, compiles: None) -> None:
+    def make(self, workers: Workers, progress=lambda done, failed: None) -> None:
         """Make all that does not exist yet, on some workers; raises RunError.
 
-        progress is called with how many runs exist, how many of the new ones failed, and whether
-        any process compiles.
+        progress is called with how many runs exist, and how many of the new ones failed.
         """
         for name in self.sweep.blocks:  # a block comes after those that it needs
             while True:
@@ -316,10 +308,8 @@ class SweepState:
                 kept = sum(self.store.run_of(run).is_file() for batch in new for run in batch.runs)
                 before = self.counts()[0] - kept
                 make_batches(
-                    self.store, new, workers, lambda n, *more, n0=before: progress(n0 + n, *more)
+                    self.store, new, workers, lambda n, failed, n0=before: progress(n0 + n, failed)
                 )
-                self._plans.clear()  # some runs may have been put into batches of their own
-                self._new.clear()
                 if not self.grow(name):
                     break
             for observable, path in zip(self.observables(name), self.combined(name), strict=True):

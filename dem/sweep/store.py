@@ -20,11 +20,11 @@ from filelock import FileLock
 
 from dem.base.errors import InputError
 from dem.base.files import atomic
-from dem.base.plugins import refresh
+from dem.base.provenance import compilers
 from dem.experiment.config import Replicate, of_values
-from dem.io.checksums import Changed, is_sealed, seal
+from dem.io.checksums import is_sealed, seal
 from dem.io.dataset import read
-from dem.io.results_folder import is_held
+from dem.sweep.restart import is_held, write_changed
 
 FOLDER = Path("results/store")
 NAMES = {  # of the files in each folder; others are not the store's
@@ -112,41 +112,29 @@ class Store:
     def replicates(self, batch: str) -> list[Replicate]:
         """What the runs of a batch are; raises InputError where its plan is not of today's code."""
         path = self.plan_of(batch)
-        for prepare in (lambda: None, refresh):  # files may have changed since they were read
-            prepare()
-            # what is wrong with a plan does not matter, because it is made again
-            with suppress(OSError, ValueError, KeyError, TypeError, IndexError, RecursionError):
-                head, body = path.read_text(encoding="utf-8").splitlines()
-                values, of = json.loads(body)
-                replicates = [of_values(values[at] | run) for at, run in of]
-                if json.loads(head)[1:] == [each.id for each in replicates]:
-                    return replicates
+        # what is wrong with a plan does not matter, because it is written again
+        with suppress(OSError, ValueError, KeyError, TypeError, IndexError, RecursionError):
+            head, body = path.read_text(encoding="utf-8").splitlines()
+            values, rows = json.loads(body)
+            replicates = [of_values(values[row] | run) for row, run in rows]
+            if json.loads(head)[1:] == [run.id for run in replicates]:
+                return replicates
         raise InputError(
-            f"{path}: it is no plan of a batch for this version of the code; start the sweep "
-            "again, which writes it."
+            f"{path}: it is no plan of a batch for this version of the code with {compilers()}; "
+            "start the sweep, and workers that live on, again."
         )
 
     def write_plan(self, batch: Batch, results: str, replicates: list[Replicate]) -> None:
         """Write what a batch is to make; runs of one configuration name its values once."""
-        values, rows, of = [], {}, []
+        values, rows, runs = [], {}, []
         for replicate in replicates:
             row = rows.setdefault(id(replicate.configuration), len(values))
             if row == len(values):
                 values.append(replicate.values())
             run = {"shape": replicate.label, "density": replicate.density, "seed": replicate.seed}
-            of.append([row, run])
-        text = f"{json.dumps([results, *batch.runs])}\n{json.dumps([values, of])}\n"
-        path = self.plan_of(batch.id)
-        if not path.exists() or path.read_bytes() != text.encode():
-            with atomic(path) as part:
-                part.write_bytes(text.encode())
-
-    def add(self, batch: str, content: bytes) -> None:
-        """Add the file of a batch that was made elsewhere; raises Changed where it is damaged."""
-        with atomic(self.file_of(batch)) as part:
-            part.write_bytes(content)
-            if not is_sealed(part):
-                raise Changed("it has no checksum")
+            runs.append([row, run])
+        text = f"{json.dumps([results, *batch.runs])}\n{json.dumps([values, runs])}\n"
+        write_changed(self.plan_of(batch.id), text)
 
     # Beds and finished runs
 
@@ -158,15 +146,15 @@ class Store:
         """The bed of a run by the names of Bed, but for its periods: the stored one, or as
         `make(replicate, checkpoint)` packs it, once for all processes. One that was stopped goes on."""
         path = self.file_of_bed(replicate)
-        if (found := _load(path)) is None:
+        if (bed := _load(path)) is None:
             with self.locked(path.with_name(".lock")):
-                if (found := _load(path)) is None:
+                if (bed := _load(path)) is None:
                     checkpoint = path.with_suffix(".checkpoint.npz")
-                    found = make(replicate, checkpoint)._asdict()
-                    del found["periodic"]  # the configuration says it
-                    _save(path, found)
+                    bed = make(replicate, checkpoint)._asdict()
+                    del bed["periodic"]  # the configuration says it
+                    _save(path, bed)
                     checkpoint.unlink(missing_ok=True)
-        return found
+        return bed
 
     def locked(self, path: Path) -> FileLock:
         """A lock of the store, so that one process at a time makes something."""
@@ -181,17 +169,9 @@ class Store:
         """What a run gave whose batch has not ended, None if it is not there or damaged."""
         return _load(self.run_of(run))
 
-    def under_way(self) -> dict[str, float | None]:
-        """The runs of batches that have not ended, by identity: None for one that is finished, else
-        since when (s since 1970) a process is making it. Nothing is touched.
-        """
-        files = list((self.folder / "runs").glob("*/*"))
-        held = {}
-        for path in (each for each in files if each.suffix == ".lock"):
-            with suppress(FileNotFoundError):  # a run that ends just now
-                if is_held(path):
-                    held[path.stem] = path.stat().st_mtime
-        return held | {p.stem: None for p in files if re.fullmatch(r"[0-9a-f]{32}\.npz", p.name)}
+    def locked_runs(self) -> set[str]:
+        """Identities of the runs that some process is making. Nothing is touched."""
+        return {path.stem for path in (self.folder / "runs").glob("*/*.lock") if is_held(path)}
 
     def forget(self, runs: Iterable[str]) -> None:
         """Remove runs that a batch holds now."""

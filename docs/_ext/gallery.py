@@ -42,6 +42,14 @@ PICTURES = {
     ),
 }
 OF_MEANS = {"figure13", "figure14"}  # are drawn from precise.nc, which has more beds than drag.nc
+CARD = """\
+:::{{grid-item-card}}
+:img-top: gallery/{file}
+:link: {label}
+:link-type: ref
+
+{about}
+:::"""
 FILM = "```{{video}} {}\n:width: 100%\n:autoplay:\n:loop:\n:muted:\n```"
 
 
@@ -54,13 +62,18 @@ def write(docs: Path) -> None:
         if _older(folder / file, code):
             _run(command, folder)
     figures = _figures(folder, code)
-    parts = ["# What can be drawn?"]
+    cards = [
+        CARD.format(file=file, label=_label(file), about=about)
+        for file, (_, about) in (PICTURES | figures).items()
+        if not file.endswith(".mp4")
+    ]
+    parts = ["# What can be drawn?", "::::{grid} 2 3 4 4", *cards, "::::"]
     for heading, group in ("Films and pictures of one run", PICTURES), ("Figures", figures):
         parts.append(f"## {heading}")
         for file, (command, about) in group.items():
             place = f"gallery/{file}"
             shown = FILM.format(place) if file.endswith(".mp4") else f"![{about}]({place})"
-            parts += [f"### {about}", shown, f"```console\n$ {command}\n```"]
+            parts += [f"({_label(file)})=\n### {about}", shown, f"```console\n$ {command}\n```"]
     (folder.parent / "gallery.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
 
 
@@ -84,6 +97,11 @@ def _figures(folder: Path, code: float) -> dict[str, tuple[str, str]]:
             command = f"{program} figure {name} results/{file.source}"
             found[f"{name}.png"] = command, figures[name].caption
     return found
+
+
+def _label(file: str) -> str:
+    """Where the gallery shows a file."""
+    return f"gallery-{Path(file).stem}"
 
 
 def _older(file: Path, time: float) -> bool:

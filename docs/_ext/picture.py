@@ -11,7 +11,7 @@ from dem.shapes import outlines
 
 NAME, FILES = "beds", ("snapshots", "drag")
 CASES = {"c1": "Discs", "d1": "Dumbbells", "e3": "Ellipses"}
-SNAPSHOT, LAYERS = -1, 12  # the end of the stroke; bands of the bed before it
+SNAPSHOT = -1  # the end of the stroke
 
 
 @style.styled
@@ -41,7 +41,6 @@ def _bed(axes, found, case: xr.Dataset) -> None:
     height = found.height[SNAPSHOT]
     view = bed.box_view(found.width, height)
     drawn = bed.Drawing(axes, rings, view, [bed.circle(found.cylinder)], found.periods)
-    drawn.joints.set_visible(False)  # these beds are small
     walls = bed.box_walls(found.width, height, found.periods)
     drawn.move(found.position[SNAPSHOT], found.angle[SNAPSHOT], walls, [found.axis[SNAPSHOT]])
-    drawn.paint(bed.layer_colors(found.position[0], found.height[0], LAYERS))
+    drawn.paint(bed.layer_colors(found.position[0], found.height[0]))

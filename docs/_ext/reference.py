@@ -1,12 +1,14 @@
 """Write the reference pages that follow from the code: command line, configuration, files."""
 
+import json
 from importlib import import_module
 from pathlib import Path
 
 import typer
 from typer.cli import get_docs_for_click
 
-from dem.base.types import section_of, unit_of
+from dem.base.sources import ROOT
+from dem.base.types import LEAST, section_of, unit_of
 from dem.cli.app import app
 from dem.experiment.config import SECTIONS, Configuration
 from dem.experiment.kinds import jamming, onset, shear
@@ -33,11 +35,12 @@ def command_line() -> str:
 
 
 def configuration() -> str:
-    """Every value of a configuration, from the schema."""
+    """Every value of a configuration, from its fields and the schema."""
+    schema = json.loads((ROOT / "config/schema.json").read_text(encoding="utf-8"))
     parts = ["# The configuration\n", CONFIGURATION]
     parts += [
         "## The whole run\n",
-        _table(HEADS, _values(Configuration, "")),
+        _table(HEADS, _values(Configuration, "", schema)),
     ]
     for name, field in Configuration.model_fields.items():
         if section := section_of(field.annotation):
@@ -45,11 +48,15 @@ def configuration() -> str:
             if name in SECTIONS:
                 parts.append(f"Only for the experiment {' and '.join(SECTIONS[name])}.\n")
             label = "LABEL." if name == "shapes" else ""
-            parts.append(_table(HEADS, _values(section, f"{name}.{label}")))
+            parts.append(
+                _table(
+                    HEADS, _values(section, f"{name}.{label}", schema["$defs"][section.__name__])
+                )
+            )
     return "\n".join(parts)
 
 
-HEADS = ("key", "what it is", "unit", "default")
+HEADS = ("key", "what it is", "unit", "allowed", "default")
 CONFIGURATION = """\
 A configuration is a YAML file in SI units. These are the values that one run reads. Each of them but
 `record.window` and `record.observables` can vary in a sweep, by its key. [How do I sweep my own values?](../howto/sweep.md) explains the rest of
@@ -57,15 +64,38 @@ the file: `title`, `results`, `extends`, `cases`, `sweep`, `batch`, `failures`, 
 """
 
 
-def _values(section, head: str) -> list[tuple[str, ...]]:
-    """Rows of a table: key, unit, default and meaning of each value of a section."""
+# by key of a JSON schema: what is said of a value
+LIMITS = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
+TYPES = {
+    "integer": "whole",
+    "boolean": "true, false",
+    "string": "text",
+    "array": "list",
+    "null": "none",
+}
+
+
+def _allowed(form: dict) -> str:
+    """Values that a schema allows."""
+    if "anyOf" in form:
+        return "; ".join(map(_allowed, form["anyOf"]))
+    if "enum" in form:
+        return ", ".join(f"`{each}`" for each in form["enum"])
+    limits = [f"{sign} {form[key]:g}" for key, sign in LIMITS.items() if key in form]
+    words = [TYPES[form["type"]]] if form["type"] in TYPES else []
+    return ", ".join(words + limits).replace(f"≥ {LEAST:g}", "> 0")
+
+
+def _values(section, head: str, schema: dict) -> list[tuple[str, ...]]:
+    """Rows of a table: key, meaning, unit, allowed values and default of a section's values."""
     rows = []
     for name, field in section.model_fields.items():
         if section_of(field.annotation):
             continue
         units = unit_of(field.rebuild_annotation()) or ""
         default = "required" if field.is_required() else _word(field.default)
-        rows.append((f"`{head}{name}`", field.description, units, default))
+        allowed = _allowed(schema["properties"][name])
+        rows.append((f"`{head}{name}`", field.description, units, allowed, default))
     return rows
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from scipy.stats import t
 
-from dem.base.intervals import LEVEL
+from dem.base.statistics import LEVEL
 
 LARGEST = 1.2  # step fraction up to which no bed has been seen to break
 FAILED = 0.02  # share of failed runs up to which a step counts, because failures are not random
@@ -15,13 +15,11 @@ FAILED = 0.02  # share of failed runs up to which a step counts, because failure
 class Bias(NamedTuple):
     """Of the mean drag at the default step, over the mean drag: estimate, half its interval.
 
-    fractions (f,): those that the straight line was fitted to; slope: change of the mean drag, over
-    itself, with the step (see `lengths`).
+    fractions (f,): those that the straight line was fitted to.
     """
 
     value: float
     half: float
-    slope: float
     fractions: np.ndarray
     seeds: int
 
@@ -43,14 +41,14 @@ def table(dataset: xr.Dataset, shape: str) -> xr.DataArray:
 
 
 def lengths(dataset: xr.Dataset, shape: str) -> dict[float, float]:
-    """Mean time step by step fraction, over that of the default, times the default.
+    """Mean time step by step fraction, over that of the default.
 
     Damping bounds a step too, so that it is not in proportion to the fraction.
     """
     mine = dataset.isel(trial=np.flatnonzero(dataset["trial_shape"].values == shape))
     mean = mine["trial_time_step"].groupby(mine["trial_fraction"]).mean()
     default = float(dataset.attrs["default_fraction"])
-    found = default * mean / mean.sel(trial_fraction=default)
+    found = mean / mean.sel(trial_fraction=default)
     return dict(zip(found["trial_fraction"].values.tolist(), found.values.tolist(), strict=True))
 
 
@@ -102,6 +100,5 @@ def bias(dataset: xr.Dataset, shape: str) -> Bias:
     n = np.count_nonzero(squares)
     error = np.sqrt(n / (n - 1) * np.sum(shares**2)) / squares.sum()
     base = float(grid.sel(fraction=default).mean())
-    relative = slope / base
-    half = default * t.ppf(0.5 + 0.5 * LEVEL, n - 1) * error / base
-    return Bias(default * relative, half, relative, grid["fraction"].values, n)
+    half = t.ppf(0.5 + 0.5 * LEVEL, n - 1) * error / base
+    return Bias(slope / base, half, grid["fraction"].values, n)

@@ -74,7 +74,7 @@ class Accuracy(Findings):
 
     def longer(self, shape: str, fraction: float) -> float:
         """Mean time step at a step fraction over that of the paper's."""
-        return bias.lengths(self.dataset, shape)[fraction] / self._default
+        return bias.lengths(self.dataset, shape)[fraction]
 
     def change(self, shape: str, fraction: float) -> tuple[float, float]:
         """Change of the mean drag at a step, over the bound, against the default, and half its

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from scipy.stats import t
 
-from dem.base.intervals import LEVEL
+from dem.base.statistics import LEVEL
 
 TARGET = 0.02  # wanted half-interval over the mean
 

@@ -14,7 +14,7 @@ import pandas as pd
 import xarray as xr
 
 from dem.base.errors import RunError
-from dem.base.intervals import Estimate, bootstrap_interval
+from dem.base.statistics import Estimate, bootstrap_interval
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
 from dem.sweep.config import Sweep
 from studies.benchmark.scenes import Case, packed

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from scipy.stats import t
 
-from dem.analysis.statistics import over_seeds, summarise
+from dem.analysis.drag import over_seeds, summarise
 from dem.base.errors import InputError
 
 AXES = {"material_young_modulus": 2, "seed": 2}  # and how many values of each a line takes

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from dem.analysis.compare import Comparison
-from dem.analysis.statistics import summarise, within
+from dem.analysis.drag import summarise, within
 from studies.claims import MEASURES
 from studies.claims.irregularity import in_window
 
@@ -98,7 +98,7 @@ def reference(dataset: xr.Dataset) -> tuple[str, float, float]:
 
 
 def first_come(runs: xr.Dataset, case: str) -> xr.Dataset:
-    """A table whose first case is the reference, as dem.analysis.statistics expects it."""
+    """A table whose first case is the reference, as dem.analysis.drag expects it."""
     cases = runs["case"].values.tolist()
     return runs.sel(case=sorted(cases, key=lambda each: each != case)) if case in cases else runs
 

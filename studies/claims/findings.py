@@ -10,10 +10,10 @@ from rich.table import Table
 from rich.text import Text
 
 from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED, Comparison
-from dem.analysis.statistics import by_case
+from dem.analysis.drag import by_case
 from dem.analysis.tables import numbers
 from dem.base.errors import InputError
-from dem.base.intervals import Estimate
+from dem.base.statistics import Estimate
 from studies.claims.evidence import MARGIN, from_study, from_sweep, scaled_ratios
 from studies.claims.influence import Influence, influences, responses
 from studies.claims.remains import remaining
@@ -198,7 +198,7 @@ class Claims(Findings):
             cells = []
             for each in (verdicts[name] for verdicts in found.values()):
                 parts = (_one_line(f"{part.words}: {span(part)}") for part in each.comparisons)
-                cells.append("\n".join((f"**{each.verdict}**", *parts)))
+                cells.append("\n".join((each.verdict, *parts)))
             table.add_row(_title(each), *cells)
         return table
 
@@ -214,7 +214,7 @@ def table_of(verdicts) -> Table:
             for part in each.comparisons
         )
         space = each.space.per_cent if each.space else "-"
-        table.add_row(_title(each), f"**{each.verdict}**", parts, space)
+        table.add_row(_title(each), each.verdict, parts, space)
     return table
 
 

@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import t
 
-from dem.analysis.statistics import find
+from dem.analysis.drag import find
 from dem.base.errors import InputError
-from dem.base.intervals import LEVEL
+from dem.base.statistics import LEVEL
 
 HARMONICS = 4  # of RBD-FAST
 
@@ -42,7 +42,9 @@ def responses(points) -> dict[str, np.ndarray]:
     base = drag.pop("c1", None)
     if base is None:
         return {}
-    return {"drag of c1": base} | {f"{shape} over c1": each / base for shape, each in drag.items()}
+    return {"drag of c1": base} | {
+        f"ratio of {shape} to c1": each / base for shape, each in drag.items()
+    }
 
 
 def plane(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:

@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 
 from dem.analysis.compare import Comparison
-from dem.analysis.statistics import find
-from dem.base.intervals import log_ratio_error, student
+from dem.analysis.drag import find
+from dem.base.statistics import log_ratio_error, student
 
 SHAPES = "e3", "c1"
 

@@ -8,7 +8,7 @@ import pandas as pd
 import xarray as xr
 from scipy.stats import sem, t
 
-from dem.base.intervals import LEVEL, Estimate
+from dem.base.statistics import LEVEL, Estimate
 from dem.sweep.derive import Jamming
 from studies.claims.evidence import reference, rows, with_case
 from studies.claims.influence import plane

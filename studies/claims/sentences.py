@@ -18,8 +18,8 @@ import numpy as np
 from scipy.special import stdtrit
 
 from dem.analysis.compare import CONTRADICTED, SUPPORTED, Comparison, judged
-from dem.analysis.statistics import densities, find
-from dem.base.intervals import LEVEL
+from dem.analysis.drag import densities, find
+from dem.base.statistics import LEVEL
 from studies.claims.evidence import Evidence, curves
 from studies.claims.influence import plane, slopes
 

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.stats import binomtest
 
 from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED
-from dem.base.intervals import LEVEL
+from dem.base.statistics import LEVEL
 from studies.claims.evidence import Evidence
 from studies.claims.sentences import CLAIMS, Claim
 

@@ -7,7 +7,7 @@ import xarray as xr
 from rich.table import Table
 
 from dem.analysis.tables import numbers
-from dem.base.intervals import Estimate, mean_interval, ratio_interval
+from dem.base.statistics import Estimate, mean_interval, ratio_interval
 from studies.common.findings import Findings, estimate
 from studies.intruders.figures.intruders import PLATE, force
 from studies.intruders.figures.pairs import apart
@@ -62,6 +62,31 @@ class Intruders(Findings):
         drag, side = self.drags.sel(intruder=label), self.forces("side_force").sel(intruder=label)
         return ratio_interval(side, drag)
 
+    def weakly(self, share: float, *labels: str) -> bool:
+        """Whether drags of intruders are within a share of that of the cylinder, intervals
+        included."""
+        ends = [end for label in labels for end in self.over(label)[1:]]
+        return max(abs(end - 1.0) for end in ends) < share
+
+    @cached_property
+    def angles(self) -> dict[str, float]:
+        """Angles (degrees) of the plate by their labels."""
+        labels = self.dataset["intruder"].values.tolist()
+        plates = [label for label in labels if label.startswith(PLATE)]
+        return {label: float(label.removeprefix(PLATE)) for label in plates}
+
+    def falls(self) -> bool:
+        """Whether the mean drag of a plate falls with its angle."""
+        return bool(np.all(np.diff([self.drag(label).value for label in self.angles]) < 0.0))
+
+    def below_tangent(self) -> bool:
+        """Whether the side force of a turned plate is less than the drag times the tangent of its
+        angle, interval included."""
+        turned = {label: angle for label, angle in self.angles.items() if angle >= 30.0}
+        return all(
+            self.share(label).high < np.tan(np.radians(angle)) for label, angle in turned.items()
+        )
+
     def table(self) -> Table:
         """One row per outline."""
         table = numbers("intruder", "beds", "drag, N", "relative to the cylinder", words=1)
@@ -75,11 +100,9 @@ class Intruders(Findings):
         table = numbers(
             "angle, degrees", "beds", "drag, N", "side force, N", "side / drag", words=0
         )
-        for label in self.dataset["intruder"].values.tolist():
-            if label.startswith(PLATE):
-                cells = estimate(self.drag(label), "", 0), estimate(self.side(label), "", 0)
-                angle = label.removeprefix(PLATE)
-                table.add_row(angle, str(self.runs(label)), *cells, estimate(self.share(label)))
+        for label, angle in self.angles.items():
+            cells = estimate(self.drag(label), "", 0), estimate(self.side(label), "", 0)
+            table.add_row(f"{angle:g}", str(self.runs(label)), *cells, estimate(self.share(label)))
         return table
 
 

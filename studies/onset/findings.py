@@ -7,7 +7,7 @@ from rich.table import Table
 
 from dem.analysis.onset import Limits, limits
 from dem.analysis.tables import numbers
-from dem.base.intervals import Estimate
+from dem.base.statistics import Estimate
 from studies.common.findings import Findings, estimate, percent
 
 __all__ = ["onset"]

@@ -7,9 +7,9 @@ import xarray as xr
 from rich.table import Table
 
 from dem.analysis.compare import Comparison
-from dem.analysis.statistics import summarise
+from dem.analysis.drag import summarise
 from dem.analysis.tables import numbers
-from dem.base.intervals import Estimate
+from dem.base.statistics import Estimate
 from studies.common.findings import Findings, estimate
 
 __all__ = ["preparation"]

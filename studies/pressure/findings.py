@@ -115,7 +115,8 @@ class Pressure(Findings):
         return numbers("shape", *heads, rows=rows)
 
     def drags(self, way: str) -> Table:
-        """One row per shape: drag by box, at infinite width, and the width that is wide enough."""
+        """One row per shape: drag by box, at infinite width, the width that is wide enough, and what
+        the line misses."""
         found, rows = self.widths[way], []
         for shape in found.shapes:
             cells = [estimate(found.drag(shape, box), digits=0) for box in found.series]
@@ -123,9 +124,15 @@ class Pressure(Findings):
             cells += [
                 _limit(found.drag_limit(shape), digits=0),
                 f"{wide:.0f}" if wide < np.inf else "-",
+                f"{found.misfit(shape):.1f}",
             ]
             rows.append((shape, *cells))
-        heads = *(f"box {box}, N" for box in found.series), "infinite, N", "wide enough, times"
+        heads = (
+            *(f"box {box}, N" for box in found.series),
+            "infinite, N",
+            "wide enough, times",
+            "misfit",
+        )
         return numbers("shape", *heads, rows=rows)
 
     def changes(self, way: str, box: str) -> np.ndarray:
@@ -141,16 +148,12 @@ class Pressure(Findings):
         return all(self.widths[way].ratio(shape, box).low > 1.0 for shape in shapes)
 
     def below(self, way: str, *shapes: str) -> bool:
-        """Whether the limits of the ratios of some shapes are below one, intervals included."""
-        return all(self.widths[way].limit(shape).high < 1.0 for shape in shapes)
+        """Whether some shapes drag less than the first one in the widest box, intervals included."""
+        return all(self.widths[way].ratio(shape, self.widest).high < 1.0 for shape in shapes)
 
     def above(self, way: str, *shapes: str) -> bool:
-        """Whether they are above one."""
-        return all(self.widths[way].limit(shape).low > 1.0 for shape in shapes)
-
-    def vanishes(self, way: str, *shapes: str) -> bool:
-        """Whether the lines of some shapes may leave no drag at infinite width."""
-        return all(self.widths[way].drag_limit(shape).low == 0.0 for shape in shapes)
+        """Whether some shapes drag more than the first one in the widest box, intervals included."""
+        return self.leads(way, self.widest, *shapes)
 
     def nearer(self, way: str) -> str:
         """To what the line is fitted: the drag, or its inverse."""
@@ -162,8 +165,8 @@ class Pressure(Findings):
 
 
 def _limit(found, digits: int = 2) -> str:
-    """An estimate; "none" where it is zero, and its interval too."""
-    return estimate(found, digits=digits) if found.high > 0.0 else "none"
+    """An estimate; a dash where there may be no drag, because the line does not hold that far."""
+    return estimate(found, digits=digits) if found.low > 0.0 else "-"
 
 
 pressure = Pressure()

@@ -17,9 +17,9 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.statistics import over_seeds, summarise
+from dem.analysis.drag import over_seeds, summarise
 from dem.base.errors import InputError
-from dem.base.intervals import LEVEL, Estimate, student
+from dem.base.statistics import LEVEL, Estimate, student
 
 LEAST = {"box": 3, "shape": 2, "seed": 2}  # values that a line and its interval take
 OF_WIDTH = ("box", "box_width", "granules")  # all else boxes of one series have in common
@@ -133,6 +133,12 @@ class Widths:
         free = parts.sum() ** 2 / (parts**2 / self.freedom).sum() if parts.any() else 1.0
         half = float(student(np.sqrt(parts.sum()), free))
         return Estimate(value, value * np.exp(-half), value * np.exp(half))
+
+    def misfit(self, shape: str) -> float:
+        """Mean square of what the line misses, over the squared scatter: 1 is expected."""
+        s = self.shapes.index(shape)
+        missed = self._fit(s, self.power)[2] / (len(self.series) - 2)
+        return missed / self.scatter[s] ** 2
 
     def drag_limit(self, shape: str) -> Estimate:
         """Drag at infinite width (N)."""

@@ -10,6 +10,7 @@ from rich.table import Table
 from dem.analysis.tables import numbers
 from dem.dynamics.simulation import STEP_FRACTION
 from studies.common.findings import Findings
+from studies.stability.catalogue import QUANTITIES
 
 __all__ = ["stability"]
 
@@ -28,6 +29,7 @@ class Stability(Findings):
 
     name, command = "stability", "snakemake -j2 stability"
     needs, attributes = ("check_value", "map_residual", "paper_residual"), ("default_fraction",)
+    quantities = QUANTITIES
 
     def total(self) -> int:
         """How many checks there are."""
@@ -55,7 +57,8 @@ class Stability(Findings):
         return rows.rename(columns=lambda name: name.removeprefix("check_"))
 
     def catalogue(self) -> Table:
-        """One row per case, shape and limit."""
+        """One row per case, shape and limit; quantities by their short names."""
+        short = {about: name for name, about in QUANTITIES.items()}
         table = numbers(
             "case", "shape", "quantity", "worst", "limit", "outcome", "verdict", words=3
         )
@@ -63,7 +66,7 @@ class Stability(Findings):
             table.add_row(
                 row.case,
                 row.shape,
-                row.quantity,
+                short.get(row.quantity, row.quantity),
                 f"{row.value:.1e}" if np.isfinite(row.value) else "-",
                 f"{row.limit:.0e}" if np.isfinite(row.limit) else "-",
                 row.outcome,

@@ -6,10 +6,10 @@ from functools import cached_property
 import numpy as np
 from rich.table import Table
 
-from dem.analysis.statistics import within
+from dem.analysis.drag import within
 from dem.analysis.tables import numbers
 from dem.analysis.velocity import Law, Rates, inertial_number, rates
-from dem.base.intervals import Estimate, mean_interval
+from dem.base.statistics import Estimate, mean_interval
 from studies.common.findings import Findings, estimate
 
 __all__ = ["velocity"]

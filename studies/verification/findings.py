@@ -10,6 +10,7 @@ from rich.table import Table
 from dem.analysis.tables import numbers
 from studies import HERE
 from studies.common.findings import Findings
+from studies.verification.results import CASES
 
 __all__ = ["broken_laws", "unnoticed", "verification"]
 
@@ -43,11 +44,10 @@ class Verification(Findings):
         tolerance."""
         heads = "case", "source", "numbers", "passed", "largest error / tolerance"
         table = numbers(*heads, words=2)
-        sources = self.dataset["case_source"].values
-        for (_, title, rows), source in zip(self.by_case, sources, strict=True):
+        for name, title, rows in self.by_case:
             worst = ((rows.value - rows.expected).abs() / rows.tolerance).max()
             counts = str(len(rows)), str(rows.passed.sum())
-            table.add_row(title, str(source), *counts, f"{worst:.2g}")
+            table.add_row(title, CASES[name].SOURCE, *counts, f"{worst:.2g}")
         return table
 
     def rows(self) -> Table:

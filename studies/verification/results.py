@@ -23,7 +23,11 @@ VARIABLES = {
     "row_case": (("row",), None, "case that the number belongs to"),
     "row_name": (("row",), None, "what the number is"),
     "row_units": (("row",), None, "units of the number"),
-    "row_x": (("row",), "1", "abscissa of the number in the figure, NaN where it has none"),
+    "row_x": (
+        ("row",),
+        "1",
+        "where in its case the number is, such as an angle; NaN where it has none",
+    ),
     "row_value": (("row",), "1", "what came out, in row_units"),
     "row_expected": (("row",), "1", "what is expected, in row_units"),
     "row_tolerance": (("row",), "1", "largest allowed error, in row_units"),

@@ -7,7 +7,7 @@ from typing import NamedTuple
 class Row(NamedTuple):
     """A value, what is expected, and how far from it the value may be; all in `units`.
 
-    x: abscissa of the number in the figure of its case.
+    x: where in its case the number is, such as an angle; NaN where there is no such value.
     """
 
     name: str

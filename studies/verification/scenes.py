@@ -100,17 +100,17 @@ def within(e: float, speed: float, scales: Impact, step: float) -> float:
     return 0.80 * e * damping_ratio(e) * h**1.25 + 0.16 * h**2
 
 
-def on_floor(
-    kind, radius, material, velocity, spin=0.0, friction=0.0, fraction=FINE, frames=1, lasts=3.0
-):
+def on_floor(shape, material, velocity, friction=0.0, fraction=FINE):
     """One granule that touches the floor and moves into it, through the impact: Hertz's scales and
     the run.
 
-    Where there are frames, each is a step.
+    fraction: step fraction; None: FRAMES steps over 1.2 durations of the impact, each a frame.
     """
-    made = scene(kind([radius]), material, friction)
+    made, radius = scene(shape, material, friction), shape.radius[0]
     scales = impact(material, 1, radius, made.mass[0], -velocity[1])
-    state = dem.State([[0.0, radius]], [velocity], angular_velocity=[spin])
-    lasts *= scales.duration
-    step = {"step_fraction": fraction} if frames == 1 else {"time_step": lasts / frames}
-    return scales, dem.simulate(made, state, lasts, frames=frames, **step)
+    state = dem.State([[0.0, radius]], [velocity])
+    if fraction is None:
+        lasts = 1.2 * scales.duration
+        return scales, dem.simulate(made, state, lasts, frames=FRAMES, time_step=lasts / FRAMES)
+    lasts = 3.0 * scales.duration
+    return scales, dem.simulate(made, state, lasts, frames=1, step_fraction=fraction)

@@ -74,7 +74,6 @@ RUN = {"--config": "q.yaml", "--shape": "c1", "--density": "3900", "--seed": "1"
 GOOD = {
     "simulate": RUN | {"--checkpoint": "run.npz", "-o": "new.nc"},
     "combine": {"--config": "q.yaml", "--block": "drag", "--observable": "drag", "-o": "new.nc"},
-    "store": {"value": "shape=c1"},
     "info": {"file": "drag.nc", "-o": "new.txt"},
     "figure": {"name": "figure13", "file": "drag.nc", "-o": "new"},
 }
@@ -88,7 +87,6 @@ BAD = {
     "--block": ("zz",),
     "--observable": ("zz", ""),
     "-o": ("q.yaml", "rep.nc/new.nc", "note.txt/new.nc"),
-    "value": ("gravty=1", "shape", "seed=", "density=x=y", ""),
     "file": ("q.yaml", "run.npz", "none.nc", "."),
     "name": ("figure99", "", "../figure13"),
 }

@@ -23,7 +23,7 @@ from test_stopping import Killed, smoke
 from dem.base.errors import InputError, RunError
 from dem.packing.random import Bed
 from dem.sweep import batch as making
-from dem.sweep.combined import combine_block
+from dem.sweep.combine import combine_block
 from dem.sweep.prune import prune
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store

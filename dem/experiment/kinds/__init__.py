@@ -215,18 +215,3 @@ class Experiment:
                 raise InputError(
                     f"the variable {name} is over {unknown[0]}; its dimensions may be {', '.join(sorted(known))}."
                 )
-
-    def motions(self, replicate) -> set:
-        """What selects the machine code of what it moves: has that friction, damping, gravity, a ledger;
-        does a wall hold a pressure; how are contacts of ellipses found; the outline of the cylinder."""
-        if self.constants.get("BED_ALONE"):
-            return set()
-        c = replicate.configuration
-        walls = (c.at(f"walls.{name}.friction") for name in ("left", "right", "bottom", "top"))
-        rough = any((c.friction.granule, c.friction.wall, c.friction.cylinder, *walls))
-        rough |= bool(c.at("second.friction"))
-        outline = c.at("cylinder.outline") or "circle"
-        ellipse = c.ellipse if replicate.shape.kind == "ellipse" else type(c.ellipse)()
-        has = c.gravity > 0, "ledger" in c.observables, c.packing.pressure is not None
-        name = () if self.observed else (self.name,)
-        return {(rough, c.material.restitution < 1, *has, str(ellipse), outline, *name)}

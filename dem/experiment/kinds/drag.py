@@ -40,23 +40,23 @@ class RunData(NamedTuple):
     @property
     def snapshots(self) -> Snapshots:
         """The states as arrays, with all that is needed to draw and to measure them."""
-        own, height = self.replicate.configuration, np.full(len(self.states), self.bed.height)
+        c, height = self.replicate.configuration, np.full(len(self.states), self.bed.height)
         every = len(self.record.time_step) // (len(height) - 1)
-        if own.packing.pressure is not None:
+        if c.packing.pressure is not None:
             height[1:] = self.record.wall_offset[every - 1 :: every, -1]
         cylinder, *_ = solids(self.replicate, self.bed.height)
         angle = np.full(len(height), cylinder.angle)
         angle[1:] = self.record.solid_angle[every - 1 :: every, 0]
-        displacement = np.linspace(0.0, own.cylinder.stroke, own.record.snapshots)
+        displacement = np.linspace(0.0, c.cylinder.stroke, c.record.snapshots)
         return Snapshots(
             self.replicate,
             height,
             displacement,
-            cylinder.position[1] + ahead_of(own.cylinder)[1] * displacement,
+            cylinder.position[1] + ahead_of(c.cylinder)[1] * displacement,
             np.stack([state.position for state in self.states]),
             np.stack([state.angle for state in self.states]),
             diameters(self.replicate),
-            cylinder_orientation=angle if own.cylinder.spin is not None else None,
+            cylinder_orientation=angle if c.cylinder.spin is not None else None,
         )
 
 
@@ -84,12 +84,12 @@ def run(
     itself every minute, and from which it goes on, bit for bit, if it was stopped; it is the caller's
     to remove once the result is on disk. Raises RunError where the run fails.
     """
-    bed, own = bed or make_bed(replicate), replicate.configuration
-    bins, every = own.record.bins, own.record.bins // (own.record.snapshots - 1)
-    observables = [module_of(name, own.beside) for name in own.record.observables]
+    bed, c = bed or make_bed(replicate), replicate.configuration
+    bins, every = c.record.bins, c.record.bins // (c.record.snapshots - 1)
+    observables = [module_of(name, c.beside) for name in c.record.observables]
     ledger = any(getattr(module, "LEDGER", False) for module in observables)
-    simulation = start(replicate, bed, ledger=ledger, threads=1 if ledger else own.threads)
-    interval = own.cylinder.stroke / own.cylinder.velocity / bins
+    simulation = start(replicate, bed, ledger=ledger, threads=1 if ledger else c.threads)
+    interval = c.cylinder.stroke / c.cylinder.velocity / bins
     simulation.check_duration(interval * bins)
 
     def look():
@@ -116,7 +116,7 @@ def run(
     for module in observables:
         if hasattr(module, "measure"):
             values |= module.measure(data)
-    modulus = effective_modulus(own.material, own.material)
+    modulus = effective_modulus(c.material, c.material)
     return values | {
         "box_height": bed.height,
         "packing_pressure": bed.pressure * modulus / thickness(replicate),

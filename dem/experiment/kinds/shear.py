@@ -124,8 +124,8 @@ def duration(replicate: Replicate) -> float:
 def warm_up(replicate: Replicate) -> None:
     """Make the same run for an instant."""
     instant = {"shear.settle": 0.0, "shear.strain": 1e-6, "shear.samples": 2}
-    own = replicate.configuration.changed(instant, replicate.label)
-    run(Replicate(own, replicate.label, replicate.density, replicate.seed))
+    configuration = replicate.configuration.changed(instant, replicate.label)
+    run(Replicate(configuration, *replicate.coordinates.values()))
 
 
 def run(replicate: Replicate, bed: Bed | None = None, progress=lambda done: None) -> dict:

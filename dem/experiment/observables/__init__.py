@@ -16,17 +16,15 @@ from dem.base.plugins import find_module, load
 
 # Found and not listed, so that a new one does not change the code of runs without it.
 OBSERVABLES = tuple(sorted(module.name for module in iter_modules(__path__)))
-FILES = {name: Path(__file__).with_name(f"{name}.py") for name in OBSERVABLES}
-KINDS = tuple(
-    sorted(path.stem for path in (Path(__file__).parent.parent / "kinds").glob("[a-z]*.py"))
-)
 
 
 def file_of(name: str, beside: str | None = None) -> Path:
     """The file of an observable; raises InputError where it cannot be used."""
+    folder = Path(__file__).parent
     if name in OBSERVABLES:
-        return FILES[name]
-    known = OBSERVABLES + KINDS  # whose files of results have these names
+        return folder / f"{name}.py"
+    kinds = (path.stem for path in sorted(folder.parent.glob("kinds/[a-z]*.py")))
+    known = *OBSERVABLES, *kinds  # whose files of results have these names
     return find_module("record.observables", name, beside, known, "measure", "look")
 
 

@@ -50,16 +50,16 @@ def alignment(
 
 def measure(run) -> dict:
     """Values of VARIABLES by name; NaN for round granules."""
-    snapshots, own = run.snapshots, run.replicate.configuration
+    snapshots, c = run.snapshots, run.replicate.configuration
     values = np.full((len(VARIABLES), len(snapshots.displacement)), np.nan)
-    ahead = np.array(ahead_of(own.cylinder))
+    ahead = np.array(ahead_of(c.cylinder))
     if run.replicate.shape.ratio > 1.0:
         for now in range(1, values.shape[1]):
             values[:, now] = alignment(
                 *snapshots.position[now - 1 : now + 1],
                 snapshots.angle[[now, 0]],
                 snapshots.solids(now)[0].position,
-                0.5 * own.cylinder.diameter,
+                0.5 * c.cylinder.diameter,
                 run.replicate.shape.diameter,
                 (snapshots.displacement[now] - snapshots.displacement[now - 1]) * ahead,
                 snapshots.periodic,

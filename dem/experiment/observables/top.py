@@ -20,10 +20,10 @@ VARIABLES = {
 
 def measure(run) -> dict:
     """Values of VARIABLES by name."""
-    own, periodic = run.replicate.configuration, run.bed.periodic
+    c, periodic = run.replicate.configuration, run.bed.periodic
     height = (
         run.record.wall_offset[:, -1] if walled(periodic)[-1] else np.nan * run.record.time_step
     )
     granules = 0.25 * math.pi * np.sum(np.square(diameters(run.replicate)))
-    room = own.box_width * height - area_of_solids(own)
+    room = c.box_width * height - area_of_solids(c)
     return {"top_height": height, "bed_fraction": granules / room}

@@ -10,9 +10,9 @@ import xarray as xr
 from rich.console import Console
 from rich.table import Table
 
-from dem.analysis.statistics import change, summarise
+from dem.analysis.drag import change, summarise
 from dem.analysis.tables import TextTable, numbers
-from dem.base.intervals import Estimate, half_interval, ratio_interval
+from dem.base.statistics import Estimate, half_interval, ratio_interval
 from dem.report.info import drag_table
 from studies.common.findings import Findings, estimate, interval, span
 

@@ -3,7 +3,7 @@
 from rich.table import Table
 
 from dem.analysis.tables import numbers
-from dem.base.intervals import Estimate
+from dem.base.statistics import Estimate
 from studies.common.findings import estimate
 
 from .drag import drag
@@ -12,7 +12,7 @@ PAPER, OPEN = "the paper's", "the paper's width, periodic sides"
 
 
 def ratios(precise, claims, preparation, pressure) -> Table:
-    """One row per answer: the page and its file, which beds are compared, how many, and d1 over c1.
+    """One row per answer: the page and its file, which beds are compared, how many, and the ratio of d1 to c1.
 
     precise: of as many beds as the ratio takes; claims, preparation, pressure: the findings of
     these studies.

@@ -120,13 +120,12 @@ class Overhead(Measured):
 
 
 class LargeBeds:
-    """Beds of discs that docs/data/large_beds.py has timed."""
+    """Beds that docs/data/large_beds.py has timed."""
 
     def beds(self) -> Table:
         """A row for each number of granules and packing fraction: how many come to rest, iterations,
         processor time, and that expected over it."""
-        table = pd.read_csv(DATA / "large_beds.csv")
-        discs = table[(table.kind == "disc") & (table.threads == 1)]
+        discs = self._table.query("kind == 'disc' and threads == 1")
         found = numbers(
             "granules", "packing fraction", "at rest", "iterations", "time", "expected", words=0
         )
@@ -141,6 +140,23 @@ class LargeBeds:
                 f"{packing_time(granules, fraction or None) / time:.1f}",
             )
         return found
+
+    @property
+    def _table(self) -> pd.DataFrame:
+        return pd.read_csv(DATA / "large_beds.csv")
+
+    def two_threads(self) -> float:
+        """Wall time of two threads over that of one, median over the seeds."""
+        wall = self._table.query("granules == 25600 and fraction == 0.86 and kind == 'disc'")
+        wall = wall.pivot(index="seed", columns="threads", values="wall_seconds")
+        return (wall[2] / wall[1]).loc[2:].median()  # the first one began while others ran
+
+    def time(self, kind: str, fraction: float) -> str:
+        """Processor time of a bed of 25,600 granules of a kind."""
+        (row,) = self._table.query(
+            "granules == 25600 and kind == @kind and fraction == @fraction"
+        ).seconds
+        return said(row, SECONDS)
 
 
 def worst(name: str, least: float = 0.0) -> float:

@@ -24,11 +24,11 @@ def plot(dataset: xr.Dataset) -> Figure:
     )
     for shape, (above, below) in zip(shapes, rows.T, strict=True):
         _changes(above, dataset, shape, default)
-        _times(below, dataset, shape, default)
+        _times(below, dataset, shape)
     rows[0, 0].set_ylabel("Change of the mean drag\nagainst the paper's step (%)")
     rows[1, 0].set_ylabel("Processor time\nof a run (s)")
     rows[0, 0].set_ylim(-100.0 * SHOWN, 100.0 * SHOWN)
-    rows[1, len(shapes) // 2].set_xlabel("Time step over twice that of the paper's sweep")
+    rows[1, len(shapes) // 2].set_xlabel("Time step over that of the paper's sweep")
     figure.suptitle(sentence(dataset))
     style.legend(figure, rows[0, 0], "outside lower center", ncols=2)
     return figure
@@ -62,7 +62,7 @@ def _changes(axes, dataset, shape, default) -> None:
     )
     _off_scale(axes, x[~seen], y[~seen])
     steps = np.linspace(0.0, at[line.fractions.max()], 50)
-    share = (steps - default) / default
+    share = steps - 1.0
     axes.plot(
         steps,
         100 * line.value * share,
@@ -80,7 +80,7 @@ def _changes(axes, dataset, shape, default) -> None:
         zorder=1,
         label="its 95 % interval",
     )
-    axes.axvline(default, **style.REFERENCE, label="step of the paper's sweep")
+    axes.axvline(1.0, **style.REFERENCE, label="step of the paper's sweep")
     axes.set_title(f"{shape}: bias {style.percent(line.value, line.half)}", loc="left")
 
 
@@ -102,7 +102,7 @@ def _off_scale(axes, x, y) -> None:
             )
 
 
-def _times(axes, dataset, shape, default) -> None:
+def _times(axes, dataset, shape) -> None:
     """Median processor time of the runs that came to their end, and the share that did not.
 
     The curve falls, so the words are above it, in turns, so that neighbours can be read.
@@ -111,15 +111,10 @@ def _times(axes, dataset, shape, default) -> None:
     fractions, times = dataset["trial_fraction"].values[ran], dataset["trial_time"].values[ran]
     at, ran_at = lengths(dataset, shape), np.unique(fractions).tolist()
     middle = [np.median(times[fractions == f]) for f in ran_at]
-    axes.semilogy(
-        [at[f] for f in ran_at],
-        middle,
-        marker="s",
-        color=style.CURVE,
-        markersize=4.5,
-        linewidth=1.2,
-    )
-    axes.axvline(default, **style.REFERENCE)
+    look = {"marker": "s", "color": style.CURVE, "markersize": 4.5, "linewidth": 1.2}
+    axes.plot([at[f] for f in ran_at], middle, **look)
+    style.logarithmic(axes)
+    axes.axvline(1.0, **style.REFERENCE)
     failed = {step: share for step, share in failures(dataset, shape).items() if share > 0.0}
     for number, (fraction, share) in enumerate(failed.items()):
         axes.annotate(

@@ -3,7 +3,9 @@
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from scipy.stats import chi2
 
+from dem.base.statistics import LEVEL
 from dem.figures import style
 from studies.accuracy import replicates
 
@@ -11,6 +13,7 @@ FILE = "accuracy"
 CAPTION = "What replicates and a longer stroke buy"
 VARIABLES = ("replicate_drag",)
 PAPER = 5  # runs a case
+BAND = {"color": style.CURVE, "alpha": 0.2, "linewidth": 0.0}
 
 
 @style.styled
@@ -22,8 +25,10 @@ def plot(dataset: xr.Dataset) -> Figure:
     _windows(right, dataset)
     for axes in (left, right):
         style.logarithmic(axes, "x")
-        style.logarithmic(axes, "y")
-    figure.suptitle("What more runs buy, and what longer ones")
+        style.logarithmic(
+            axes, "y", (1.0, 1.5, 2.0, 3.0, 5.0, 7.0) if axes is right else (1.0, 2.0, 5.0)
+        )
+    figure.suptitle("What more runs buy, and what longer ones (bands: 95 % intervals)")
     return figure
 
 
@@ -31,7 +36,9 @@ def _intervals(axes, dataset) -> None:
     """Half-interval over the mean against the number of runs, with processor time above."""
     found = replicates.cost(dataset)
     runs = np.arange(2, max(dataset.sizes["replicate"], 10) + 1)
-    axes.plot(runs, 100 * replicates.expected(found.scatter, runs), color=style.CURVE)
+    half = 100 * replicates.expected(found.scatter, runs)
+    axes.plot(runs, half, color=style.CURVE)
+    axes.fill_between(runs, *(half * each for each in _ends(dataset)), **BAND)
     axes.axhline(100 * replicates.TARGET, **style.REFERENCE)
     axes.axvline(found.needed, **style.REFERENCE)
     axes.set_xlabel(f"Number of runs ({found.time:.2f} s each)")
@@ -44,9 +51,17 @@ def _intervals(axes, dataset) -> None:
     )
 
 
+def _ends(dataset) -> np.ndarray:
+    """Ends of the interval of a scatter, over itself, for normal values."""
+    free = dataset.sizes["replicate"] - 1
+    return np.sqrt(free / chi2.ppf([0.5 + 0.5 * LEVEL, 0.5 - 0.5 * LEVEL], free))
+
+
 def _windows(axes, dataset) -> None:
     """Scatter of one run against the length of its window."""
     lengths, scatter = replicates.windows(dataset)
+    low, high = (100 * scatter * each for each in _ends(dataset))
+    axes.fill_between(style.millimetres(lengths), low, high, **BAND)
     axes.plot(
         style.millimetres(lengths),
         100 * scatter,

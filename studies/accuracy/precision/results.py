@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from dem.base.intervals import mean_interval
 from dem.base.sources import ROOT
+from dem.base.statistics import mean_interval
 from dem.sweep.precision import Until
 from studies.accuracy.precision.sources import Source, again, gamma, lognormal, mixture, normal
 from studies.accuracy.precision.stopping import FEW, OTHERS, ROUNDS, RULES

@@ -34,12 +34,11 @@ def plot(dataset: xr.Dataset) -> Figure:
     left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.9])
     _jamming(left, dataset, [str(dataset["reference_shape"].values), *shapes])
     _drags(right, found, shapes)
-    right.set_ylabel(
-        f"Mean drag over that of {base.shape}\nat equal packing fraction (95 % interval)"
-    )
-    for axes in (left, right):
-        axes.legend(loc="lower center", bbox_to_anchor=(0.45, 1.0), ncols=2 if axes is right else 1)
-    figure.suptitle(CAPTION, fontsize=12.5)
+    fraction = float(dataset["reference_packing"])
+    right.set_ylabel(f"Mean drag over that of {base.shape}\nat a packing fraction of {fraction:g}")
+    style.legend(figure, left, "outside lower left")
+    style.legend(figure, right, "outside lower right", ncols=2)
+    figure.suptitle(f"{CAPTION} (95 % intervals)", fontsize=12.5)
     return figure
 
 

@@ -51,11 +51,11 @@ def plot(dataset: xr.Dataset) -> Figure:
         factors = np.unique([1.0, *rows(dataset, "scaling", setting)["run_x"].values])
         axes.set_xticks(factors, [f"{x:g}" for x in factors])
         axes.set_xticks([], minor=True)
-        axes.set_xlabel(f"{name}, over the paper's")
+        axes.set_xlabel(f"{name} over the paper's")
     for axes in grid[::2]:
         axes.set_ylabel("Mean drag over that\nat the paper's value")
     style.legend(figure, grid[2], "outside lower center", ncols=2)
     figure.suptitle(
-        "Is the drag slow, is the box large enough?\n(grey: within 18 %; 95 % intervals)"
+        "Is the motion slow, and is the box large enough?\n(grey: within 18 %; 95 % intervals)"
     )
     return figure

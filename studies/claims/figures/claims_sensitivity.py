@@ -15,8 +15,8 @@ VARIABLES = ("run_factor",)
 SHOWN = 10  # factors
 LOOKS = {
     "drag of c1": {"marker": "o", "markerfacecolor": "#17457d"},
-    "e1 over c1": {"marker": "D", "markerfacecolor": "white"},
-    "e3 over c1": {"marker": "s", "markerfacecolor": "0.75"},
+    "ratio of e1 to c1": {"marker": "D", "markerfacecolor": "white"},
+    "ratio of e3 to c1": {"marker": "s", "markerfacecolor": "0.75"},
 }
 
 
@@ -33,19 +33,29 @@ def plot(dataset: xr.Dataset) -> Figure:
         raise InputError("there are no runs of the design.")
     decide = {each.factor for found in ranked.values() for each in found.values() if each.decides}
     order = sorted(next(iter(ranked.values())), key=lambda factor: factor not in decide)[:SHOWN]
-    figure = Figure(figsize=(style.WIDTH, 1.6 + 0.4 * len(order)))
+    figure = Figure(figsize=(style.WIDTH, 1.6 + 0.5 * len(order)))
     axes = figure.subplots()
     for number, (name, found) in enumerate(ranked.items()):
         y = 0.24 - 0.24 * number - np.arange(len(order))
         values = [(found[each].growth, found[each].low, found[each].high) for each in order]
         marks(axes, y, values, across=True, color="0.15", label=name, **LOOKS[name])
     axes.axvline(1.0, color="0.4", linewidth=0.8)
-    axes.set_yticks(-np.arange(len(order)), order)
+    ranges = [_range(dataset["run_factor"].sel(factor=each).values) for each in order]
+    labels = ["\n".join(filter(None, each)) for each in zip(order, ranges, strict=True)]
+    axes.set_yticks(-np.arange(len(order)), labels)
     style.logarithmic(axes, "x")
     axes.grid(visible=False)
-    axes.set_xlabel("At the high end of the range over that at the low end (95 % interval)")
+    axes.set_xlabel(
+        "Drag, or ratio of drags, at the high end of the range\nover that at the low end (95 % intervals)"
+    )
     axes.legend(loc="lower right")
     figure.suptitle(
-        f"What decides the drag, over {len(set(dataset['run_point'].values)) - 1} points"
+        f"What decides the drag, from {len(set(dataset['run_point'].values)) - 1} points of the plausible space"
     )
     return figure
+
+
+def _range(values) -> str:
+    """Ends of the values (run,) of a factor in SI units; nothing for a choice of few."""
+    values = np.unique(values[np.isfinite(values)])
+    return f"{values[0]:.2g} to {values[-1]:.2g}" if len(values) > 4 else ""

@@ -59,7 +59,8 @@ def _number(axes, y, height, part, level):
             f"{part.words}: {part.estimate:.3g} ({low:.3g} to {high:.3g}), claimed {claimed(part)}"
         )
         at = {"transform": axes.get_yaxis_transform(), "va": "center"}
-        axes.text(0.02, y, words, fontsize=9.5, **at)
+        patch = {"color": "white", "pad": 1.0}
+        axes.text(0.02, y, words.replace("-", "\N{MINUS SIGN}"), fontsize=9.5, bbox=patch, **at)
         return
     ends = max(part.low, RANGE[0]), min(part.high, RANGE[1])
     outside = (RANGE[0], ends[0]), (ends[1], RANGE[1])

@@ -3,8 +3,8 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.statistics import find, table1
-from dem.base.intervals import half_interval
+from dem.analysis.drag import find, table1
+from dem.base.statistics import half_interval
 from dem.experiment.observables.flow import lag_of
 from dem.figures import style
 from studies.claims import MEASURES
@@ -41,7 +41,9 @@ def plot(dataset: xr.Dataset) -> Figure:
                 style.band(axes, x, mean, half, look["color"], alpha=0.16)
         axes.set_ylabel(LABELS[name])
         found = compared(dataset, name)
-        title = f"e3 over c1: {found.ratio:.2f} ± {found.half:.2f}" if found else MEASURES[name]
+        title = (
+            f"ratio of e3 to c1: {found.ratio:.2f} ± {found.half:.2f}" if found else MEASURES[name]
+        )
         axes.set_title(title, loc="left")
         axes.set_xlabel("Displacement of the cylinder (mm)")
         style.from_zero(axes)

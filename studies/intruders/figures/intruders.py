@@ -4,8 +4,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.statistics import window_text, within
-from dem.base.intervals import mean_interval
+from dem.analysis.drag import window_text, within
+from dem.base.statistics import mean_interval
 from dem.figures import style
 from studies.common.marks import marks
 

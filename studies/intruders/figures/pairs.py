@@ -3,8 +3,8 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.statistics import window_text
-from dem.base.intervals import mean_interval
+from dem.analysis.drag import window_text
+from dem.base.statistics import mean_interval
 from dem.figures import style
 from studies.common.marks import marks
 from studies.intruders.figures.intruders import force

@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.analysis.compare import Comparison
-from dem.analysis.statistics import summarise
+from dem.analysis.drag import summarise
 from dem.analysis.values import along
 from dem.figures import style
 from dem.figures.sweep import heading

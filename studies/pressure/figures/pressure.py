@@ -17,12 +17,13 @@ CAPTION = (
 AXES = {"box": 3, "shape": 2, "seed": 2}
 MARKERS = "osD^vPX"
 COLORS = style.CASES
-APART = 0.012  # between shapes, along 1 / width
+APART = 0.03  # between shapes, of a width
+BEYOND = 2.0  # times the widest box: place of infinite width
 
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """Drags above and ratios below against 1 / width, one column per place on the other axes."""
+    """Drags above and ratios below against width, one column per place on the other axes."""
     columns = places(dataset, AXES)
     figure, grid = style.panels(2 * len(columns), len(columns), 0.4, 3.5, sharex=True)
     for above, below, place in zip(grid, grid[len(columns) :], columns, strict=False):
@@ -32,22 +33,26 @@ def plot(dataset: xr.Dataset) -> Figure:
         for number, shape in enumerate(found.shapes):
             look = {"color": COLORS[number % len(COLORS)], "marker": MARKERS[number % len(MARKERS)]}
             look["label"] = shape
-            shift, line = APART * (number - 0.5 * (len(found.shapes) - 1)), found.line(shape)
+            shift, line = 1.0 + APART * (number - 0.5 * (len(found.shapes) - 1)), found.line(shape)
             drags = [found.drag(shape, box) for box in found.series]
             _points(above, found, shift, drags, found.drag_limit(shape), line.drag, look)
             if number:
                 ratios = [found.ratio(shape, box) for box in found.series]
                 _points(below, found, shift, ratios, found.limit(shape), _over(line, base), look)
+        style.logarithmic(below, "x")
+        widths = np.unique(found.width[found.along])
+        ticks = [f"{each:g}" for each in widths]
+        below.set_xticks([*widths, BEYOND * widths[-1]], [*ticks, "\N{INFINITY}"])
         below.axhline(1.0, **style.REFERENCE)
-        below.set_xlabel("Width of the first box over the width")
+        below.set_xlabel("Width of the box, over that of the first")
         for axes in (above, below):
             style.logarithmic(axes)
     grid[0].set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
     grid[len(columns)].set_ylabel(f"Drag over that of {found.shapes[0]}")
     style.legend(figure, grid[0], "outside lower center", ncols=len(found.shapes))
     figure.suptitle(
-        "Drag against the width of the box, with the line in 1 / width of the drag or its inverse\n"
-        "(95 % intervals; open symbols: infinite width)"
+        "Drag against the width of the box, and lines in 1 / width of the drag or its inverse\n"
+        "(95 % intervals; open symbols: limits; none where the line may end at no drag)"
     )
     return figure
 
@@ -58,14 +63,13 @@ def _over(line, base):
 
 
 def _points(axes, found, shift, values, limit, curve, look):
-    """Means in the boxes that differ in width alone, the limit, and the line through them."""
-    x = 1.0 / found.width[found.along]
-    marks(axes, x + shift, values, **look)
+    """Means in the boxes that differ in width alone; the line through them and its limit, if the
+    drag has one."""
+    x = found.width[found.along]
+    marks(axes, x * shift, values, **look)
     if 0.0 < limit.low <= limit.high < np.inf:
-        marks(axes, [shift], limit, markerfacecolor="white", **look | {"label": None})
-    along = np.geomspace(0.5 * x.min(), x.max(), 50)
-    y = np.array([curve(1.0 / each)[0] for each in along])
-    shown = y > 0.5 * min(
-        each.low for each in values
-    )  # a line that falls to zero would take all of a logarithmic scale
-    axes.plot(along[shown] + shift, y[shown], color=look["color"], linewidth=1.2)
+        end = BEYOND * x.max()
+        marks(axes, [end * shift], limit, markerfacecolor="white", **look | {"label": None})
+        along = np.geomspace(x.min(), x.max(), 50)
+        y = [curve(each)[0] for each in along]
+        axes.plot(along * shift, y, color=look["color"], linewidth=1.2)

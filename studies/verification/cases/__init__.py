@@ -6,9 +6,6 @@ docstring. It has these names:
 
 TITLE     what the case is about
 SOURCE    where the expected values come from
-AXES      settings of the axes of its figure: values over their abscissa; without it the figure
-          shows errors over their tolerances
-DRAWN     optional: part of the names of the rows in the figure; the others are left out
 measure   function: measure() -> list[Row]
 """
 

@@ -23,12 +23,6 @@ from studies.verification.scenes import hertz
 
 TITLE = "Solitary wave along a chain"
 SOURCE = "Nesterenko 1983; English and Pego 2005"
-AXES = {
-    "xlabel": "Greatest velocity of a granule (m/s)",
-    "ylabel": "Speed of the wave (m/s)",
-    "xscale": "log",
-    "yscale": "log",
-}
 
 DISCS, RADIUS = 60, 1e-3  # m
 SPEEDS = (0.1, 1.0, 10.0)  # m/s, of the first disc

@@ -18,7 +18,6 @@ from studies.verification.row import Row
 
 TITLE = "Weight of a column on its floor"
 SOURCE = "Newton's second law"
-AXES = {"xlabel": "End of the interval (s)", "ylabel": "Load over the weight"}
 
 GRANULES, COLUMNS = 80, 8
 GRAVITY, SETTLE, FRAMES, STEP = 9.81, 1.2, 24, 4e-6  # m/s2, s, s

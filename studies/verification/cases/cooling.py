@@ -24,7 +24,6 @@ from studies.verification.row import Row
 
 TITLE = "Cooling of a gas of discs (Haff)"
 SOURCE = "Haff 1983; van Noije and Ernst 1998"
-AXES = {"xlabel": "Time over Haff's time", "ylabel": "$(T_0 / T)^{1/2}$"}
 
 DISCS, FRACTION, SOFTNESS, RESTITUTION = 400, 0.1, 0.005, 0.9
 SEEDS, FRAMES, SYSTEMATIC, FINE = 8, 40, 0.04, 0.1

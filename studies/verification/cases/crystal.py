@@ -22,7 +22,6 @@ from studies.verification.row import Row
 
 TITLE = "Sound through a crystal"
 SOURCE = "Born and Huang 1954"
-AXES = {"xlabel": "Wave number times spacing (rad)", "ylabel": "Frequency (rad/s)"}
 
 COLUMNS, LINES, SPACING = 32, 6, 1e-3  # m
 OVERLAP, AMPLITUDE = 1e-3, 1e-7  # over the spacing

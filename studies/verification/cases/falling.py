@@ -23,12 +23,6 @@ from studies.verification.scenes import FINE, FRAMES, SAMPLED, G, Sphere, impact
 
 TITLE = "Fall and bounces"
 SOURCE = "MFiX verification manual, DEM01 and DEM02"
-AXES = {
-    "xlabel": "Bounce",
-    "ylabel": "Height over the first",
-    "yscale": "log",
-    "xticks": (1, 2, 3, 4),
-}
 RADIUS, HEIGHT = 5e-3, 0.05  # m
 BOUNCES = 4
 RESTITUTIONS = (0.5, 0.7, 0.9, 1.0)

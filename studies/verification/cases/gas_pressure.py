@@ -21,7 +21,6 @@ from studies.verification.row import Row
 
 TITLE = "Pressure of a gas of discs"
 SOURCE = "Henderson 1975"
-AXES = {"xlabel": "Packing fraction", "ylabel": "Pressure over that of an ideal gas"}
 
 DISCS, MIXING, SAMPLES = 1024, 10.0, 2000  # MIXING: flights
 SYSTEMATIC = {0.3: 0.003, 0.5: 0.012}  # of Z, by packing fraction

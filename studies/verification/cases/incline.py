@@ -17,7 +17,6 @@ from studies.verification.scenes import RATIO, G, Sphere, hertz, scene
 
 TITLE = "A granule on an incline"
 SOURCE = "mechanics of a rigid body; Walton (1993)"
-AXES = {"xlabel": "tan(angle) over the limit of rolling", "ylabel": "Over g sin(angle)"}
 RADIUS, FRICTION = 1e-3, 0.3
 MATERIAL = dem.Material(2500.0, 1e8)
 SLOPES = (0.3, 0.7, 0.95, 1.05, 1.5, 2.5)  # tan(angle) over c mu

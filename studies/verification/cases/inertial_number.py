@@ -1,8 +1,8 @@
 """Which friction and packing fraction has a sheared bed of discs?
 
-Published: da Cruz, Emam, Prochnow, Roux and Chevoir (2005, Phys. Rev. E 72, 021309) for a friction
-of 0.4 between discs: mu = 0.25 + 1.1 I and phi = 0.81 - 0.3 I, for inertial numbers I of about 0.01
-to 0.1. Nothing runs here: the flows are those of studies/shear/shear.nc, with their restitution
+Second-hand: mu = 0.25 + 1.1 I and phi = 0.81 - 0.3 I are attributed to da Cruz, Emam, Prochnow, Roux
+and Chevoir (2005, Phys. Rev. E 72, 021309), whose paper we could not obtain, for a friction of 0.4
+between discs and inertial numbers I of about 0.01 to 0.1. Nothing runs here: the flows are those of studies/shear/shear.nc, with their restitution
 (0.1), spread of diameters (20 %) and definition of I, measured in the middle half of the height.
 Ours are smaller (12 by 17 diameters) and have Hertzian contacts.
 
@@ -19,8 +19,7 @@ from studies import HERE
 from studies.verification.row import Row
 
 TITLE = "Friction and packing fraction in shear"
-SOURCE = "da Cruz and others 2005"
-AXES = {"xlabel": "Inertial number", "ylabel": "Friction, packing fraction", "xscale": "log"}
+SOURCE = "attributed to da Cruz and others 2005, second-hand"
 
 FILE = HERE / "shear/shear.nc"
 FRICTION = ("0.4",)  # between granules

@@ -20,8 +20,6 @@ from studies.verification.row import Row
 
 TITLE = "Onset of jamming"
 SOURCE = "arXiv:1007.2162; arXiv:2305.19990; Donev and others 2007"
-AXES = {"xlabel": "Aspect ratio", "ylabel": "Contacts per granule at the onset"}
-DRAWN = "contacts of "  # rows of the figure
 
 FILE = HERE / "onset/onset.nc"
 DENSEST = 1.4  # aspect ratio

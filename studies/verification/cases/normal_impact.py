@@ -38,7 +38,7 @@ def measure() -> list[Row]:
         rows += compared(f"{name} on {name}", scales, run.time, overlap, force, returned)
     for name, material in PLANES.items():
         material = dem.Material(*material, 1.0)
-        scales, run = on_floor(Sphere, 0.1, material, (0.0, -0.2), frames=FRAMES, lasts=1.2)
+        scales, run = on_floor(Sphere([0.1]), material, (0.0, -0.2), fraction=None)
         overlap, returned = 0.1 - run.position[:, 0, 1], run.velocity[-1, 0, 1] / 0.2
         name, force = f"{name} on a plane", run.wall_force[1:, 0]
         rows += compared(name, scales, run.time, overlap, force, returned)

@@ -27,12 +27,6 @@ from studies.verification.scenes import RATIO, Sphere, mindlin, on_floor, scene,
 
 TITLE = "Oblique impact with friction"
 SOURCE = "Walton (1993); MFiX DEM05; Chung and Ooi (2011), tests 4 and 5; own ODE"
-AXES = {
-    "xlabel": "v_t / v_n over the limit of sliding",
-    "ylabel": "Tangential impulse\nover mu times normal",
-    "xscale": "log",
-}
-DRAWN = ": impulse"  # rows of the figure
 OXIDE = (4000.0, 3.8e11, 0.23, 0.98)
 STEEL = (7850.0, 2.08e11, 0.30, 1.0)
 BESIDE = (0.98, 1.02)  # of the limit of sliding
@@ -71,7 +65,7 @@ def returned(name, kind, radius, material, friction, velocities):
     """Tangential impulse and spin after each impact."""
     made, e, ratio = dem.Material(*material), material[3], RATIO[kind]
     for along, down in velocities:
-        scales, run = on_floor(kind, radius, made, (along, down), 0.0, friction)
+        scales, run = on_floor(kind([radius]), made, (along, down), friction)
         unit, mass = -friction * (1.0 + e) * down, run.scene.mass[0]
         near = within(e, -down, scales, run.time_step)
         impulse, spin, tolerance = 1.0, 1.0 - ratio, near + 0.5 * scales.overlap / radius

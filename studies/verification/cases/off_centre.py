@@ -21,11 +21,6 @@ from studies.verification.scenes import FINE, impact, scene, within
 
 TITLE = "Impact off the centre"
 SOURCE = "impulse of a rigid body; Schwager and Poeschel (2007)"
-AXES = {
-    "xlabel": "Angle of the long axis to the floor (degrees)",
-    "ylabel": "Velocity afterwards\nover that before",
-}
-DRAWN = ": velocity over before"  # rows of the figure
 LENGTH, SPEED = 1e-3, 0.01  # m, m/s
 ANGLES = (15.0, 30.0, 45.0, 60.0, 75.0, 90.0)  # degrees
 

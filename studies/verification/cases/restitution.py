@@ -21,11 +21,10 @@ import numpy as np
 import dem
 from studies.verification.contact_law import damping_ratio, depth
 from studies.verification.row import Row
-from studies.verification.scenes import FINE, FRAMES, Sphere, on_floor, scene, within
+from studies.verification.scenes import FINE, Sphere, on_floor, scene, within
 
 TITLE = "Restitution of damped impacts"
 SOURCE = "Schwager and Poeschel (2007); Chung and Ooi (2011), test 3"
-AXES = {"xlabel": "Coefficient of restitution", "ylabel": "Returned speed over that before"}
 RADIUS, SPEED = 0.0025, 3.9
 DEFAULT = 0.5  # step fraction
 FRACTIONS = (0.4, 0.2, 0.1, 0.05)
@@ -40,7 +39,7 @@ def measure() -> list[Row]:
     rows = []
     for name, fraction in (("fine step", FINE), ("default step", DEFAULT)):
         for e in (0.2, 0.4, 0.6, 0.8, 1.0):
-            scales, run = on_floor(Sphere, RADIUS, oxide(e), (0.0, -SPEED), fraction=fraction)
+            scales, run = on_floor(Sphere([RADIUS]), oxide(e), (0.0, -SPEED), fraction=fraction)
             value = run.velocity[-1, 0, 1] / SPEED
             near = within(e, SPEED, scales, run.time_step)
             rows.append(Row(f"restitution, {name}", "1", value, e, near, e))
@@ -49,7 +48,7 @@ def measure() -> list[Row]:
 
 def deepest(e: float) -> Row:
     """Greatest overlap of a damped impact."""
-    scales, run = on_floor(Sphere, RADIUS, oxide(e), (0.0, -SPEED), frames=FRAMES, lasts=1.2)
+    scales, run = on_floor(Sphere([RADIUS]), oxide(e), (0.0, -SPEED), fraction=None)
     value, right = RADIUS - run.position[:, 0, 1].min(), scales.overlap * depth(damping_ratio(e))
     near = within(e, SPEED, scales, run.time_step) / e
     return Row("greatest overlap, restitution 0.5", "m", value, right, near * right)

@@ -21,7 +21,6 @@ from studies.verification.scenes import RATIO, G, Sphere, hertz, scene
 
 TITLE = "Slip to roll on a floor"
 SOURCE = "MFiX verification manual, DEM04"
-AXES = {"xlabel": "Coefficient of friction", "ylabel": "Time, speed (scaled)"}
 RADIUS, SPEED = 1e-3, 0.05  # m, m/s
 MATERIAL = dem.Material(2500.0, 1e7)
 CALM = 0.006  # s, in which the contact swings to rest

@@ -19,12 +19,6 @@ from studies.verification.scenes import FINE, FRAMES, Sphere, impact, mindlin, s
 
 TITLE = "Spinning spheres"
 SOURCE = "Chung and Ooi (2011), tests 6, 7 and 8; own ODE"
-AXES = {
-    "xlabel": "Spin before (rad/s)",
-    "ylabel": "Velocity along the plane\nafterwards (m/s)",
-    "xscale": "log",
-}
-DRAWN = ": velocity"  # rows of the figure
 RADIUS, SPEED, FRICTION, RESTITUTION = 0.1, 0.2, 0.4, 0.5
 ALLOY, NYLON, COPPER = (2700.0, 7e10, 0.33), (1000.0, 2.5e9, 0.4), (8900.0, 1.2e11, 0.35)
 SPINS = (0.175, 0.5, 1.3, 2.0, 3.0, 4.0, 5.0, 9.0, 22.0)

@@ -24,12 +24,6 @@ from studies.verification.scenes import FLOOR, G, hertz, scene
 
 TITLE = "Two granules pressed between walls"
 SOURCE = "MFiX verification manual, DEM03; own ODE"
-AXES = {
-    "xlabel": "Time step over the time of a swing",
-    "ylabel": "Error after a swing",
-    "xscale": "log",
-    "yscale": "log",
-}
 RADII = np.array([5e-3, 8e-3])
 MATERIAL = dem.Material(2500.0, 1e7, 0.22, 0.5)
 LID = 0.98 * 2.0 * RADII.sum()

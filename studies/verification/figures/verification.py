@@ -1,56 +1,41 @@
-"""Values beside what is expected, a panel a case."""
+"""Errors over their tolerances, a row a case."""
 
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.figures import style
 from studies.verification.findings import verification
-from studies.verification.results import CASES
 
 FILE = "verification"
-CAPTION = "Known cases of the field: values (marks) and what is expected (lines; grey: tolerance)"
+CAPTION = "Known cases of the field: error of every number over its tolerance"
 VARIABLES = ("row_case", "row_value")
-MARKERS = "os^Dv"
+MOST = 2.5  # errors over tolerances beyond this are drawn at it
+ROW = 0.32  # inches
 
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """One panel per case."""
+    """One row per case, one mark per number; cases with failed numbers come first."""
     found = verification.of(dataset)
-    figure, grid = style.panels(len(found.by_case), 2, 0.6, 2.9)
-    for axes, (name, title, rows) in zip(grid, found.by_case, strict=True):
-        settings = getattr(CASES[name], "AXES", None)
-        rows = rows[rows.name.str.contains(getattr(CASES[name], "DRAWN", ""), regex=False)]
-        if settings is None:
-            _errors(axes, rows)
-        else:
-            _values(axes, rows[rows.x.notna()], getattr(CASES[name], "DRAWN", ""))
-            axes.set(**settings)
-            for along in "xy":
-                if settings.get(f"{along}scale") == "log":
-                    style.logarithmic(axes, along)
-        axes.set_title(title, loc="left")
+    cases = sorted(found.by_case, key=lambda case: case[2].passed.all())
+    figure = Figure(figsize=(style.WIDTH, 1.4 + ROW * len(cases)))
+    axes = figure.subplots()
+    look = {"linestyle": "none", "markeredgecolor": "black", "markersize": 5.0, "alpha": 0.7}
+    for place, (_, _, rows) in enumerate(cases):
+        errors = (rows.value - rows.expected) / rows.tolerance
+        spread = 0.3 * np.sin(np.arange(len(rows)))  # so that equal errors show side by side
+        for passed, marker in ((1, "o"), (0, "X")):
+            here = (rows.passed == passed).values
+            size = {"markersize": 5.0 if passed else 9.0}
+            face = {"markerfacecolor": "#a9c8ea" if passed else "#b34700"}
+            shown = np.clip(errors[here], -MOST, MOST)
+            axes.plot(shown, place + spread[here], marker, **look | size | face)
+    axes.axvspan(-1.0, 1.0, **style.WINDOW)
+    axes.axvline(0.0, **style.REFERENCE)
+    axes.set_yticks(range(len(cases)), [f"{title} ({len(rows)})" for _, title, rows in cases])
+    axes.set(xlim=(-MOST - 0.1, MOST + 0.1), ylim=(len(cases) - 0.4, -0.6))
+    axes.set_xlabel("Error over its tolerance (grey: passed; crosses: failed)")
     right = found.total() - found.failed()
     figure.suptitle(f"{right} of {found.total()} numbers are within their tolerances")
     return figure
-
-
-def _values(axes, rows, drawn: str) -> None:
-    """Values, what is expected and the tolerance over the abscissa; drawn: part of the names."""
-    for (name, part), marker in zip(rows.groupby("name", sort=False), MARKERS, strict=False):
-        line = axes.plot(part.x, part.expected, linewidth=1.0)[0]
-        low, high = part.expected - part.tolerance, part.expected + part.tolerance
-        axes.fill_between(part.x, low, high, color="0.85", linewidth=0.0)
-        look = {"color": line.get_color(), "markersize": 5.0, "label": name.replace(drawn, "")}
-        axes.plot(part.x, part.value, marker, **look)
-    if rows.name.nunique() > 1:
-        axes.legend(fontsize=8)
-
-
-def _errors(axes, rows) -> None:
-    """Errors over their tolerances, one row a number."""
-    for place, row in enumerate(rows.itertuples()):
-        axes.plot((row.value - row.expected) / row.tolerance, place, "o", color="0.2")
-        axes.text(1.2, place, row.name, fontsize=7, va="center", in_layout=False)
-    axes.axvspan(-1.0, 1.0, color="0.9", zorder=0)
-    axes.set(xlim=(-1.2, 8.0), xticks=(-1, 0, 1), yticks=(), xlabel="Error over its tolerance")

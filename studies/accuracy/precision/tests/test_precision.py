@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from dem.base.intervals import mean_interval
+from dem.base.statistics import mean_interval
 from dem.sweep.precision import Until, excess
 from studies.accuracy.precision.findings import precision
 from studies.accuracy.precision.results import tried

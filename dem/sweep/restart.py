@@ -1,4 +1,6 @@
-"""Folder of results: one process works in it, and what killed processes left is removed."""
+"""What a sweep does first, also one that was killed: it holds its folder of results, in which one
+process works at a time, and removes what killed processes left half-written there and in the store.
+"""
 
 import socket
 import time
@@ -8,7 +10,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from dem.base.errors import RunError
-from dem.base.files import PART, is_full, reason
+from dem.base.files import PART, atomic, is_full, reason
 
 DAY = 86400.0  # s
 
@@ -55,6 +57,13 @@ def hold(folder: Path) -> FileLock:
             "run the same command again; snakemake -n and dem info only read."
         ) from None
     return lock
+
+
+def write_changed(path: Path, text: str) -> None:
+    """Write a text, unless the file has it already: what is made of the file stays newer."""
+    if not path.is_file() or path.read_bytes() != text.encode():  # a pipe has no end
+        with atomic(path) as part:
+            part.write_bytes(text.encode())
 
 
 def on_failure(folder: Path, kept: str) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from dem.base.errors import InputError
-from dem.base.intervals import half_interval
+from dem.base.statistics import half_interval
 
 CHECK = "e0"  # shape label of the ellipse code at aspect ratio 1: a check, not a shape of Table 1
 
@@ -111,10 +111,10 @@ def table1(dataset: xr.Dataset) -> list[str]:
     """Labels of the cases to compare by shape: at the density of the first, the check left out;
     raises InputError where there is none."""
     cases = cases_of(dataset)
-    found = [c for c, shape, density in cases if density == cases[0][2] and shape != CHECK]
-    if not found:
+    labels = [c for c, shape, density in cases if density == cases[0][2] and shape != CHECK]
+    if not labels:
         raise InputError("there is no case of Table 1 in the data.")
-    return found
+    return labels
 
 
 def find(dataset: xr.Dataset, shape: str) -> str | None:
@@ -125,11 +125,11 @@ def find(dataset: xr.Dataset, shape: str) -> str | None:
 
 def densities(dataset: xr.Dataset) -> dict[str, list[str]]:
     """Shapes at more than one density: labels of their cases, from the lowest to the highest."""
-    found = {}
-    for label, shape, density in cases_of(dataset):
-        found.setdefault(shape, []).append((density, label))
-    several = {shape: sorted(cases) for shape, cases in found.items() if len(cases) > 1}
-    return {shape: [label for _, label in cases] for shape, cases in several.items()}
+    labels = {}
+    for _, label, shape in sorted((density, c, shape) for c, shape, density in cases_of(dataset)):
+        labels.setdefault(shape, []).append(label)
+    shapes = dict.fromkeys(shape for _, shape, _ in cases_of(dataset))
+    return {shape: labels[shape] for shape in shapes if len(labels[shape]) > 1}
 
 
 def cases_of(dataset) -> list[tuple[str, str, float]]:

@@ -1,10 +1,9 @@
 """Which runs share a job.
 
-They have the same machine code and the same sizes of arrays, and those of one bed are put together
-where they fit.
+They have the same machine code and the same sizes of arrays, and those of one bed follow each other.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from itertools import chain, zip_longest
 
 from dem.base.sources import PACKAGE, code_hash, digest, kernel_hash, planned_codes
@@ -28,44 +27,31 @@ def job_key(replicate: Replicate) -> tuple:
 
 def plan_batches(
     existing: Iterable[Batch], replicates: Iterable[Replicate], size: int, results: str
-) -> tuple[list[Batch], dict[str, list[Replicate]]]:
+) -> tuple[list[Batch], dict[Batch, list[Replicate]]]:
     """The batches that hold some runs: existing ones, and new ones with their runs for the rest.
 
     Nothing is written. A sweep prefers its own batches, so that its jobs agree on them while
     another sweep makes the same runs.
     """
-    left, batches, groups = {each.id: each for each in replicates}, [], {}
+    left, batches, groups = {run.id: run for run in replicates}, [], {}
 
     def order(batch):
         return batch_id(results, *batch.runs) != batch.id, -len(batch.runs), batch.id
 
     for batch in sorted(existing, key=order):
-        if shared := [run for run in batch.runs if run in left]:
+        if not left.keys().isdisjoint(batch.runs):
             batches.append(batch)
-            for run in shared:
-                del left[run]
+            for run in batch.runs:
+                left.pop(run, None)
     for replicate in left.values():
         beds = groups.setdefault(job_key(replicate), {})
         beds.setdefault(replicate.bed_key(), []).append(replicate)
-    new, parts = {}, [_cut(list(beds.values()), size) for beds in groups.values()]
+    parts = []
+    for beds in groups.values():
+        runs = list(chain.from_iterable(beds.values()))
+        parts.append([runs[start : start + size] for start in range(0, len(runs), size)])
+    new = {}
     for part in filter(None, chain.from_iterable(zip_longest(*parts))):  # each kind compiles first
-        runs = tuple(replicate.id for replicate in part)
-        batch = Batch(batch_id(results, *runs), runs)
-        batches.append(batch)
-        new[batch.id] = part
-    return batches, new
-
-
-def _cut(beds: list[list[Replicate]], size: int) -> Iterator[list[Replicate]]:
-    """Runs in parts of at most a size, those of one bed together where they fit."""
-    part = []
-    for bed in beds:
-        if part and len(part) + len(bed) > size:
-            yield part
-            part = []
-        part = part + bed
-        while len(part) > size:
-            yield part[:size]
-            part = part[size:]
-    if part:
-        yield part
+        ids = tuple(replicate.id for replicate in part)
+        new[Batch(batch_id(results, *ids), ids)] = part
+    return [*batches, *new], new
