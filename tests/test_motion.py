@@ -616,9 +616,6 @@ REFUSED = {
     "Held.motion is PrescribedMotion(time=array([0.]), velocity=array([[0., 0...; it must have no spin": lambda: (
         dem.Held([0], dem.PrescribedMotion([0.0], [[0.0, 0.0]], [1.0]))
     ),
-    "Solid.spin is 2 rad/s; it must be left out, because its path has one": lambda: dem.Cylinder(
-        1.0, (0.0, 0.0), dem.PrescribedMotion([0.0], [[0.0, 0.0]], [1.0]), 2.0
-    ),
     "velocity is 1.0; it must be a velocity": lambda: dem.Cylinder(1.0, (0, 0), 1.0),
     "Wall.motion is 1.0; it must be a velocity": lambda: dem.Wall([1.0, 0.0, 0.0], 1.0),
     "Wall.motion is PrescribedMotion(time=array([0.]), velocity=array([[0., 0...; it must have no spin": lambda: (

@@ -53,6 +53,7 @@ def granules(make, columns=5, rows=4):
 def scene_of(name):
     """Scenes that together have everything, in as few kernels as can be."""
     rough = dem.Friction(0.3, 0.5, 0.2, stiffness=0.7)
+    table = dem.Friction([[0.3, 0.1], [0.1, 0.6]], 0.5, 0.2, stiffness=0.7)
     damped, elastic = dem.Material(restitution=0.6, **SOFT), dem.Material(restitution=1.0, **SOFT)
     steel = dem.Material(2e3, 2e8, 0.2, 0.9)
     cylinder = dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), (1.0, 2.0), spin=500.0)
@@ -66,7 +67,7 @@ def scene_of(name):
     if name == "discs":
         shape, state = granules(dem.Disc)
         return dem.Scene(
-            shape, [damped, elastic], dem.Friction([[0.3, 0.1], [0.1, 0.6]], 0.5, 0.2, 0.7),
+            shape, [damped, elastic], table,
             moving((0.0, 0.0), (-1.0, 2.0), path(*TO_AND_FRO), LID, friction=0.1, material=elastic),
             [dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), DAMPED, TURN),
              dem.Cylinder(6e-4, (4.8e-3, 3.75e-3), (0.5, 0.0), -900.0, friction=0.9, material=elastic)],
@@ -83,14 +84,14 @@ def scene_of(name):
         ), state  # fmt: skip
     if name == "discs around solids":
         shape, state = granules(dem.Disc)
-        own = {"friction": 0.9, "material": steel}
+        hard = {"friction": 0.9, "material": steel}
         solids = [
-            dem.Solid(WEDGE, (2.4e-3, 2.5e-3), 0.4, DAMPED, TURN, **own),
+            dem.Solid(WEDGE, (2.4e-3, 2.5e-3), 0.4, DAMPED, TURN, **hard),
             dem.Solid(PLATE, (3.6e-3, 1.25e-3), 0.9, path(*TO_AND_FRO, spin=[0.0, 4e3, 9e3, -5e3])),
-            dem.Solid(OVAL, (1.2e-3, 3.75e-3), 0.3, (0.5, -1.0), 4e3, **own),
+            dem.Solid(OVAL, (1.2e-3, 3.75e-3), 0.3, (0.5, -1.0), 4e3, **hard),
             dem.Cylinder(5e-4, (4.8e-3, 2.5e-3), GUIDED, -900.0),
         ]
-        return dem.Scene(shape, damped, rough, WALLS, solids), state
+        return dem.Scene(shape, damped, None, WALLS, solids), state
     if name == "smooth discs around solids":
         shape, state = granules(dem.Disc)
         solids = [
@@ -104,7 +105,8 @@ def scene_of(name):
             dem.Solid(WEDGE, (2.4e-3, 2.5e-3), 0.4, (1.0, 2.0), 4e3),
             dem.Solid(OVAL, (1.2e-3, 3.75e-3), 0.3, (0.5, -1.0), TURN),
         ]
-        return dem.Scene(shape, damped, rough, WALLS, solids), state
+        materials = {"material": [damped, steel], "species": np.arange(20) % 2}
+        return dem.Scene(shape, friction=table, walls=WALLS, solids=solids, **materials), state
     if name == "dumbbells":
         shape, state = granules(lambda r: dem.Dumbbell(0.55 * r))
         turning = path(*TO_AND_FRO, spin=[0.0, 900.0, -500.0, 0.0])
@@ -123,10 +125,9 @@ def scene_of(name):
         shape, state = granules(ellipses(contact="geometric_potential"))
         return dem.Scene(shape, damped, None, WALLS, cylinder), state
     shape, state = granules(lambda r: dem.Superellipse(0.9 * r, 0.8 * r, 0.3 * r, 3.0))
-    return dem.Scene(
-        shape, damped, rough, WALLS[:2], dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), FREE),
-        periodic=(None, HEIGHT),
-    ), state  # fmt: skip
+    cylinder = dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), FREE)
+    solids = [cylinder, dem.Solid(PLATE, (3.6e-3, 0.0), 0.9, spin=4e3)]
+    return dem.Scene(shape, damped, rough, WALLS[:2], solids, periodic=(None, HEIGHT)), state
 
 
 SCENES = (

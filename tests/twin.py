@@ -425,15 +425,15 @@ class Twin:
         materials, species = scene.materials, scene.species[owner]
         rough = scene.friction or dem.Friction(0.0, 0.0, 0.0)
         table = np.broadcast_to(rough.granule, 2 * (len(materials),))
-        own = [
+        friction = [
             [rough.wall if wall.friction is None else wall.friction for wall in scene.walls],
             [rough.solid if solid.friction is None else solid.friction for solid in solids],
         ]
-        turns = np.any(table > 0.0) or any(mu > 0.0 for each in own for mu in each)
+        turns = max([table.max(), *friction[0], *friction[1]]) > 0.0
         turns |= not isinstance(scene.shape, dem.Disc) or not all(s.is_round for s in solids)
 
-        def law(one, other, friction):
-            return Law(one, other, friction, rough.stiffness, turns)
+        def law(one, other, mu):
+            return Law(one, other, mu, rough.stiffness, turns)
 
         free = self.group < 0
         one, two = np.triu_indices(len(owner), 1)
@@ -453,21 +453,21 @@ class Twin:
         both = lightness[one] + lightness[two]
         self.pairs = Contacts(laws, which, one, two, both, mass[one])
 
-        def around(bodies, moving, friction):
+        def around(bodies, moving, coefficients):
             yields, every = lightness_of(moving.motions), np.arange(len(owner))
-            for k, (body, mu) in enumerate(zip(bodies, friction, strict=True)):
+            for k, (body, mu) in enumerate(zip(bodies, coefficients, strict=True)):
                 partner = body.material or scene.boundary
                 laws = [law(material, partner, mu) for material in materials]
                 two = np.full(len(owner), k)
                 yield Contacts(laws, species, every, two, lightness + yields[k], mass)
 
-        self.at_walls = list(around(scene.walls, self.walls, own[0]))
-        self.at_solids = list(around(solids, self.solids, own[1]))
+        self.at_walls = list(around(scene.walls, self.walls, friction[0]))
+        self.at_solids = list(around(solids, self.solids, friction[1]))
         self.sums, self.kicked = self.no_sums(), 0.0
         self.find_forces(0.0)
         self.last = self.accelerations()
-        for each in (self.walls, self.solids, self.held):
-            each.kick(0.0, 0.0, 0.0)
+        for boundaries in (self.walls, self.solids, self.held):
+            boundaries.kick(0.0, 0.0, 0.0)
 
     def no_sums(self):
         """Forces (N) and torques (N m) on boundaries, summed over time: nothing yet."""
@@ -562,7 +562,7 @@ class Twin:
             return polygon_touch(d, one, corners, outline.radius), np.inf
         round_ = isinstance(outline, dem.Disc)
         a, b = 2 * [outline.radius] if round_ else (outline.semi_major, outline.semi_minor)
-        two = Outline(*(np.repeat(each, len(d)) for each in (angle, a, b)))
+        two = Outline(*(np.repeat(value, len(d)) for value in (angle, a, b)))
         search = self.granules.search if round_ else search_of(outline)
         return search(d, one, two), np.sqrt(a * b)
 
@@ -622,9 +622,9 @@ class Twin:
         bodies.drift(dt)
         for name, each in self.loads.items():
             self.sums[name] = self.sums[name] + kick * each
-        for each in (self.walls, self.held, self.solids):
-            each.kick(self.time, kick, dt)
-            each.drift(dt)
+        for boundaries in (self.walls, self.held, self.solids):
+            boundaries.kick(self.time, kick, dt)
+            boundaries.drift(dt)
         self.planes[:, 2] += dt * dot(self.planes[:, :2], self.walls.velocity)
         self.carry()
         self.time += dt

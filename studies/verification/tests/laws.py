@@ -45,8 +45,8 @@ LAWS = (
     Mutant(
         "contacts/response.py",
         "half of friction",
-        "limit = friction.coefficient * normal",
-        "limit = 0.5 * friction.coefficient * normal",
+        "limit = friction[0, p] * normal",
+        "limit = 0.5 * friction[0, p] * normal",
         "rolling",
     ),
     Mutant(
@@ -80,7 +80,7 @@ LAWS = (
     Mutant(
         LISTS,
         "radius of the granule for R* at the cylinder",
-        "reduced = reduced * radius / (reduced + radius)",
+        "reduced = reduced * surface.radius[b] / (reduced + surface.radius[b])",
         "reduced = reduced",
         "spinning",
     ),
