@@ -11,7 +11,7 @@ from dem.analysis.drag import summarise, window_text
 from dem.analysis.means import WINDOW, heading, means_of, quantities_of, run_means, table_of
 from dem.analysis.one_run import replicate_of, values_of_runs
 from dem.analysis.tables import TextTable
-from dem.analysis.values import value_of
+from dem.analysis.values import designs_of, value_of
 from dem.base.errors import InputError
 from dem.io.dataset import LABELS
 from dem.io.lazily import open_lazily, require, require_drag
@@ -85,11 +85,12 @@ def means_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
 
 def brief(result: xr.Dataset) -> pd.DataFrame:
     """A table for a terminal: without what belongs to a shape, which its label says, and what is
-    the same everywhere; other labels of points last."""
+    the same everywhere; labels of named points last."""
     coords = [values for name, values in result.coords.items() if name not in result.dims]
     left = [values.name for values in coords if {"shape"} >= set(values.dims)]
     frame = table_of(result.drop_vars(left))
-    labels = [heading(values) for values in coords if heading(values) in frame]
+    named = {*result.dims}.difference(designs_of(result))
+    labels = [heading(each) for each in coords if each.name not in left and named >= {*each.dims}]
     return frame[[*frame.columns.drop(labels), *labels]]
 
 
