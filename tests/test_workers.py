@@ -12,17 +12,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from test_plugins import FILES
 from typer.testing import CliRunner
 
 import dem
 from conftest import CONFIG
 from dem.base.errors import InputError, RunError
+from dem.base.sources import cache_folder
 from dem.cli.app import app
+from dem.io.checksums import seal
 from dem.io.dataset import read
 from dem.sweep import cluster, workers
+from dem.sweep.cluster import Cluster
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store
-from dem.sweep.workers import Workers, make_batch
+from dem.sweep.workers import Workers, make_batch, task_of
 
 SEEDS = [1, 2, 3, 4]
 
@@ -65,33 +69,67 @@ def left():
     return sorted(path for path in Path("results").rglob("*.*") if path.suffix in (".nc", ".yaml"))
 
 
-def test_a_cluster_of_dask_leaves_what_this_process_leaves(file, monkeypatch):
-    """And stays open. A worker with other packages is refused by its name."""
+def unseen(plan):
+    """The task of a plan that no worker sees."""
+    return *task_of(plan)[:2], 0
+
+
+def test_a_cluster_of_dask_leaves_what_this_process_leaves(tmp_path, monkeypatch):
+    """Also where its workers see neither the store of the client nor files of the user; and it stays open.
+
+    A worker with other packages is refused by its name.
+    """
     distributed = pytest.importorskip("distributed")
+    (tmp_path / "rotation.py").write_text("import turning\n" + FILES["rotation.py"])
+    (tmp_path / "turning.py").write_text("")
+    record = {"observables": ["drag", "snapshots", "rotation.py"]}
+    file = write(tmp_path, monkeypatch, record=record)
     alone = drag_of(file)
+    machine = tmp_path / "machine"  # the cache folder of the workers, with what is compiled
+    machine.mkdir()
+    for path in cache_folder().iterdir():
+        if path.name != "store":
+            (machine / path.name).symlink_to(path)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(machine))
     with (
         distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, dashboard_address=":0"
         ) as local,
         distributed.Client(local) as client,
     ):
-        shutil.rmtree("results")
-        np.testing.assert_array_equal(drag_of(file, client), alone)
+        upload = client.upload_file
+        for sent in (task_of, unseen):
+            monkeypatch.setattr(cluster, "task_of", sent)
+            shutil.rmtree("results")
+            np.testing.assert_array_equal(drag_of(file, client), alone)
+            monkeypatch.setattr(
+                client, "upload_file", lambda path, load: (upload(path, load), Path(path).unlink())
+            )
+        assert not list(tmp_path.glob("*.py"))
+        assert not [*machine.glob("store/batches/*.[nj]*")]
         executed = client.run(lambda dask_worker: dask_worker.state.executed_count)
-        assert sum(executed.values()) == 2 and min(executed.values()) > 0
+        assert sum(executed.values()) == 4 and min(executed.values()) > 0
         assert client.status == "running"
         monkeypatch.setattr(cluster, "installed", lambda: f"process {os.getpid()}")
         with pytest.raises(InputError, match=r"there is process \d+; it must be process \d+"):
-            drag_of(file, client)
+            Cluster(client)
 
 
-def test_a_worker_that_does_not_see_the_folder_of_results_is_one_sentence(file):
-    state = SweepState.of(file)
-    (batch, _) = state.batches("drag")
-    plan = state.store.plan_of(batch.id).absolute()
-    with pytest.raises(InputError, match=rf"{plan} is not on .*; all workers must see the folder"):
-        make_batch(plan)
-    assert not (file.parent / "results").exists()
+@pytest.mark.parametrize(
+    "damage", [lambda content: content[:-1], lambda content: b"." + content[1:]]
+)
+def test_a_file_that_was_damaged_on_its_way_is_not_put_into_the_store(tmp_path, damage):
+    """Cut or changed, where another machine made it."""
+    store, path = Store(tmp_path / "store"), tmp_path / "sealed"
+    path.write_bytes(bytes(1000))
+    seal(path)
+    with pytest.raises(
+        InputError, match=r"ab.nc: its content is not what was written .*; run the same"
+    ):
+        store.add("ab", damage(path.read_bytes()))
+    assert not list(store.folder.rglob("*.*"))
+    store.add("ab", path.read_bytes())
+    assert store.file_of("ab").read_bytes() == path.read_bytes()
 
 
 class Deadly(Workers):
@@ -100,9 +138,7 @@ class Deadly(Workers):
     killed = (MemoryError,)
 
     def submit(self, plan):
-        store = Store(plan.parents[1])
-        left = [run for run in store.replicates(plan.stem) if store.kept(run.id) is None]
-        if all(run.seed != 3 for run in left):
+        if all(run.seed != 3 for run in Store(plan.parents[1]).replicates(plan.stem)):
             return super().submit(plan)
         found = Future()
         found.set_exception(MemoryError())
@@ -159,7 +195,7 @@ def test_a_process_makes_one_run_at_a_time(file):
     (batch, _) = state.batches("drag")
     state.begin("drag")
     with workers.BUSY, pytest.raises(InputError, match="one run at a time"):
-        make_batch(state.store.plan_of(batch.id))
+        make_batch(task_of(state.store.plan_of(batch.id)))
 
 
 @pytest.fixture(scope="module")

@@ -2,13 +2,16 @@
 
 import logging
 import platform
+import sys
 import warnings
+from asyncio import CancelledError
 from pathlib import Path
 
 from dem.base.errors import InputError, RunError
 from dem.base.provenance import compilers
-from dem.base.sources import run_hash
-from dem.sweep.workers import ONE_RUN, Workers
+from dem.base.sources import PACKAGE, run_hash, with_imports
+from dem.sweep.store import Store
+from dem.sweep.workers import ONE_RUN, Workers, is_seen, make_batch, task_of
 
 CONNECT = 5.0  # s that a scheduler may take to answer
 
@@ -29,7 +32,7 @@ class Cluster(Workers):
 
         # pure: a batch that failed would fail at once again
         super().__init__(client.get_executor(pure=False))
-        self.client, self.killed = client, (KilledWorker,)
+        self.client, self.killed, self.uploaded = client, (KilledWorker,), set()
         if max(client.nthreads().values(), default=1) > 1:
             raise InputError(f"workers of {client.scheduler.address} have threads; {ONE_RUN}")
         for worker, answer in client.run(installed, on_error="return").items():
@@ -43,6 +46,42 @@ class Cluster(Workers):
     def window(self):
         """Two batches a worker; workers come and go."""
         return 2 * max(1, len(self.client.nthreads()))
+
+    def submit(self, plan):
+        task, runs = task_of(plan), Store(plan.parents[1]).replicates(plan.stem)
+        files = {file for run in runs for file in run.files if not file.is_relative_to(PACKAGE)}
+        files -= self.uploaded
+        if files and set(self.client.run(is_seen, task, on_error="ignore").values()) != {True}:
+            self._upload(files)
+        return self.executor.submit(_make_batch, task)
+
+    def _upload(self, files: set[Path]) -> None:
+        """Send files of a user, and what they import from their folder, to all workers."""
+        self.uploaded |= files
+        for file in files:
+            for path in with_imports(file):
+                if path.parent != file.parent:
+                    raise InputError(
+                        f"{path}: only files of the folder {file.parent} itself are sent to "
+                        "workers; move it there."
+                    )
+                self.client.upload_file(str(path), load=False)
+
+
+def _make_batch(task) -> bytes | None:
+    """make_batch in a worker of Dask, which ends soon when the client no longer waits."""
+    from distributed import get_worker
+
+    worker = get_worker()
+    state, folder = worker.state.tasks[worker.get_current_task()], Path(worker.local_directory)
+    # the scheduler of a LocalCluster has its copies of the files in a folder beside the worker's
+    sys.path[:] = [path for path in sys.path if Path(path).parent != folder.parent]
+
+    def progress(done, failed):
+        if state.state == "cancelled":
+            raise CancelledError  # which is no error of a run
+
+    return make_batch(task, progress, beside=str(folder))
 
 
 def connected(where: str, patience: float):

@@ -22,8 +22,8 @@ from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.base.provenance import compilers
 from dem.experiment.config import Replicate, of_values
-from dem.io.checksums import is_sealed, seal
-from dem.io.dataset import read
+from dem.io.checksums import Changed, is_sealed, seal
+from dem.io.dataset import content_of, read
 from dem.sweep.restart import is_held, write_changed
 
 FOLDER = Path("results/store")
@@ -47,10 +47,10 @@ def batch_id(results: str, *runs: str) -> str:
 
 
 class Store:
-    """A folder of runs."""
+    """A folder of runs; values: those of configurations that its plans do not have right."""
 
-    def __init__(self, folder: Path = FOLDER):
-        self.folder = Path(folder)
+    def __init__(self, folder: Path = FOLDER, **values: str):
+        self.folder, self.values = Path(folder), values
         self._runs: dict[str, tuple[str, ...]] = {}  # runs of batches, which never change
 
     def file_of(self, batch: str) -> Path:
@@ -116,7 +116,7 @@ class Store:
         with suppress(OSError, ValueError, KeyError, TypeError, IndexError, RecursionError):
             head, body = path.read_text(encoding="utf-8").splitlines()
             values, rows = json.loads(body)
-            replicates = [of_values(values[row] | run) for row, run in rows]
+            replicates = [of_values(values[row] | run | self.values) for row, run in rows]
             if json.loads(head)[1:] == [run.id for run in replicates]:
                 return replicates
         raise InputError(
@@ -135,6 +135,16 @@ class Store:
             runs.append([row, run])
         text = f"{json.dumps([results, *batch.runs])}\n{json.dumps([values, runs])}\n"
         write_changed(self.plan_of(batch.id), text)
+
+    def add(self, batch: str, content: bytes | None) -> None:
+        """Add the file of a batch, if it was made elsewhere; raises InputError for a damaged one."""
+        if content is None:
+            return
+        path = self.file_of(batch)
+        with content_of(path, "run the same again"), atomic(path) as part:
+            part.write_bytes(content)
+            if not is_sealed(part):
+                raise Changed("it has no checksum")
 
     # Beds and finished runs
 

@@ -1,12 +1,12 @@
 """Make batches in processes of this machine, or on the workers of any executor.
 
-All of them see the folder of results: a task is the path of the plan of a batch, and who makes the
-batch writes its file beside the plan.
+A task is the plan of a batch. A worker that sees the client's store writes the file of the batch
+there. Any other makes the batch in a store in its cache folder, which the workers of its machine
+share, and sends the file back.
 """
 
 import multiprocessing
 import os
-import platform
 import signal
 import threading
 from collections import deque
@@ -17,7 +17,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from dem.base.errors import InputError, RunError
-from dem.sweep.store import Batch, Store
+from dem.base.sources import cache_folder
+from dem.sweep.restart import write_changed
+from dem.sweep.store import Batch, Store, batch_id
 
 PERIOD = 0.5  # s between two reports of progress
 ONE_RUN = (
@@ -28,18 +30,40 @@ ONE_RUN = (
 BUSY = threading.Lock()  # held while this process makes a batch
 
 
-def make_batch(plan: Path) -> None:
-    """Make the batch of a plan, on a worker."""
-    if not plan.is_file():
-        raise InputError(
-            f"{plan} is not on {platform.node()}; all workers must see the folder of results."
-        )
+def task_of(plan: Path) -> tuple[Path, str, int]:
+    """What is sent to a worker: the plan of a batch, its text, and its number on the disk."""
+    return plan, plan.read_text(encoding="utf-8"), plan.stat().st_ino
+
+
+def is_seen(task: tuple) -> bool:
+    """Whether this machine sees the plan of a task, and not a file of its own at that path."""
+    return task[0].is_file() and task_of(task[0]) == task
+
+
+def make_batch(task, progress=lambda done, failed: None, **values: str) -> bytes | None:
+    """Make a batch on a worker; returns its file, None where it is in the client's store.
+
+    progress: as in dem.sweep.batch.make.
+    values: of configurations, where this machine does not see the plan.
+    """
     if not BUSY.acquire(blocking=False):
         raise InputError(ONE_RUN)
     try:
         from dem.sweep.batch import make  # not for those who only ask what there is
 
-        make(Store(plan.parents[1]), plan.stem)
+        plan, text, _ = task
+        if is_seen(task):
+            make(Store(plan.parents[1]), plan.stem, progress)
+            return None
+        store = Store(cache_folder() / "store", **values)
+        copy, path = store.plan_of(plan.stem), store.file_of(plan.stem)
+        # another worker may be at the same batch, for another client
+        with store.locked(copy.with_suffix(".lock")):
+            write_changed(copy, text)
+            content = make(store, plan.stem, progress).read_bytes()
+            copy.unlink()
+            path.unlink()
+        return content
     finally:
         BUSY.release()
 
@@ -66,9 +90,9 @@ class Workers:
     def submit(self, plan: Path) -> Future:
         """The future of make_batch."""
         if self.executor is not None:
-            return self.executor.submit(make_batch, plan)
+            return self.executor.submit(make_batch, task_of(plan))
         future = Future()
-        future.set_result(make_batch(plan))
+        future.set_result(make_batch(task_of(plan)))
         return future
 
 
@@ -115,24 +139,24 @@ def make_batches(store: Store, batches: list[Batch], workers: Workers, progress)
     many of those whose batch is finished failed.
 
     Raises RunError where the workers are gone, InputError where one has other code. A batch whose
-    workers die one after another is made again in the end, and goes on after the run that kills,
-    which is a failed one.
+    workers die one after another is made run by run in the end, so that only the run that kills is
+    a failed one.
     """
-    left, suspects, pending, alone, done, failed = deque(batches), deque(), {}, False, 0, 0
+    left, suspects, pending, done, failed = deque(batches), [], {}, 0, 0
     try:
         while left or suspects or pending:
-            # one suspect at a time: what waits behind a run that kills seems to kill too
-            while len(pending) < workers.window and (left or (suspects and not pending)):
-                alone = not left
-                batch = (left or suspects).popleft()
+            while left and len(pending) < workers.window:
+                batch = left.popleft()
                 pending[workers.submit(store.plan_of(batch.id).absolute())] = batch
+            if not pending:  # what waits behind a run that kills seems to kill too
+                batch = suspects.pop()
+                _make_runs(store, batch, workers)
+                pending[Workers().submit(store.plan_of(batch.id))] = batch
             for future in futures.wait(pending, PERIOD, futures.FIRST_COMPLETED).done:
                 batch = pending.pop(future)
                 try:
-                    future.result()
-                except workers.killed as error:
-                    if alone:
-                        _fail(store, batch, f"{type(error).__name__}: each worker that ran it died")
+                    store.add(batch.id, future.result())
+                except workers.killed:
                     suspects.append(batch)
                     continue
                 done, failed = done + len(batch.runs), failed + len(store.failed(batch.id))
@@ -148,12 +172,20 @@ def make_batches(store: Store, batches: list[Batch], workers: Workers, progress)
             future.cancel()
 
 
-def _fail(store: Store, batch: Batch, reason: str) -> None:
-    """Keep the run that a batch is at, the first that is not finished, as failed."""
-    from dem.sweep.batch import failed_row  # with the kernels
+def _make_runs(store: Store, batch: Batch, workers: Workers) -> None:
+    """Make and keep the runs of a batch, one at a time; one whose workers die is a failed one."""
+    from dem.sweep.batch import failed_row, rows_of  # with the kernels
 
-    complete = {run for other in store.complete().values() for run in other.runs}
-    left = [run for run in batch.runs if run not in complete and not store.run_of(run).is_file()]
-    if not left:
-        raise RunError(f"{store.file_of(batch.id)}: it cannot be written ({reason}).")
-    store.keep(left[0], failed_row(reason) | {"spent": 0.0})
+    for run in store.replicates(batch.id):
+        alone = Batch(batch_id("", run.id), (run.id,))
+        plan, path = store.plan_of(alone.id), store.file_of(alone.id)
+        store.write_plan(alone, "", [run])
+        try:
+            store.add(alone.id, workers.submit(plan.absolute()).result())
+            row = rows_of(path, [run])[run.id]
+        except workers.killed as error:
+            row = failed_row(f"{type(error).__name__}: each worker that ran it died")
+            row["spent"] = 0.0
+        store.keep(run.id, row)
+        plan.unlink()
+        path.unlink(missing_ok=True)

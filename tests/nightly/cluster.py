@@ -1,7 +1,7 @@
-"""A sweep on a Dask cluster, and what kills do to it.
+"""A sweep on a Dask cluster that does not see the client's folder, and what kills do to it.
 
-Starts a scheduler and two workers with an empty cache, makes the sweep on them and beside it on this machine
-alone, and compares all values. Then kills workers, scheduler and client
+Starts a scheduler and two workers in a mount namespace (as root) with an empty cache, makes the sweep on
+them and beside it on this machine alone, and compares all values. Then kills workers, scheduler and client
 at random moments, starts again what was killed, goes on, and compares again.
 """
 
@@ -25,10 +25,10 @@ SCHEDULER = f"tcp://127.0.0.1:{PORT}"
 
 
 class Machine:
-    """A scheduler and two workers."""
+    """A scheduler and two workers that see an empty folder where the client has its files."""
 
-    def __init__(self, folder: Path):
-        self.folder, self.parts = folder, {}
+    def __init__(self, folder: Path, hidden: Path):
+        self.folder, self.hidden, self.parts = folder, hidden, {}
         for name in ("scheduler", "worker 1", "worker 2"):
             self.start(name)
 
@@ -41,12 +41,12 @@ class Machine:
             else f"{SCHEDULER} --nthreads 1 --local-directory local"
         )
         command = (
-            f"cd {self.folder}; export NUMBA_CACHE_DIR={self.folder}/cache; "
+            f"mount -t tmpfs none {self.hidden}; cd {self.folder}; export NUMBA_CACHE_DIR={self.folder}/cache; "
             f"exec {sys.executable} -m dask {kind} {own} --no-dashboard"
         )
         log = (self.folder / f"{name}.log").open("a")
         self.parts[name] = subprocess.Popen(
-            ["bash", "-c", command],
+            ["unshare", "--mount", "bash", "-c", command],
             stdout=log,
             stderr=log,
             start_new_session=True,
@@ -107,7 +107,7 @@ def main(file: str = "config/smoke.yaml", kills: int = 20, seed: int = 1) -> Non
                 {"extends": file, "results": "results/many", "batch": 2} | (more if kills else {})
             )
         )
-    machine = Machine(worker)
+    machine = Machine(worker, client)
     try:
         spent = {}
         for turn in range(2):  # the second without compiling
@@ -129,6 +129,7 @@ def main(file: str = "config/smoke.yaml", kills: int = 20, seed: int = 1) -> Non
         lost = 0
         for number in range(kills):
             shutil.rmtree(client / "results")
+            shutil.rmtree(worker / "cache/store", ignore_errors=True)
             victim = chance.choice(["worker 1", "worker 2", "scheduler", "client", "Ctrl-C"])
             run = sweep(client, "many.yaml", "--scheduler", SCHEDULER)
             time.sleep(chance.uniform(3.0, 0.9 * spent["cluster"]))  # it takes some to connect
@@ -142,7 +143,7 @@ def main(file: str = "config/smoke.yaml", kills: int = 20, seed: int = 1) -> Non
             started = time.monotonic()
             said = run.communicate()[1].splitlines()[-1:]
             took, status, before = time.monotonic() - started, run.returncode, finished(client)
-            if victim == "scheduler":
+            if victim == "scheduler":  # its workers end within some seconds
                 machine.kill("worker 1")
                 machine.kill("worker 2")
             machine.whole()
