@@ -126,8 +126,7 @@ def scene_of(name):
         return dem.Scene(shape, damped, None, WALLS, cylinder), state
     shape, state = granules(lambda r: dem.Superellipse(0.9 * r, 0.8 * r, 0.3 * r, 3.0))
     cylinder = dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), FREE)
-    solids = [cylinder, dem.Solid(PLATE, (3.6e-3, 0.0), 0.9, spin=4e3)]
-    return dem.Scene(shape, damped, rough, WALLS[:2], solids, periodic=(None, HEIGHT)), state
+    return dem.Scene(shape, damped, rough, WALLS[:2], cylinder, periodic=(None, HEIGHT)), state
 
 
 SCENES = (
