@@ -194,15 +194,6 @@ def test_a_sweep_without_a_file_lists_what_there_is(monkeypatch):
     assert result.exit_code == 0 and "dem sweep config/paper.yaml\n" in result.stdout
 
 
-@pytest.mark.parametrize("verb", ["info", "means"])
-def test_a_table_of_means_fits_a_terminal(verb):
-    """Of 80 columns, no number cut."""
-    data, environment = str(ROOT / "docs/data/drag.nc"), {"COLUMNS": "80", "TERM": "dumb"}
-    result = CliRunner().invoke(app, [verb, data], env=environment)
-    assert result.exit_code == 0 and "…" not in result.stdout
-    assert "1295" in result.stdout or "1296" in result.stdout
-
-
 def test_a_file_that_is_cut_off_is_said_to_be(tmp_path):
     """The command that was just typed is no remedy."""
     cut = tmp_path / "drag.nc"
