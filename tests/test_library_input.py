@@ -118,7 +118,7 @@ MISTAKES = {
     "Scene.walls is (0.01, 0.01); it must have shape (n, 3), not (2,).": lambda: scene(
         walls=(1e-2, 1e-2)
     ),
-    "walls of row 1 is [1, 1, 0]; its normal (nx, ny) must have length 1, not 1.41421": lambda: (
+    "Scene.walls is [[1, 0, 1], [1, 1, 0]]; the normal (nx, ny) of row 1 must have length 1": lambda: (
         scene(walls=[[1, 0, 1], [1, 1, 0]])
     ),
     "it must have each wall once": lambda: scene(walls=[[1, 0, 0], [1, 0, 0]]),

@@ -58,7 +58,7 @@ def test_a_disc_is_drawn_at_its_place_with_its_radius(results, frame):
     for i, outline in enumerate(verts(axes.collections[0])):
         away = outline - 1e3 * result.position[frame, i]
         assert_allclose(np.linalg.norm(away, axis=1), 1e3 * RADIUS[i], rtol=1e-9)
-    (ring,) = verts(axes.collections[3])
+    (ring,) = verts(axes.collections[2])
     center = [3.0, 6.0] + 1e3 * result.time[frame] * np.array([1.0, 2.0])
     assert_allclose(center, 1e3 * result.solid_position[frame, 0])
     assert_allclose(np.linalg.norm(ring - center, axis=1), 0.5, rtol=1e-9)
