@@ -248,7 +248,7 @@ def test_what_is_wrong_with_a_file_of_a_shape_ends_with_status_2(tmp_path):
         "(ZeroDivisionError: division by zero)."
     )
     write(tmp_path / "other", SHAPE.replace("@smooth(support)\n", ""))
-    said = run("-m", "dem", "sweep", "other/sweep.yaml", cwd=tmp_path, status=2)
+    said = run("-m", "dem", "sweep", "sweep.yaml", cwd=tmp_path / "other", status=2)
     assert "Pebble is no shape; decorate it with smooth" in said and "Traceback" not in said
 
 

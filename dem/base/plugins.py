@@ -21,6 +21,7 @@ KEYS = "kind", "observables", "experiment"  # of configurations, that may name a
 
 _added: list[str] = []  # the folder of such files that is on Python's path for the last of them
 _imported: dict[Path, dict[str, str]] = {}  # code of the files of users as this process runs them
+_broken: dict[Path, str] = {}  # what was said of files that could not be imported
 
 
 def is_plugin(word) -> bool:
@@ -123,6 +124,8 @@ def load(file: Path) -> ModuleType:
     """
     if file.is_relative_to(sources.PACKAGE):
         return importlib.import_module(_name(file, sources.ROOT))
+    if file in _broken:  # what it has defined until then is there, and would be another error
+        raise InputError(_broken[file])
     is_first, code = file not in _imported, note(file)
     if code != sources.planned_codes(file):
         raise InputError(sources.EDITED.format(file))
@@ -146,7 +149,8 @@ def load(file: Path) -> ModuleType:
     except Exception as error:
         del _imported[file]
         words = " ".join(f"{type(error).__name__}: {error}".split())
-        raise InputError(f"{file}: it cannot be imported ({words}).") from error
+        _broken[file] = f"{file}: it cannot be imported ({words})."
+        raise InputError(_broken[file]) from error
     finally:
         sys.pycache_prefix = prefix
     for name, path in files.items():
