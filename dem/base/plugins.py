@@ -21,7 +21,8 @@ KEYS = "kind", "observables", "experiment"  # of configurations, that may name a
 
 _added: list[str] = []  # the folder of such files that is on Python's path for the last of them
 _imported: dict[Path, dict[str, str]] = {}  # code of the files of users as this process runs them
-_broken: dict[Path, str] = {}  # what was said of files that could not be imported
+# code of files that could not be imported, and what was said of them
+_broken: dict[Path, tuple[dict[str, str], str]] = {}
 
 
 def is_plugin(word) -> bool:
@@ -124,8 +125,9 @@ def load(file: Path) -> ModuleType:
     """
     if file.is_relative_to(sources.PACKAGE):
         return importlib.import_module(_name(file, sources.ROOT))
-    if file in _broken:  # what it has defined until then is there, and would be another error
-        raise InputError(_broken[file])
+    now, words = _broken.get(file, (None, ""))
+    if now == sources.plugin_codes(file):  # what it has defined would be another error
+        raise InputError(words)
     is_first, code = file not in _imported, note(file)
     if code != sources.planned_codes(file):
         raise InputError(sources.EDITED.format(file))
@@ -149,8 +151,9 @@ def load(file: Path) -> ModuleType:
     except Exception as error:
         del _imported[file]
         words = " ".join(f"{type(error).__name__}: {error}".split())
-        _broken[file] = f"{file}: it cannot be imported ({words})."
-        raise InputError(_broken[file]) from error
+        words = f"{file}: it cannot be imported ({words})."
+        _broken[file] = code, words
+        raise InputError(words) from error
     finally:
         sys.pycache_prefix = prefix
     for name, path in files.items():
