@@ -87,7 +87,7 @@ def log_ratio_error(sample, reference, paired: bool) -> tuple[float, float]:
     if paired:
         count, _, variance = moments(sample / sample.mean() - reference / reference.mean())
         return math.sqrt(variance), count - 1
-    both = [moments(each) for each in (sample, reference)]
+    both = [moments(runs) for runs in (sample, reference)]
     variances, counts = [v / mean**2 for _, mean, v in both], [n for n, *_ in both]
     total = sum(variances)
     return math.sqrt(total), welch(variances, counts) if total > 0.0 else min(counts) - 1
