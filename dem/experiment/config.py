@@ -82,7 +82,7 @@ BED_KEYS = (
     "contact.law",
 )
 PACKED = "packing.fraction", "packing.friction"
-SETTLED_BY = *PACKED, "gravity", "material"
+SETTLED_BY = *PACKED, "gravity", "material", "contact"
 PRESSED_BY = (
     "packing.pressure",
     "material.young_modulus",
