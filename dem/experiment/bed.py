@@ -109,7 +109,15 @@ def make_bed(replicate: Replicate, checkpoint: Path | None = None, report=ignore
     job.begin(replicate.bed_id)
     if own.packing.preparation == "settled":
         material, friction = material_of_granules(replicate), own.packing.friction
-        return settle(shape, room._replace(law=replicate.law), material, friction, own.gravity, thickness(replicate), job)
+        return settle(
+            shape,
+            room._replace(law=replicate.law),
+            material,
+            friction,
+            own.gravity,
+            thickness(replicate),
+            job,
+        )
     if own.packing.pressure is None:
         return packed(own, shape, room, job)
     loose = room._replace(height=room.height * NOMINAL / START)
