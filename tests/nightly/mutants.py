@@ -56,7 +56,7 @@ MUTANTS = (
     Mutant("contacts/force_law.py", "sign", "elastic + damping", "elastic - damping", BOX),
     Mutant("contacts/force_law.py", "limit", "max(force, -limit), limit)", "max(force, 0.0), limit)", BOX),
     Mutant("contacts/force_law.py", "missing factor", "+ kept * last)", "+ last)", BOX),
-    Mutant("contacts/force_law.py", "limit", "TINY), 1.0\n", "TINY), 2.0\n", BOX),
+    Mutant("contacts/force_law.py", "limit", "max(last, TINY), 1.0)", "max(last, TINY), 2.0)", BOX),
     Mutant("contacts/force_law.py", "constant", "-(math.pi - 2.0 * psi)", "-(math.pi - psi)", BOX),
     Mutant("contacts/response.py", "time", "rate = -plus(velocity[0], change[0])", "rate = -velocity[0]", BOX),
     Mutant("contacts/response.py", "sign", "minus(gx * nx + gy * ny, times(t2", "plus(gx * nx + gy * ny, times(t2", ELLIPSES),
