@@ -179,11 +179,10 @@ def smoothed(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
     return runs.mean("seed"), half_interval(runs)
 
 
-def band(axes, x, mean, half, color: str, label: str | None = None, alpha: float = 0.22) -> None:
+def band(axes, x, mean, half, **look) -> None:
     """The interval of a curve, if it has one everywhere."""
     if np.isfinite(half).all():
-        look = {"color": color, "alpha": alpha, "linewidth": 0.0, "label": label}
-        axes.fill_between(x, mean - half, mean + half, **look)
+        axes.fill_between(x, mean - half, mean + half, **{"alpha": 0.22, "linewidth": 0.0} | look)
 
 
 def intervals(axes, x, estimates, **look) -> None:
