@@ -49,8 +49,8 @@ def plot(dataset: xr.Dataset) -> Figure:
                 markerfacecolor=str(0.95 - 0.75 * column / len(found.granules)),
                 label=f"{granules} granules",
             )
-        look = {"marker": "o", "color": style.CURVE, "label": "infinitely many"}
-        style.intervals(axes, found.ratio, estimates, capsize=4, **look)
+        look = {"marker": "o", "linestyle": "-", "label": "infinitely many"}
+        style.intervals(axes, found.ratio, estimates, color=style.CURVE, **look)
     for level, words in ISOSTATIC.items():
         below.axhline(level, **style.REFERENCE)
         below.annotate(

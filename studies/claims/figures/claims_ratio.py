@@ -8,7 +8,6 @@ from dem.analysis.compare import Comparison
 from dem.base.errors import InputError
 from dem.figures import style
 from studies.claims.evidence import rows, table, with_case
-from studies.common.marks import marks
 
 FILE = "claims"
 CAPTION = "Ellipses from round to twice as long as wide: drag and alignment with the flow"
@@ -36,7 +35,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     for setting, (name, marker, line, color) in SETTINGS.items():
         drag = table(rows(dataset, "ratios", setting), "run_x")["drag"].sortby("case")
         look = {"marker": marker, "linestyle": line, "color": color, "label": name}
-        marks(left, drag["case"], [_mean(values) for values in drag.values], **look)
+        style.intervals(left, drag["case"], [_mean(values) for values in drag.values], **look)
     left.set_xlabel("Aspect ratio of the ellipses")
     left.set_ylabel("Mean drag (N)")
     left.set_ylim(0.0)

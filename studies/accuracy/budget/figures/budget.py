@@ -49,7 +49,6 @@ def plot(dataset: xr.Dataset) -> Figure:
                 axes,
                 [each.time * shift],
                 [100.0 * interval(each.repeated)],
-                linestyle="none",
                 color="0.15",
                 marker=MARKS[way],
                 markersize=6,
