@@ -4,8 +4,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.compare import Comparison
 from dem.base.errors import InputError
+from dem.base.statistics import mean_interval
 from dem.figures import style
 from studies.claims.findings import claims
 from studies.claims.remains import EQUAL
@@ -46,8 +46,7 @@ def _jamming(axes, dataset, shapes):
         found = []
         for shape in shapes:
             here = (dataset["jam_shape"] == shape) & (dataset["jam_friction"] == friction)
-            mean = Comparison("", dataset["jam_fraction"].values[here], None, 0.0, 1.0)
-            found.append((mean.estimate, *mean.interval()))
+            found.append(mean_interval(dataset["jam_fraction"].values[here]))
         look = {"marker": marker, "color": "0.15", "markerfacecolor": color}
         style.intervals(axes, range(len(shapes)), found, label=f"friction {friction:g}", **look)
     fraction = float(dataset["reference_packing"])

@@ -5,9 +5,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.compare import Comparison
 from dem.analysis.drag import summarise
 from dem.analysis.values import along, places_beside
+from dem.base.statistics import log_ratio_interval, mean_interval
 from dem.figures import style
 from dem.figures.sweep import heading
 
@@ -33,9 +33,12 @@ def plot(dataset: xr.Dataset) -> Figure:
             look = style.numbered(number) | {"label": way}
             look["markerfacecolor"] = "white" if number % 2 else None
             x = np.arange(len(shapes)) + APART * (number - 0.5 * (len(ways) - 1))
-            style.intervals(above, x, [_compared(each) for each in drags], **look)
+            style.intervals(above, x, [mean_interval(each) for each in drags], **look)
             if number:
-                ratios = [_compared(*pair) for pair in zip(drags, here[0], strict=True)]
+                ratios = [
+                    log_ratio_interval(*pair, paired=True)
+                    for pair in zip(drags, here[0], strict=True)
+                ]
                 style.intervals(below, x, ratios, **look)
         below.axhline(1.0, **style.REFERENCE)
         below.set_xticks(range(len(shapes)), shapes)
@@ -47,10 +50,3 @@ def plot(dataset: xr.Dataset) -> Figure:
     count = runs.sizes["seed"]
     figure.suptitle(f"Drag by how the bed was made: {count} runs each\n(bars: 95 % intervals)")
     return figure
-
-
-def _compared(drags, over=None) -> tuple[float, float, float]:
-    """Mean drag of some runs, or its ratio to that of others of the same seeds, with its
-    interval."""
-    found = Comparison("", drags, over, 0.0, np.inf, paired=True)
-    return found.estimate, *found.interval()
