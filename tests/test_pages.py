@@ -68,9 +68,9 @@ NO_NUMBERS = (
 
 
 def results_typed(text):
-    """Numbers with a unit of force, time or speed, per cent, "times" or ± in the prose of a page, but for
-    the level of intervals and those that its front matter gives with a reason; and what it gives
-    in vain, or without one."""
+    """Numbers with a unit of force, time or speed, per cent, "times" or ± in the prose of a page,
+    but for the level of intervals and those that its front matter gives with a reason; and what it
+    gives in vain, or without one."""
     matter = FRONT_MATTER.match(text)
     given = (yaml.safe_load(matter[1]) or {}).get("given", {}) if matter else {}
     prose = NO_PROSE.sub(" ", text[matter.end() :] if matter else text)
@@ -82,7 +82,8 @@ def results_typed(text):
 
 @pytest.mark.parametrize("page", WRITTEN, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_no_page_types_a_result(page):
-    """Take the number from docs/_ext/findings, or list it as `given`, with the reason, if no run made it."""
+    """Take the number from docs/_ext/findings; if no run made it, list it as `given`, with the
+    reason."""
     assert results_typed(page.read_text(encoding="utf-8")) == ([], [])
 
 

@@ -15,7 +15,8 @@ FILE = "drag"
 CAPTION = "Ellipse code at aspect ratio 1 against the disc code"
 CASES = {"all": ("c1", "e0")}
 # by shape: the code; width of the curve, so that one shows below the other; whether its interval
-# is filled, so that both show in grey; mean (N) in the paper, section 3.2, and the deviation over it
+# is filled, so that both show in grey; mean (N) in the paper, section 3.2, and the deviation over
+# that mean
 CODES = {
     "c1": ("disc code", 3.2, True, 1295.0, 0.18),
     "e0": ("ellipse code", 1.8, False, 1405.0, 0.17),

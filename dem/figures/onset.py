@@ -16,7 +16,8 @@ ISOSTATIC = {4.0: "isostatic discs, 4", 6.0: "isostatic ellipses, 6"}
 
 
 def _scaled(ratio):
-    """Signed root of what an aspect ratio exceeds 1 by: contacts near discs are nearly linear in it."""
+    """Signed root of what an aspect ratio exceeds 1 by: near discs, contacts are nearly linear in
+    it."""
     return np.sign(ratio - 1.0) * np.sqrt(np.abs(ratio - 1.0))
 
 

@@ -49,7 +49,8 @@ class Steps:
 
     @cached_property
     def changes(self) -> pd.DataFrame:
-        """Change of the mean drag against the default step, beds paired, by step: `value`, `half`."""
+        """By step, change of the mean drag against the default step over it, beds paired: `value`,
+        `half`."""
         base = self.drag.loc[self.default]
         difference = (self.drag - base) / base.mean()
         half = student(difference.sem(axis=1), difference.count(axis=1) - 1)

@@ -111,8 +111,8 @@ def runs(
 
 
 def along(dimension: str, **variables: tuple) -> dict[str, tuple]:
-    """The layout of variables over a dimension, as `columns` names them: units, what they are, and the
-    names of further dimensions of each."""
+    """The layout of variables over a dimension, as `columns` names them: units, what they are, and
+    the names of further dimensions of each."""
     return {
         f"{dimension}_{name}": ((dimension, *more), units, about)
         for name, (units, about, *more) in variables.items()
