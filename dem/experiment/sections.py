@@ -1,9 +1,11 @@
 """The sections of a configuration: what each value is, its type with its unit, its default."""
 
+import math
 from collections.abc import Iterable
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+import numpy as np
+from pydantic import AfterValidator, Field, WithJsonSchema, model_validator
 
 from dem.base.plugins import is_plugin
 from dem.base.types import (
@@ -11,10 +13,12 @@ from dem.base.types import (
     Coefficient,
     Count,
     Density,
+    Label,
     Length,
     NotNegative,
     Number,
     PoissonRatio,
+    Positive,
     Pressure,
     Ratio,
     Restitution,
@@ -236,19 +240,49 @@ class NumericsSection(Section):
         return self
 
 
+Discs = Annotated[
+    Annotated[tuple[tuple[Number, Number, Positive], ...], Field(min_length=1)],
+    must("be a list of discs [x, y, radius], or a file with a line x, y, radius of each"),
+    WithJsonSchema({"anyOf": [{"type": "array"}, {"type": "string"}]}),
+]
+Mixture = Annotated[
+    dict[Label, Share],
+    Field(min_length=2),
+    AfterValidator(lambda shares: dict(sorted(shares.items()))),  # in any order they are one bed
+]
+
+
 class ShapeSection(Section):
-    kind: Annotated[str, or_file(KINDS)]
-    """kind of granule, or file and class of your own, such as stones.Stone"""
-    diameter: Length
-    """mean volume diameter of the granules"""
+    kind: Annotated[str, or_file(KINDS)] | None = None
+    """kind of granule, or file and class of your own, such as stones.Stone; none: a mixture"""
+    diameter: Length | None = None
+    """mean volume diameter of the granules; none: a mixture"""
     granules: Annotated[Count, Field(ge=1, le=10_000_000)]
     """number of granules"""
     aspect_ratio: AspectRatio | None = None
     """length over width of a granule"""
+    discs: Discs | None = None
+    """discs of a clump, [x, y, radius] of each or a file with these, of which only the form counts"""
+    mixture: Mixture | None = None
+    """shares by number of other shapes of one kind"""
 
     @model_validator(mode="after")
     def _check(self):
-        natural = KINDS[self.kind].aspect_ratio if self.kind in KINDS else None
+        if self.mixture is not None:
+            return self._check_mixture()
+        for name in ("kind", "diameter"):
+            if getattr(self, name) is None:
+                what = ShapeSection.model_fields[name].description.partition(";")[0]
+                raise ValueError(f"{name} is missing; it is the {what}")
+        if (self.kind == "clump") != (self.discs is not None):
+            raise ValueError(
+                "discs are missing; kind clump needs them"
+                if self.discs is None
+                else f"discs are given; only a clump has them, and kind is {self.kind}"
+            )
+        natural = self.ratio if self.discs else None
+        if self.kind in KINDS and not self.discs:
+            natural = KINDS[self.kind].aspect_ratio
         if natural is None and self.aspect_ratio is None:
             raise ValueError(f"aspect_ratio is missing; kind {self.kind} needs one")
         if natural and self.aspect_ratio not in (None, natural):
@@ -258,10 +292,31 @@ class ShapeSection(Section):
             )
         return self
 
+    def _check_mixture(self):
+        for name in ("kind", "diameter", "aspect_ratio", "discs"):
+            if getattr(self, name) is not None:
+                raise ValueError(
+                    f"{name} is given; it is that of the shapes of mixture, leave it out"
+                )
+        if not math.isclose(total := sum(self.mixture.values()), 1.0, abs_tol=1e-9):
+            raise ValueError(f"mixture has shares that sum to {total:g}; they must sum to 1")
+        return self
+
     @property
     def ratio(self) -> float:
         """Length over width."""
-        return self.aspect_ratio or KINDS[self.kind].aspect_ratio
+        if self.discs is None:
+            return self.aspect_ratio or KINDS[self.kind].aspect_ratio
+        x, y, radius = np.transpose(self.discs)
+        angle = np.linspace(0.0, np.pi, 721)[:, None]
+        along = x * np.cos(angle) + y * np.sin(angle)
+        width = np.ptp(np.hstack([along + radius, along - radius]), axis=1)
+        return float(width.max() / width.min())
+
+    @property
+    def form(self):
+        """What granules are made of beside their diameter."""
+        return self.discs or self.ratio
 
 
 class RunSection(Section):
