@@ -247,10 +247,7 @@ class Configuration(Section):
         paths = {path: v for path, v in by_path(values).items() if path not in UNHASHED_KEYS}
         for label, shape in self.shapes.items():
             if shape.mixture:
-                parts = {
-                    name: shapes[name] | {"share": share, "aspect_ratio": self.shapes[name].ratio}
-                    for name, share in shape.mixture.items()
-                }
+                parts = {name: shapes[name] | {"granules": s} for name, s in shape.mixture.items()}
                 section = {"granules": shape.granules, "mixture": parts}
             else:
                 section = shapes[label] | {"aspect_ratio": shape.ratio}

@@ -78,7 +78,7 @@ class Clump(_Fields, Granules):
     >>> dem.Clump.of_size([1e-3, 2e-3], triangle).area.round(9)
     array([7.850e-07, 3.142e-06])
     >>> clumps.polygons(points=33).shape
-    (2, 1, 33, 2)
+    (2, 1, 97, 2)
     """
 
     __slots__ = ()
@@ -198,11 +198,12 @@ class Clump(_Fields, Granules):
         Parameters
         ----------
         points : int
-            Points of each outline, without unit, at least 2.
+            Points of the outline of a disc, without unit, at least 2; that of a clump has as many
+            for each of its discs.
 
         Returns
         -------
-        ndarray of shape (n, 1, points, 2)
+        ndarray of shape (n, 1, p, 2)
             Coordinates (m); the last point of an outline is the first. Holes, and parts that do not
             touch, are joined by a line.
 
@@ -212,8 +213,9 @@ class Clump(_Fields, Granules):
             If `points` is not a whole number from 2.
         """
         union, *arcs = _arcs(self)
-        ends = np.searchsorted(union, np.arange(1, len(self.first) - 1))
-        return np.array([[_ring(arc, points)] for arc in np.split(np.array(arcs), ends, axis=1)])
+        parts = np.split(np.array(arcs), np.searchsorted(union, np.arange(1, len(self.area))), axis=1)
+        points = 1 + (points - 1) * int(np.diff(self.first).max())
+        return np.array([[_ring(part, points)] for part in parts])
 
 
 def _granules(value) -> list[np.ndarray]:
@@ -299,7 +301,8 @@ def _moments(clumps):
 
 
 def _ring(arcs, points):
-    """Outline (points, 2) in m along arcs (5, a); the nearest arc follows each."""
+    """Outline (points, 2) in m along arcs (5, a). The nearest follows each: where discs just touch,
+    that of the other disc."""
     x, y, radius, begin, end = arcs
     starts, ends = (
         np.stack([x + radius * np.cos(angle), y + radius * np.sin(angle)], axis=-1)
@@ -307,7 +310,9 @@ def _ring(arcs, points):
     )
     order, left = [0], [*range(1, len(x))]
     while left:
-        order.append(left.pop(np.hypot(*(starts[left] - ends[order[-1]]).T).argmin()))
+        away = np.hypot(*(starts[left] - ends[order[-1]]).T)
+        away[x[left] == x[order[-1]]] += 1e-9 * radius.max()
+        order.append(left.pop(away.argmin()))
     x, y, radius, begin, end = arcs[:, order]
     passed = np.cumsum(radius * (end - begin))
     at = np.linspace(0.0, passed[-1], points)
