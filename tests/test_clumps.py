@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import dem
 from conftest import CONFIG
 from dem.base.errors import InputError
+from dem.base.sources import ROOT
 from dem.dynamics.energy import balance
 from dem.experiment.config import of_values
 from dem.experiment.scene import granules as granules_of
@@ -114,9 +115,7 @@ def test_an_impact_is_that_of_a_rigid_body():
     scene = dem.Scene(shape, ELASTIC, LEAST, [[0.0, -1.0, 0.0]])
     angle, speed = math.pi - 0.2, 0.02
     drop = math.sin(angle) * x + math.cos(angle) * y - radius
-    arm = (
-        math.cos(angle) * x - math.sin(angle) * y
-    )  # the normal force acts along +y through the disc
+    arm = math.cos(angle) * x - math.sin(angle) * y  # of the force along y through the disc
     start = dem.State([[0.0, 1e-8 - drop]], [[0.0, -speed]], [angle])
     run = dem.Simulation(scene, start, step_fraction=0.02)
     while run.state.velocity[0, 1] + run.state.angular_velocity[0] * arm < 0.9 * speed:
@@ -241,24 +240,25 @@ def test_a_mixture_is_known_by_its_shapes():
 
 
 def test_a_run_is_known_by_the_discs_in_a_file(tmp_path):
-    """And not by the name of the file, which may be in any folder."""
-    np.savetxt(tmp_path / "t3.csv", TRIMER, delimiter=",", header="x,y,radius")
-    text = "\n".join(
-        [f"extends: {CONFIG / 'smoke.yaml'}", "results: results/clumps",
-         "shapes: {t3: {kind: clump, discs: t3.csv, diameter: 1.1e-3, granules: 60}}",
-         "cases: {t3: {shape: t3, density: 2000}}", "sweep: {case: [t3]}"]
-    )  # fmt: skip
-    (tmp_path / "my.yaml").write_text(text)
-    run = load(tmp_path / "my.yaml").replicate("t3", 2e3, 1)
-    assert run.id == of_values(values_of("t3", t3=T3)).id
-    (tmp_path / "t3.csv").write_text("0, 0\n")
-    with pytest.raises(InputError, match=r"shapes\.t3\.discs is \[\[0\.0, 0\.0\]\]; it must be"):
-        load(tmp_path / "my.yaml")
-    (tmp_path / "t3.csv").unlink()
-    with pytest.raises(
-        InputError, match=r"my\.yaml: shapes\.t3\.discs is 't3\.csv'; it must be a file"
+    """And not by the name of the file; the example of docs/howto/clumps.md."""
+    page = (ROOT / "docs/howto/clumps.md").read_text()
+    text = page.partition("```yaml\n")[2].partition("```")[0]
+    (tmp_path / "my.yaml").write_text(text.replace("config/", f"{CONFIG}/"))
+    file = tmp_path / "stone.csv"
+    np.savetxt(file, TRIMER, delimiter=",", header="x,y,radius")
+    sweep = load(tmp_path / "my.yaml")
+    assert sweep.replicate("stone", 2e3, 1).id == of_values(values_of("t3", t3=T3)).id
+    assert sweep.replicate("mix", 2e3, 1).labels()["kind"] == "mixture"
+    for change, sentence in (
+        (
+            lambda: file.write_text("0, 0\n"),
+            r"stone\.discs is \[\[0\.0, 0\.0\]\]; it must be a list",
+        ),
+        (file.unlink, r"my\.yaml: shapes\.stone\.discs is 'stone\.csv'; it must be a file"),
     ):
-        load(tmp_path / "my.yaml")
+        change()
+        with pytest.raises(InputError, match=sentence):
+            load(tmp_path / "my.yaml")
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,7 @@ class GranuleTable(NamedTuple):
     alone : bool
         Whether each granule is its own only constituent.
     arm : ndarray of shape (n,)
-        Greatest distance of the centre of a constituent from that of the granule (m).
+        Bound of the distances of centres of constituents from that of the granule (m).
     radius : ndarray of shape (constituents,)
         Radius for Hertz's law (m).
     bounding : ndarray of shape (constituents,)

@@ -268,7 +268,7 @@ class ShapeSection(Section):
     aspect_ratio: AspectRatio | None = None
     """length over width of a granule"""
     discs: Discs | None = None
-    """discs of a clump, [x, y, radius] of each or a file with these, of which only the form counts"""
+    """discs of a clump, [x, y, radius] of each in any unit, or a file with these"""
     mixture: Mixture | None = None
     """shares by number of other shapes of one kind"""
 

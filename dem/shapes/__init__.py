@@ -85,6 +85,6 @@ def is_drawn(kind: str) -> bool:
 
 
 def outlines(kind: str, diameters, ratio: float):
-    """Outlines (n, rings, points, 2) in m about the centre at angle zero, to draw; discs of equal area
-    where the kind does not tell them."""
+    """Outlines (n, rings, points, 2) in m about the centre at angle zero, to draw; discs of equal
+    area where the kind does not tell them."""
     return KINDS[kind if is_drawn(kind) else "disc"].shape.of_size(diameters, ratio).polygons(33)

@@ -109,9 +109,9 @@ class Two:
         return np.column_stack([np.cos(angle), np.sin(angle)]), bodies, constituents
 
     def pair(self, at, order=(0, 1)):
-        """Overlaps (k,) in m of the constituents of the first granule, at zero, with the second, and forces (2, 4);
-        at: place (x, y) in m of the second, angles (rad) of both; order: which of them is asked
-        first."""
+        """Overlaps (k,) in m of the constituents of the first granule, at zero, with the second, and
+        forces (2, 4); at: place (x, y) in m of the second, angles (rad) of both; order: which of
+        them is asked first."""
         overlaps, force = np.zeros(self.counts.prod()), rows(2, 4)
         pushed = force if self.alone else rows(self.counts.sum(), 4)
         arrays = self._arrays([[0.0, 0.0], at[:2]], at[2:])

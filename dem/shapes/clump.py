@@ -4,7 +4,6 @@ The constituents are the discs, granule by granule: those of granule g are first
 Every contact is between discs. Mass is spread evenly over the union of the discs.
 """
 
-import functools
 import math
 from typing import Annotated, Any, NamedTuple, Self
 
@@ -18,8 +17,7 @@ from dem.shapes.protocol import Granules, answer
 
 SHAPE = "Clump"
 
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)  # exact to rounding over a whole circle
-SAME = 1e-12  # over size: two circles are one, and a centre of mass is at zero
+SAME = 1e-12  # over size: two circles are one
 MOST_ENTRIES = 2**22  # of an array in the search for arcs
 
 
@@ -78,7 +76,7 @@ class Clump(_Fields, Granules):
     >>> dem.Clump.of_size([1e-3, 2e-3], triangle).area.round(9)
     array([7.850e-07, 3.142e-06])
     >>> clumps.polygons(points=33).shape
-    (2, 1, 97, 2)
+    (2, 1, 100, 2)
     """
 
     __slots__ = ()
@@ -88,11 +86,9 @@ class Clump(_Fields, Granules):
             return super().__new__(cls, discs, owner, first)
         granules = _granules(discs)
         clumps = _ragged(cls, np.concatenate(granules), [len(each) for each in granules])
-        place, counts = clumps.discs[:, :2], np.diff(clumps.first)[:, None]
-        place -= (np.add.reduceat(place, clumps.first[:-1]) / counts)[clumps.owner]
-        centre = _moments(clumps)[1]
-        off = np.abs(centre) > SAME * clumps.bounding_radius[:, None]  # a single disc is not
-        place -= np.where(off, centre, 0.0)[clumps.owner]
+        place = clumps.discs[:, :2]
+        place -= place[clumps.first[clumps.owner]]  # near zero, where integrals lose no digits
+        place -= np.take(_moments(clumps)[1], clumps.owner, axis=0)
         return clumps
 
     @classmethod
@@ -198,14 +194,13 @@ class Clump(_Fields, Granules):
         Parameters
         ----------
         points : int
-            Points of the outline of a disc, without unit, at least 2; that of a clump has as many
-            for each of its discs.
+            Points of each arc between two corners, without unit, at least 2.
 
         Returns
         -------
         ndarray of shape (n, 1, p, 2)
-            Coordinates (m); the last point of an outline is the first. Holes, and parts that do not
-            touch, are joined by a line.
+            Coordinates (m); the last point of an outline is the first, once or more often. Holes,
+            and parts that do not touch, are joined by a line.
 
         Raises
         ------
@@ -213,9 +208,11 @@ class Clump(_Fields, Granules):
             If `points` is not a whole number from 2.
         """
         union, *arcs = _arcs(self)
-        parts = np.split(np.array(arcs), np.searchsorted(union, np.arange(1, len(self.area))), axis=1)
-        points = 1 + (points - 1) * int(np.diff(self.first).max())
-        return np.array([[_ring(part, points)] for part in parts])
+        parts = np.split(np.array(arcs), np.searchsorted(union, np.arange(1, len(self.area))), 1)
+        rings = [_ring(*part, points) for part in parts]
+        longest = 1 + max(map(len, rings))
+        closed = np.array([[np.pad(r, (0, longest - len(r)), constant_values=r[0])] for r in rings])
+        return np.stack([closed.real, closed.imag], axis=-1)
 
 
 def _granules(value) -> list[np.ndarray]:
@@ -240,88 +237,70 @@ def _ragged(cls, discs, counts):
 
 
 def _arcs(clumps):
-    """Arcs of the outlines: granule, x, y and radius (m), begin and end (rad), by granule."""
-    counts, parts = np.diff(clumps.first), []
+    """Arcs of outlines: granule, centre x + iy and radius (m), begin and end (rad), by granule."""
+    counts, found = np.diff(clumps.first), []
     for k in np.unique(counts):
         alike = np.flatnonzero(counts == k)
         for some in np.array_split(alike, -(-2 * len(alike) * int(k) ** 3 // MOST_ENTRIES)):
-            discs = clumps.discs[clumps.first[some][:, None] + np.arange(k)]
-            parts.append([some, discs, *_free_arcs(discs)])
-    rows = [
-        [some[m], *discs[m, i].T, begin[m, i, a], end[m, i, a]]
-        for some, discs, begin, end, free in parts
-        for m, i, a in [np.nonzero(free)]
-    ]
-    union, *rest = (np.concatenate(column) for column in zip(*rows, strict=True))
-    order = np.argsort(union, kind="stable")
-    return union[order], *(column[order] for column in rest)
+            x, y, radius = clumps.discs[clumps.first[some] + np.arange(k)[:, None]].T
+            centre = x + 1j * y
+            begin, end, free = _free_arcs(centre, radius)
+            g, i, _ = np.nonzero(free)
+            found.append([some[g], centre[g, i], radius[g, i], begin[free], end[free]])
+    columns = [np.concatenate(column) for column in zip(*found, strict=True)]
+    order = np.argsort(columns[0], kind="stable")
+    return [column[order] for column in columns]
 
 
-def _free_arcs(discs):
-    """Begin and end (rad) of arcs (m, k, 2 k) of m times k discs, and which are in no other disc."""
-    centre, radius = discs[..., :2], discs[..., 2]
+def _free_arcs(centre, radius):
+    """Begin and end (rad) of arcs (m, k, 2 k) of m times k discs, and which no other disc holds."""
     away = centre[:, None] - centre[:, :, None]  # from each disc to each
-    distance, r, other = np.hypot(*away.T).T, radius[:, :, None], radius[:, None]
+    distance, own, other = abs(away), radius[:, :, None], radius[:, None]
     with np.errstate(all="ignore"):  # 0/0 of a disc with itself
-        cosine = (distance**2 + r**2 - other**2) / (2.0 * distance * r)
+        cosine = (distance**2 + own**2 - other**2) / (2.0 * distance * own)
     half = np.arccos(np.clip(np.nan_to_num(cosine, nan=1.0), -1.0, 1.0))
-    turn = np.arctan2(away[..., 1], away[..., 0])
+    turn = np.angle(away)
     begin = np.sort(np.concatenate([turn - half, turn + half], axis=-1) % (2.0 * np.pi), axis=-1)
     end = np.concatenate([begin[..., 1:], begin[..., :1] + 2.0 * np.pi], axis=-1)
-    middle = 0.5 * (begin + end)
-    point = np.stack([np.cos(middle), np.sin(middle)], axis=-1) * r[..., None] + centre[:, :, None]
-    gap = np.hypot(*(point[..., None, :] - centre[:, None, None]).T).T - radius[:, None, None]
-    k = radius.shape[1]  # of discs that are the same, the first alone has an outline
-    same = np.where(np.tri(k, k=-1, dtype=bool), SAME, -SAME) * radius.max()
-    free = (gap >= same[None, :, None]).all(axis=-1)
-    return begin, end, free & (end > begin)
-
-
-@functools.lru_cache(maxsize=8)
-def _moments_of(*fields):
-    discs, owner, first = map(np.frombuffer, fields, (float, int, int))
-    union, x, y, radius, begin, end = _arcs(Clump(discs.reshape(-1, 3), owner, first))
-    angle = 0.5 * (begin + end)[:, None] + 0.5 * (end - begin)[:, None] * NODES
-    weight = 0.5 * ((end - begin) * radius)[:, None] * WEIGHTS  # length
-    normal = np.stack([np.cos(angle), np.sin(angle)])
-    point = np.stack([x, y])[..., None] + radius[:, None] * normal
-
-    def integral(power):
-        """Of x and y to a power, over each union, as the flux of x^(power + 1) / (power + 1)."""
-        flux = (weight * point ** (power + 1) * normal).sum(axis=-1) / (power + 1)
-        return np.array([np.bincount(union, each) for each in flux])
-
-    area = integral(0).mean(axis=0)
-    return area, (integral(1) / area).T, integral(2).sum(axis=0) / area
+    middle = centre[:, :, None] + own * np.exp(0.5j * (begin + end))
+    gap = abs(middle[..., None] - centre[:, None, None]) - radius[:, None, None]
+    # of discs that are the same, the first alone has an outline
+    same = np.where(np.tri(len(radius.T), k=-1), SAME, -SAME) * radius.max()
+    return begin, end, (gap >= same[:, None]).all(axis=-1) & (end > begin)
 
 
 def _moments(clumps):
-    """Area (n,) in m2, centroid (n, 2) in m and squared radius of gyration (n,) in m2 about zero."""
-    return _moments_of(*(np.ascontiguousarray(field).tobytes() for field in clumps))
+    """Area (n,) in m2, centroid (n, 2) in m and squared radius of gyration (n,) in m2 about zero.
+
+    Integrals over the unions are line integrals along arcs of z = c + r n, n = exp(i angle): those
+    of 1, z and |z|^2 are those of (z . n) times 1/2, z/3 and |z|^2/4.
+    """
+    union, c, r, begin, end = _arcs(clumps)
+    first, turn = np.searchsorted(union, np.arange(len(clumps.first) - 1)), end - begin
+    one, two = ((np.exp(1j * k * end) - np.exp(1j * k * begin)) / (1j * k) for k in (1, 2))
+    square, along = abs(c) ** 2, (c.conj() * one).real  # integral of c . n
+    flux = r * (r * turn + along)  # of z
+    moment = c * flux + r**2 * (r * one + 0.5 * (c.conj() * two + c * turn))
+    polar = (square + r**2) * flux
+    polar += r**2 * (2.0 * r * along + square * turn + (c.conj() ** 2 * two).real)
+    area = np.add.reduceat(flux, first) / 2.0
+    centroid = np.add.reduceat(moment, first) / (3.0 * area)
+    gyration_squared = np.add.reduceat(polar, first) / (4.0 * area)
+    return area, np.stack([centroid.real, centroid.imag], axis=-1), gyration_squared
 
 
-def _ring(arcs, points):
-    """Outline (points, 2) in m along arcs (5, a). The nearest follows each: where discs just touch,
-    that of the other disc."""
-    x, y, radius, begin, end = arcs
-    starts, ends = (
-        np.stack([x + radius * np.cos(angle), y + radius * np.sin(angle)], axis=-1)
-        for angle in (begin, end)
-    )
-    order, left = [0], [*range(1, len(x))]
+def _ring(centre, radius, begin, end, points):
+    """Outline along arcs, as x + iy (m). The nearest follows each: where discs just touch, that of
+    the other disc."""
+    begin, end = begin.real, end.real
+    starts, ends = (centre + radius * np.exp(1j * angle) for angle in (begin, end))
+    order, left = [0], [*range(1, len(centre))]
     while left:
-        away = np.hypot(*(starts[left] - ends[order[-1]]).T)
-        away[x[left] == x[order[-1]]] += 1e-9 * radius.max()
+        here = centre[left] == centre[order[-1]]
+        away = abs(starts[left] - ends[order[-1]]) + 1e-9 * abs(radius).max() * here
         order.append(left.pop(away.argmin()))
-    x, y, radius, begin, end = arcs[:, order]
-    passed = np.cumsum(radius * (end - begin))
-    at = np.linspace(0.0, passed[-1], points)
-    at[np.rint(passed / passed[-1] * (points - 1)).astype(int)] = passed  # no corner is cut
-    arc = np.minimum(np.searchsorted(passed, at), len(x) - 1)
-    angle = end[arc] - (passed[arc] - at) / radius[arc]
-    ring = np.stack([x[arc] + radius[arc] * np.cos(angle), y[arc] + radius[arc] * np.sin(angle)])
-    ring[:, -1] = ring[:, 0]
-    return ring.T
+    turns = np.linspace(begin, end, points)
+    return (centre + radius * np.exp(1j * turns)).T[order].ravel()
 
 
 def outline(shape, constituent, orientation):

@@ -1,9 +1,9 @@
 """What the kernels and Python ask of a shape, answered by the file of that shape.
 
 A granule has one or more convex *constituents*, and contacts are between constituents. A shape is a
-NamedTuple of arrays with one entry per granule, or per constituent. Its class selects, at compile time, the answers to
-the questions of the kernels, and has the members of `Shape` for Python. `dem.check_shape` tests
-both. Conventions of a contact between constituents 1 and 2:
+NamedTuple of arrays with one entry per granule, or per constituent. Its class selects, at compile
+time, the answers to the questions of the kernels, and has the members of `Shape` for Python.
+`dem.check_shape` tests both. Conventions of a contact between constituents 1 and 2:
 
 * d = x2 - x1 (m); n is the unit normal from 1 to 2 and t = (-ny, nx) the tangent;
 * overlap (m) is positive where they touch;
@@ -42,7 +42,7 @@ class ContactGeometry(NamedTuple):
 
 
 class Shape(Protocol):
-    """What Python asks of n granules with p constituents each, who reads it, and what a wrong
+    """What Python asks of n granules, who reads it, and what a wrong
     answer breaks. `answer` refuses a class without all members; DEFAULTS has those that most have
     in common.
 
@@ -66,8 +66,8 @@ class Shape(Protocol):
     # keep the orientation that they start with.
     needs_angle: bool
 
-    # Granule (p n,) that each constituent belongs to, in ascending order. Read by all that goes from
-    # contacts to granules. Wrong: forces act on other granules.
+    # Granule (constituents,) that each constituent belongs to, in ascending order. Read by all that
+    # goes from contacts to granules. Wrong: forces act on other granules.
     owner: np.ndarray
 
     # Area (n,) in m2. Read by mass, packing and configuration. Wrong: the packing fraction, every
@@ -83,12 +83,12 @@ class Shape(Protocol):
     # late; too large: packing begins looser and takes longer.
     bounding_radius: np.ndarray
 
-    # Radius (p n,) in m that enters Hertz's law. Read by stiffness and by the guard of overlaps.
-    # Wrong: contacts too stiff or too soft.
+    # Radius (constituents,) in m that enters Hertz's law. Read by stiffness and by the guard of
+    # overlaps. Wrong: contacts too stiff or too soft.
     constituent_radius: np.ndarray
 
-    # Radius (p n,) in m of the circle about a constituent's centre that holds it. Read by the
-    # neighbour list. Too small: contacts are missed; too large: the list is long.
+    # Radius (constituents,) in m of the circle about a constituent's centre that holds it. Read by
+    # the neighbour list. Too small: contacts are missed; too large: the list is long.
     constituent_bounding_radius: np.ndarray
 
     # Greatest distance (n,) in m of a line of normal force from the granule's centre. Read by the
@@ -105,8 +105,8 @@ class Shape(Protocol):
         """The same granules, larger by a factor. Read by packing. Wrong: beds of other sizes."""
 
     def take(self, numbers: np.ndarray) -> "Shape":
-        """The granules of these numbers, in this order. Read by ordering, tiling and mixtures. Wrong:
-        large beds."""
+        """The granules of these numbers, in this order. Read by ordering, tiling and mixtures.
+        Wrong: large beds."""
 
     def appended(self, *others: "Shape") -> "Shape":
         """These granules, then those of others of the class. Read by mixtures. Wrong: mixtures."""
