@@ -18,6 +18,7 @@ from dem.shapes.protocol import Granules, answer
 SHAPE = "Clump"
 
 SAME = 1e-12  # over size: two circles are one
+SHORT = 1e-6  # rad: arcs that are not drawn
 MOST_ENTRIES = 2**22  # of an array in the search for arcs
 
 
@@ -290,14 +291,15 @@ def _moments(clumps):
 
 
 def _ring(centre, radius, begin, end, points):
-    """Outline along arcs, as x + iy (m). The nearest follows each: where discs just touch, that of
-    the other disc."""
-    begin, end = begin.real, end.real
+    """Outline along arcs, as x + iy (m). The nearest of another disc follows each; where discs just
+    touch, arcs may be as short as the root of rounding errors."""
+    long = (end - begin).real > SHORT
+    centre, radius, begin, end = (column[long] for column in (centre, radius, begin.real, end.real))
     starts, ends = (centre + radius * np.exp(1j * angle) for angle in (begin, end))
     order, left = [0], [*range(1, len(centre))]
     while left:
-        here = centre[left] == centre[order[-1]]
-        away = abs(starts[left] - ends[order[-1]]) + 1e-9 * abs(radius).max() * here
+        away = abs(starts[left] - ends[order[-1]])
+        away += SHORT * abs(radius).max() * (centre[left] == centre[order[-1]])
         order.append(left.pop(away.argmin()))
     turns = np.linspace(begin, end, points)
     return (centre + radius * np.exp(1j * turns)).T[order].ravel()
