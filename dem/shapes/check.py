@@ -168,7 +168,7 @@ def check_shape(shape) -> None:
     name = type(shape).__name__
     _refuse(name, [shape.fault or ""])
     _refuse(name, _scaling(shape))
-    if "aspect_ratio" in signature(getattr(shape, "of_size", check_shape)).parameters:
+    if hasattr(shape, "of_size") and "discs" not in signature(shape.of_size).parameters:
         of_size(type(shape), 2.0 * np.sqrt(shape.area / np.pi), RATIO)
     pairs = _pairs(shape)
     for numbers in pairs:

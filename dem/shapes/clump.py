@@ -265,9 +265,11 @@ def _free_arcs(centre, radius):
     end = np.concatenate([begin[..., 1:], begin[..., :1] + 2.0 * np.pi], axis=-1)
     middle = centre[:, :, None] + own * np.exp(0.5j * (begin + end))
     gap = abs(middle[..., None] - centre[:, None, None]) - radius[:, None, None]
-    # of discs that are the same, the first alone has an outline
-    same = np.where(np.tri(len(radius.T), k=-1), SAME, -SAME) * radius.max()
-    return begin, end, (gap >= same[:, None]).all(axis=-1) & (end > begin)
+    least = SAME * radius.max(axis=1)[:, None, None]
+    inside = distance + own <= other + least  # of discs that are the same, the first is in no other
+    inside &= np.tri(len(radius.T), k=-1, dtype=bool) | ~inside.transpose(0, 2, 1)
+    free = (gap >= -least[..., None]).all(axis=-1) & ~inside.any(axis=-1, keepdims=True)
+    return begin, end, free & (end > begin)
 
 
 def _moments(clumps):
