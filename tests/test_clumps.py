@@ -276,12 +276,12 @@ def test_a_run_is_known_by_the_discs_in_a_file(tmp_path):
         ({"m": {"mixture": {"c1": 0.5, "t3": 0.5}, "granules": 9}, "t3": T3}, "has the kinds clump and disc"),
         ({"m": {"mixture": {"t3": 0.5, "rod": 0.4}, "granules": 9}, "t3": T3, "rod": ROD}, r"sum to 0\.9; they must"),
         ({"m": MIX, "t3": T3, "rod": ROD, "n": {"mixture": {"m": 0.5, "t3": 0.5}, "granules": 9}}, "a mixture itself"),
-        ({"m": MIX | {"diameter": 1e-3}, "t3": T3, "rod": ROD}, "diameter is given; it is that of the shapes"),
-        ({"t3": T3 | {"discs": None}}, r"shapes\.t3: discs are missing"),
-        ({"t3": T3 | {"kind": "disc"}}, "discs are given; only a clump has them"),
+        ({"m": MIX | {"diameter": 1e-3}, "t3": T3, "rod": ROD}, "diameter is given; a mixture takes none"),
+        ({"t3": T3 | {"discs": None}}, r"shapes\.t3: discs is missing; kind clump needs one"),
+        ({"t3": T3 | {"kind": "disc"}}, "discs is given; kind disc takes none"),
         ({"t3": T3 | {"discs": [[0, 0]]}}, r"shapes\.t3\.discs is .*; it must be a list of discs"),
-        ({"t3": T3 | {"aspect_ratio": 2.0}}, "aspect_ratio is 2; a clump always has"),
-        ({"t3": {"granules": 9}}, r"shapes\.t3: kind is missing; it is the kind of granule"),
+        ({"t3": T3 | {"aspect_ratio": 2.0}}, "aspect_ratio is given; kind clump takes none"),
+        ({"t3": {"granules": 9}}, r"shapes\.t3: kind is missing; a shape needs one"),
     ],
 )  # fmt: skip
 def test_what_is_no_clump_and_no_mixture_is_refused(shapes, sentence):

@@ -292,38 +292,24 @@ class ShapeSection(Section):
 
     @model_validator(mode="after")
     def _check(self):
-        if self.mixture is not None:
-            return self._check_mixture()
-        for name in ("kind", "diameter"):
-            if getattr(self, name) is None:
-                what = ShapeSection.model_fields[name].description.partition(";")[0]
-                raise ValueError(f"{name} is missing; it is the {what}")
-        if (self.kind == "clump") != (self.discs is not None):
-            raise ValueError(
-                "discs are missing; kind clump needs them"
-                if self.discs is None
-                else f"discs are given; only a clump has them, and kind is {self.kind}"
-            )
-        natural = self.ratio if self.discs else None
-        if self.kind in KINDS and not self.discs:
-            natural = KINDS[self.kind].aspect_ratio
-        if natural is None and self.aspect_ratio is None:
-            raise ValueError(f"aspect_ratio is missing; kind {self.kind} needs one")
+        mixed, clump = self.mixture is not None, self.kind == "clump"
+        natural = KINDS[self.kind].aspect_ratio if self.kind in KINDS else None
+        whose = "a mixture" if mixed else f"kind {self.kind}" if self.kind else "a shape"
+        needed = {"kind": not mixed, "diameter": not mixed, "discs": clump}
+        if not natural:
+            needed["aspect_ratio"] = not (mixed or clump)
+        for name, needs in needed.items():
+            if needs and getattr(self, name) is None:
+                raise ValueError(f"{name} is missing; {whose} needs one")
+            if not needs and getattr(self, name) is not None:
+                raise ValueError(f"{name} is given; {whose} takes none")
+        if mixed and not math.isclose(total := sum(self.mixture.values()), 1.0, abs_tol=1e-9):
+            raise ValueError(f"mixture has shares that sum to {total:g}; they must sum to 1")
         if natural and self.aspect_ratio not in (None, natural):
             raise ValueError(
                 f"aspect_ratio is {self.aspect_ratio:g}; a {self.kind} always has {natural:g}, "
                 "leave it out"
             )
-        return self
-
-    def _check_mixture(self):
-        for name in ("kind", "diameter", "aspect_ratio", "discs"):
-            if getattr(self, name) is not None:
-                raise ValueError(
-                    f"{name} is given; it is that of the shapes of mixture, leave it out"
-                )
-        if not math.isclose(total := sum(self.mixture.values()), 1.0, abs_tol=1e-9):
-            raise ValueError(f"mixture has shares that sum to {total:g}; they must sum to 1")
         return self
 
     @property
