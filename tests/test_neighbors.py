@@ -175,9 +175,9 @@ def test_contact_memory_survives_a_new_neighbor_list(small_bed, kind, fraction):
 def test_motion_does_not_depend_on_the_skin(small_bed, kind):
     """Lists made every few steps and lists made hardly ever lead to the same motion."""
     small = small_bed(kind)
-    runs = [Simulation(small.scene(), small.state, 4e-8, skin=skin) for skin in (0.004, 0.5)]
+    runs = [Simulation(small.scene(), small.state, 3e-8, skin=skin) for skin in (0.004, 0.5)]
     for run in runs:
-        run.advance(600 * 4e-8)
+        run.advance(800 * 3e-8)
     moved = np.abs(runs[0].state.position - small.state.position).max()
     assert moved > 0.02 * small.diameters.mean()
     assert_allclose(runs[0].state.position, runs[1].state.position, rtol=0.0, atol=1e-9 * moved)

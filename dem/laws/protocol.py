@@ -124,9 +124,11 @@ def mean_root(law, overlap, change, length):
 @question
 def stiffest(law, modulus, radius, overlap):
     """Greatest normal stiffness (N/m) of granules of some radii (n,) in m at an overlap (m)."""
-    r = radius.max()
-    measured = measure(law, overlap, length(law, 1.0, r, r, r))
-    return slope(law, stiffness(law, modulus, r), measured)
+    low, high = radius.min(), radius.max()
+    pair = measure(law, overlap, length(law, 0.5, low, low, 0.5 * low))
+    flat = measure(law, overlap, length(law, 1.0, high, high, high))
+    stiff = slope(law, stiffness(law, modulus, 0.5 * low), pair)
+    return max(stiff, slope(law, stiffness(law, modulus, high), flat))
 
 
 @question
