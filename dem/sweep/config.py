@@ -7,6 +7,7 @@ from importlib.metadata import files as installed_files
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import yaml
 from pydantic import Field, model_validator
 
@@ -175,7 +176,7 @@ def parse(data, source: str = "configuration") -> Sweep:
 def extended(data, source: str, depth: int = 0):
     """A file's content merged over the file that it extends; raises InputError."""
     folder = Path(source.partition(", ")[0]).parent  # of the first, where Snakemake names several
-    data = with_folder(data, folder)
+    data = with_discs(with_folder(data, folder), source, folder)
     if isinstance(data, dict):  # keys for anchors of YAML, as Docker Compose has them
         data = {key: value for key, value in data.items() if not str(key).startswith("x-")}
     if not isinstance(data, dict) or "extends" not in data:
@@ -194,6 +195,25 @@ def extended(data, source: str, depth: int = 0):
         )
     base = find_file(name, folder)
     return merged(extended(read(base), str(base), depth + 1), changes)
+
+
+def with_discs(data, source: str, folder: Path):
+    """Values of a file, with the discs of clumps in place of files in its folder that hold them."""
+    shapes = data.get("shapes") if isinstance(data, dict) else None
+    if not isinstance(shapes, dict):
+        return data
+    shapes = dict(shapes)
+    for label, shape in shapes.items():
+        if isinstance(shape, dict) and isinstance(name := shape.get("discs"), str):
+            try:
+                discs = np.loadtxt(folder / name, delimiter=",", ndmin=2).tolist()
+            except (OSError, ValueError) as error:
+                raise InputError(
+                    f"{source}: shapes.{label}.discs is {name!r}; it must be a file with a line "
+                    f"x, y, radius of each disc ({error})."
+                ) from None
+            shapes[label] = shape | {"discs": discs}
+    return data | {"shapes": shapes}
 
 
 def merged(base: dict, changes: dict, top: bool = True) -> dict:
