@@ -81,11 +81,10 @@ def contact_time(scene, speed: float) -> float:
 
 def unlisted(world: World) -> int:
     """Number of pairs of circles around constituents that overlap and are not listed."""
-    per = len(world.constituents) // len(world.bodies)
-    radius = world.shape.constituent_bounding_radius
+    owner, radius = world.shape.owner, world.shape.constituent_bounding_radius
     place = world.constituents[:, [X, Y]]
     apart = np.linalg.norm(place[:, None] - place, axis=2) - radius[:, None] - radius
     listed = set(zip(world.pairs.constituent.tolist(), world.pairs.partner.tolist(), strict=True))
     touching = np.argwhere(np.triu(apart < 0.0, 1)).tolist()
     # constituents of one granule do not touch
-    return sum(i // per != j // per and (i, j) not in listed for i, j in touching)
+    return sum(owner[i] != owner[j] and (i, j) not in listed for i, j in touching)
