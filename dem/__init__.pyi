@@ -11,6 +11,7 @@ from .figures.film import film as film
 from .io.lazily import open_results as open_results
 from .material import Friction as Friction
 from .material import Material as Material
+from .material import Rolling as Rolling
 from .motion import Drive as Drive
 from .motion import Held as Held
 from .motion import PrescribedMotion as PrescribedMotion

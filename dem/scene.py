@@ -14,9 +14,10 @@ from pydantic import AfterValidator, Field, InstanceOf, PlainValidator, WrapVali
 
 from dem.base.errors import InputError
 from dem.base.types import Acceleration, Length, array, checked, must, parsed
-from dem.material import Friction, Material
+from dem.material import Friction, Material, Rolling
 from dem.motion import Held, Kept, finite, fixed, numbered
 from dem.periodic import ROOM, Periods, nearest_image
+from dem.shapes.disc import Disc
 from dem.shapes.protocol import is_of_discs, is_shape, resized, sizes_of
 from dem.solids import Polygon, Solid, Solids, Walls
 
@@ -93,6 +94,8 @@ class Scene(Kept):
         Groups of granules that are a boundary.
     species : array_like of int of shape (n,), optional
         Number of the material of each granule, from 0 (without unit); None if there is one.
+    rolling : Rolling, optional
+        Rolling resistance of all contacts of discs; None for none.
 
     Raises
     ------
@@ -153,9 +156,15 @@ class Scene(Kept):
         Sequence[InstanceOf[Held]], AfterValidator(tuple), must("be a list of dem.Held")
     ] = ()
     species: Species | None = None
+    rolling: InstanceOf[Rolling] | None = None
 
     def __post_init__(self) -> None:
         self._check_materials()
+        if self.rolling is not None and not isinstance(self.shape, Disc):
+            raise InputError(
+                f"rolling is for discs, and shape is {type(self.shape).__name__}; rolling must be None, "
+                "because granules that are not round resist rolling by their shape."
+            )
         for axis, period in enumerate(self.periodic or ()):
             if period is not None:
                 self._check_period(axis, period)

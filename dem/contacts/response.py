@@ -1,12 +1,13 @@
-"""The response of one contact: from its geometry and its slip to the forces N and T.
+"""The response of one contact: from its geometry and its slip to the forces N and T and a moment M.
 
 A contact acts from constituent 1 to body 2 (a constituent, a wall or a solid) with N n + T t
 on body 2, n and t as in dem.shapes.protocol; N >= 0 pushes them apart, T opposes the slip.
+M on body 2 and -M on constituent 1 oppose the rotation of one relative to the other.
 """
 
 import math
 
-from dem.contacts.force_law import TINY, capped, damped, hertz, mindlin
+from dem.contacts.force_law import capped, damped, hertz, mindlin
 from dem.jit.compilation import inlined
 from dem.jit.optional import either, given, minus, optional, plus, times
 
@@ -64,15 +65,39 @@ def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
     )
 
 
+@inlined
+def rolling_stiffness(rolling, p, stiffness):
+    """Rolling stiffness of contact p over sqrt(delta) (N m^0.5): 3 (mu_r R_r)^2 times that of the
+    normal force, 3/2 k; rolling: Contacts.rolling."""
+    return 4.5 * rolling[0, p] * rolling[0, p] * stiffness
+
+
 @optional
-def spring_energy(account, force, stiffness):
-    """Energy (J) of a tangential spring."""
-    return 0.5 * force * force / max(stiffness, TINY)
+def rolling_moment(rolling, contacts, p, normal, elastic, rotation, account):
+    """Moment (N m) on body 2, and the powers (W) that dashpot and spring take, as `friction_force`.
+
+    It is asked for before friction, which overwrites the last overlap. elastic: stiffness
+    (N m^-1.5), sqrt_overlap (m^0.5); rotation of 2 relative to 1: in this step (rad), and its rate
+    at the full step (rad/s).
+    """
+    stiffness, sqrt_overlap = elastic
+    angle, rate = rotation
+    limit = rolling[0, p] * normal  # see dem.dynamics.world.Contacts
+    stiffness = rolling_stiffness(rolling, p, stiffness)
+    before, last = contacts.rolling_moment[p], contacts.sqrt_overlap[p]
+    moment = capped(mindlin(before, sqrt_overlap, last, stiffness, angle), limit)
+    contacts.rolling_moment[p] = moment
+    total = capped(moment - rolling[1, p] * math.sqrt(stiffness * sqrt_overlap) * rate, limit)
+    return (
+        total,
+        dissipated_power(account, total - moment, rate),
+        dissipated_power(account, moment, rate),
+    )
 
 
 @optional
 def dissipated_power(account, force, rate):
-    """Power (W) that a force takes: minus that on what moves at `rate` (m/s)."""
+    """Power (W) that a force or a moment takes: minus that on what moves at `rate` (m/s, rad/s)."""
     return -force * rate
 
 
@@ -84,7 +109,7 @@ def stiffness_of(contacts, p, radius):
 
 @inlined
 def relative_velocity(one, two, geometry):
-    """Velocity of body 2 relative to body 1 at the contact, along n and along t.
+    """Velocity of body 2 relative to body 1 at the contact, along n and along t, and its spin.
 
     one, two: velocity x, y (m/s) and spin (rad/s; None where nothing turns), or their changes to
     the full step.
@@ -93,16 +118,18 @@ def relative_velocity(one, two, geometry):
     gx, gy = two[0] - one[0], two[1] - one[1]
     v_normal = plus(minus(gx * nx + gy * ny, times(t2, two[2])), times(t1, one[2]))
     v_tangent = minus(minus(gy * nx - gx * ny, times(n2, two[2])), times(n1, one[2]))
-    return v_normal, v_tangent
+    return v_normal, v_tangent, minus(two[2], one[2])
 
 
 @inlined
 def respond(contacts, p, geometry, velocity, change, overlap_quarter, dt, account):
-    """Forces N and T (N) of contact p, and powers (W) that dashpots and tangential springs take.
+    """Forces N and T (N) and moment M (N m) of contact p, and powers (W) that dashpots, tangential
+    springs and rolling springs take.
 
-    T is None without friction, the powers without an energy ledger. velocity, change: from
-    relative_velocity, of the half step and to the full step. Where nothing turns change is (None,
-    None): the velocity is that of the full step, and no slip follows from it. overlap_quarter
+    T is None without friction, M without rolling resistance, the powers without an energy ledger.
+    velocity, change: from relative_velocity, of the half step and to the full step. Where nothing
+    turns change is None: the velocity is that of the full step, and no slip follows from it.
+    overlap_quarter
     (m^0.25): delta^(1/4) for the dashpot, None without one. Bodies that do not touch remember
     nothing, and feel nothing but the dashpot if they touch within half a step: their overlap counts
     as zero in the force law.
@@ -115,6 +142,18 @@ def respond(contacts, p, geometry, velocity, change, overlap_quarter, dt, accoun
     damping = dashpot_constant(contacts.damping, contacts.mass_ratio, p, geometry.nx, geometry.ny)
     normal = either(damped_force(damping, elastic, overlap_quarter, rate), elastic)
     damped_normal = dissipated_power(given(damping, account), normal - elastic, -rate)
+    moment, damped_rolling, rolled = either(
+        rolling_moment(
+            contacts.rolling,
+            contacts,
+            p,
+            normal,
+            (stiffness, sqrt_overlap),
+            (times(velocity[2], dt), plus(velocity[2], change[2])),
+            account,
+        ),
+        (None, None, None),
+    )
     tangential, damped_tangential, slid = either(
         friction_force(
             contacts.friction,
@@ -128,4 +167,5 @@ def respond(contacts, p, geometry, velocity, change, overlap_quarter, dt, accoun
         ),
         (None, None, None),
     )
-    return normal, tangential, plus(damped_normal, damped_tangential), slid
+    damped = plus(plus(damped_normal, damped_tangential), damped_rolling)
+    return normal, tangential, moment, damped, slid, rolled

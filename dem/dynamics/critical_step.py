@@ -1,6 +1,7 @@
 """A lower bound of the critical time step, proved for small motions of the bed as it is.
 
-A contact resists the relative motion of two granules along its normal and along its tangent. In
+A contact resists the relative motion of two granules along its normal and along its tangent, and
+may resist their relative rotation. In
 mass-weighted coordinates each adds k g g^T to the stiffness matrix and c g g^T to the damping
 matrix. Here g = (g1, g2), and g1 (three numbers: two of translation, one of rotation) belongs to
 granule 1. For any s > 0
@@ -26,8 +27,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.contacts.response import rolling_stiffness
 from dem.jit.compilation import inlined
-from dem.jit.optional import times
+from dem.jit.optional import optional, times
 
 # Columns of `rows` (bodies, 12): xx, xy, yy, xr, yr, rr of stiffness (1/s2), then of damping (1/s)
 STIFFNESS, DAMPING, COLUMNS = 0, 6, 12
@@ -117,6 +119,18 @@ def add_contact(rows, pair, friction, spring, normal, along, across):
         c_t = times(friction[1], damping)
         add_pair(rows, pair, k_t, c_t, (-normal[1], normal[0]), across)
     return k
+
+
+@optional
+def add_rolling(rolling, rows, pair, p, spring, spins):
+    """Rolling stiffness and damping of contact p.
+
+    rolling: Contacts.rolling; spring: of `add_contact`; spins: 1/sqrt(I) of both bodies (kg^-0.5
+    m^-1), zero for one that no torque turns.
+    """
+    k = rolling_stiffness(rolling, p, spring[0]) * spring[1]
+    weights = (0.0, spins[0]), (0.0, spins[1])
+    add_pair(rows, pair, k, rolling[1, p] * math.sqrt(k), (0.0, 0.0), weights)
 
 
 @inlined

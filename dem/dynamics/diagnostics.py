@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.contacts.blocks import last_normal, shifted
+from dem.contacts.blocks import last_normal, shifted, take
 from dem.contacts.force_law import damping_ratio, impact_overlap
 from dem.contacts.response import dashpot_constant, stiffness_of
 from dem.dynamics.boundaries import boundary_weight, driven_acceleration, fastest
@@ -15,6 +15,7 @@ from dem.dynamics.critical_step import (
     Bounds,
     add_contact,
     add_force_stiffness,
+    add_rolling,
     shortest,
     stable_step,
     weight,
@@ -133,6 +134,9 @@ def scan_pairs(world, table, bounds, begin, end, spare):
             along, across = (body_1[1], body_2[1]), (body_1[2], body_2[2])
             friction = friction_of(contacts.friction, p)
             k = add_contact(rows, pair, friction, spring, (nx, ny), along, across)
+            spins = table.root_inverse_inertia
+            spins = take(contacts.rolling, spins, g), take(contacts.rolling, spins, h)
+            add_rolling(contacts.rolling, rows, pair, p, spring, spins)
             add_force_stiffness(rows, pair[0], k, overlap, table.bend[g])
             add_force_stiffness(rows, pair[1], k, overlap, table.bend[h])
     return touching, worst
@@ -188,6 +192,9 @@ def scan_contacts(surface, world, table, bounds, worst):
         across = across, boundary_weight(boundaries, b, far[1])
         friction = friction_of(contacts.friction, p)
         k = add_contact(rows, pair, friction, spring, (nx, ny), along, across)
+        spin = take(contacts.rolling, constants.root_inverse_inertia, g)
+        spins = spin, boundary_weight(boundaries, b, 1.0)[1]
+        add_rolling(contacts.rolling, rows, pair, p, spring, spins)
         add_force_stiffness(rows, g, k, overlap, constants.bend[g])
         if boundaries.reach[b] > 0.0:  # a flat side has no curvature: its size bounds the arm
             bend = 2.0 / 3.0 * boundaries.reach[b] * boundaries.drive[b, INVERSE_MASS + 2]

@@ -20,6 +20,7 @@ from dem.dynamics.world import (
 from dem.jit.address import as_before, by_address, changeable
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
+from dem.jit.optional import optional
 from dem.shapes.protocol import circle, local_radius, outline, place
 from dem.shapes.rotation import set_orientation
 
@@ -94,6 +95,8 @@ def renewed(old, first, constituent, partner, force_row, shape):
         friction=zeros_like(old.friction, (3, count)),
         tangential_force=carried(old.tangential_force, source),
         sqrt_overlap=carried(old.sqrt_overlap, source),
+        rolling=zeros_like(old.rolling, (2, count)),
+        rolling_moment=carried(old.rolling_moment, source),
         normal_x=carried(old.normal_x, source),
         normal_y=carried(old.normal_y, source),
         shift_x=zeros_like(old.shift_x, count),
@@ -129,6 +132,17 @@ def set_constants(contacts, p, law, shape, radius, mass, inverse_masses):
         for c in range(2):  # where neither body yields, the mass is m* itself
             ratio = mass * inverse_masses[c] if inverse_masses[c] > 0.0 else 1.0
             contacts.mass_ratio[c, p] = ratio
+
+
+@optional
+def set_rolling(rolling, contacts, p, partner, radius, squares):
+    """Rolling resistance of contact p of a disc with another (partner 0), a wall (1), a solid (2).
+
+    rolling: GranuleTable.rolling; radius: R_r (m); squares: mass times radius squared (kg m2), of
+    both bodies as of two springs in a row; 3/2 of it is I_r, about the contact.
+    """
+    contacts.rolling[0, p] = rolling[partner] * radius
+    contacts.rolling[1, p] = 2.0 * rolling[3] * math.sqrt(1.5 * squares)
 
 
 @inlined
@@ -228,6 +242,8 @@ def list_pairs(world, table):
         mass = effective_mass(held, table.mass, i, j)
         law = table.laws[table.species[h], table.species[g]]
         set_constants(new, p, law, shape, reduced_radius, mass, inverse_masses)
+        turned = world.inverse_mass[g] / radius[i] ** 2 + world.inverse_mass[h] / radius[j] ** 2
+        set_rolling(table.rolling, new, p, 0, reduced_radius, 1.0 / turned)
         set_image(new, p, rows[j, X] - rows[i, X], rows[j, Y] - rows[i, Y], period)
         put_sizes(new.sizes, p, shape, orientation, i, j)
     world.pairs, world.patches = new, patches
@@ -259,6 +275,9 @@ def list_surface(surface, world, table):
             reduced = reduced * table.solid_radius[b] / (reduced + table.solid_radius[b])
         law = table.laws[materials + b, table.species[i // per]]
         set_constants(new, p, law, world.shape, reduced, table.mass[i], inverse_masses)
+        kind = 1 if surface.planes is not None else 2
+        squares = table.mass[i] * table.radius[i] ** 2
+        set_rolling(table.rolling, new, p, kind, reduced, squares)
         set_image(new, p, motion[b, X] - rows[i, X], motion[b, Y] - rows[i, Y], period)
     reach_patches(world.patches, constituent, per)
     surface.contacts = new

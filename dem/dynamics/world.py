@@ -43,6 +43,12 @@ class Contacts(NamedTuple):
         Contact history: force of the tangential spring (N).
     sqrt_overlap : ndarray of shape (m,) or None
         Contact history: root of the overlap in the last step (m^0.5).
+    rolling : ndarray of shape (2, m) or None
+        Rolling resistance of each contact: mu_r R_r (m), and its dashpot over the root of the
+        rolling stiffness, 2 zeta_r sqrt(I_r) (kg^0.5 m). None without; else no contact lacks
+        friction and a dashpot, if need be of zero.
+    rolling_moment : ndarray of shape (m,) or None
+        Contact history: moment of the rolling spring (N m).
     normal_x, normal_y : ndarray of shape (m,) or None
         Normal in the last step, of granules that are not round.
     shift_x, shift_y : ndarray of shape (m,) or None
@@ -61,6 +67,8 @@ class Contacts(NamedTuple):
     friction: np.ndarray | None
     tangential_force: np.ndarray | None
     sqrt_overlap: np.ndarray | None
+    rolling: np.ndarray | None
+    rolling_moment: np.ndarray | None
     normal_x: np.ndarray | None
     normal_y: np.ndarray | None
     shift_x: np.ndarray | None
