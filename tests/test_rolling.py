@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 import dem
+from conftest import CONFIG
+from dem.sweep.config import load
 
 R, G = 5e-3, 9.81  # m, m/s2
 SAND = dem.Material(density=2500.0, young_modulus=1e8, restitution=0.1)
-BOX = dem.box(2.0, 1.0)
+BOX, ROLLING = dem.box(2.0, 1.0), dem.Rolling(0.3, 0.2, 0.1)
 
 
 def laid(mu_r, slope=0.0):
@@ -66,7 +68,15 @@ def test_rolling_resistance_keeps_angular_momentum():
     assert np.sum(angular(after)) == pytest.approx(np.sum(angular(state)), abs=1e-10 * scale)
 
 
-def swarm():
+def test_the_critical_step_counts_rolling_springs():
+    """A disc that rocks on a stiff rolling spring comes to rest just below it."""
+    scene, state = laid(1.0, slope=0.5)
+    critical = dem.Simulation(scene, state).diagnose().critical_time_step
+    run = dem.simulate(scene, state, 5e3 * critical, 0.99 * critical)
+    assert np.abs(run.velocity[-1]).max() < 1e-9 and abs(run.angular_velocity[-1, 0]) < 1e-6
+
+
+def swarm(rolling=ROLLING):
     """Twenty discs that fly together within a box, with its ledger."""
     rng = np.random.default_rng(5)
     radius = R * rng.uniform(0.8, 1.2, 20)
@@ -78,7 +88,7 @@ def swarm():
     )
     scene = dem.Scene(
         dem.Disc(radius), SAND, dem.Friction(), dem.box(15 * R, 12 * R), gravity=(0.0, -G),
-        rolling=dem.Rolling(0.3, 0.2, 0.1),
+        rolling=rolling,
     )  # fmt: skip
     return dem.Simulation(scene, state, step_fraction=0.1, ledger=True)
 
@@ -95,6 +105,15 @@ def test_the_energy_of_a_bed_that_resists_rolling_adds_up():
     assert run.contacts().rolling_moment.any()
 
 
+def test_coefficients_of_zero_leave_the_motion_as_it_is():
+    """So that a sweep may begin with zero."""
+    one, other = swarm(dem.Rolling(0.0, 0.0, 0.0)), swarm(None)
+    for run in (one, other):
+        run.advance(0.02)
+    assert np.array_equal(one.state.position, other.state.position)
+    assert one.ledger().rolled == other.ledger().rolled == 0.0
+
+
 def test_a_simulation_goes_on_with_its_rolling_springs():
     """From a checkpoint with the same bits; a result does not know them."""
     run = swarm()
@@ -106,6 +125,21 @@ def test_a_simulation_goes_on_with_its_rolling_springs():
     other.advance(0.01)
     assert np.array_equal(run.contacts().rolling_moment, other.contacts().rolling_moment)
     assert run.contacts().rolling_moment.any()
+
+
+def test_rolling_resistance_varies_as_others_do_and_leaves_the_bed(tmp_path):
+    """A dimension of a sweep from zero on, whose runs share their beds and kernels."""
+    file = tmp_path / "roll.yaml"
+    file.write_text(
+        f"extends: {CONFIG / 'smoke.yaml'}\nresults: results/roll\nrolling: {{granule: 0.1, wall: 0.1, cylinder: 0.1}}\n"
+        "sweep: {shape: c1, density: 3900.0, seed: [1], rolling.granule: [0.0, 0.3]}"
+    )
+    block = load(file).block("drag")
+    runs, plain = list(block.runs.values()), load(CONFIG / "smoke.yaml").block("drag").first
+    assert "rolling_granule" in block.dims and runs[0].id != runs[1].id
+    assert runs[0].bed_id == runs[1].bed_id == plain.bed_id
+    assert runs[0].variant == runs[1].variant != plain.variant
+    assert "rolling" not in plain.run_key()
 
 
 REFUSED = {

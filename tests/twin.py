@@ -305,7 +305,7 @@ class Law:
         before, after = (3.0 * arm**2 * 1.5 * k * np.sqrt(depth) for depth in (last, overlap))
         moment = kept * moment - 0.5 * (kept * before + after) * middle[2] * dt
         moment = np.clip(moment, -arm * normal, arm * normal)
-        dashpot = 2.0 * self.rolling_damping * np.sqrt(inertia * after) * rate[2]
+        dashpot = 2.0 * self.rolling_damping * np.sqrt(4.5 * arm**2 * k * inertia) * root * rate[2]
         total = np.clip(moment - dashpot, -arm * normal, arm * normal)
         return normal, tangential, total, (spring, overlap, moment)
 

@@ -43,15 +43,15 @@ def dashpot(damping, ratio, overlap_quarter, slip_rate):
 def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
     """The spring is capped first, then spring and dashpot, so that friction does no positive work.
 
-    elastic: stiffness (N m^-1.5), sqrt_overlap (m^0.5), constant and overlap_quarter (m^0.25) of
-    the dashpot; slip: in this step (m), and its rate at the full step (m/s). Returns the force (N)
+    elastic: stiffness (N m^-1.5), sqrt_overlap now and in the last step (m^0.5), constant and
+    overlap_quarter (m^0.25) of the dashpot; slip: in this step (m), and its rate at the full step (m/s). Returns the force (N)
     and the powers (W) that dashpot and spring take, None without an energy ledger.
     """
-    stiffness, sqrt_overlap, damping, overlap_quarter = elastic
+    stiffness, sqrt_overlap, last, damping, overlap_quarter = elastic
     distance, rate = slip
     limit = friction[0, p] * normal  # see dem.dynamics.world.COEFFICIENT
     stiffness = friction[1, p] * stiffness
-    before, last = contacts.tangential_force[p], contacts.sqrt_overlap[p]
+    before = contacts.tangential_force[p]
     force = mindlin(before, sqrt_overlap, last, stiffness, distance)
     force = capped(force, limit)
     contacts.tangential_force[p] = force
@@ -76,23 +76,27 @@ def rolling_stiffness(rolling, p, stiffness):
 def rolling_moment(rolling, contacts, p, normal, elastic, rotation, account):
     """Moment (N m) on body 2, and the powers (W) that dashpot and spring take, as `friction_force`.
 
-    It is asked for before friction, which overwrites the last overlap. elastic: stiffness
-    (N m^-1.5), sqrt_overlap (m^0.5); rotation of 2 relative to 1: in this step (rad), and its rate
-    at the full step (rad/s).
+    elastic: as there; rotation of 2 relative to 1: in this step (rad), and its rate at the full
+    step (rad/s).
     """
-    stiffness, sqrt_overlap = elastic
+    stiffness, sqrt_overlap, last, _, overlap_quarter = elastic
     angle, rate = rotation
     limit = rolling[0, p] * normal  # see dem.dynamics.world.Contacts
-    stiffness = rolling_stiffness(rolling, p, stiffness)
-    before, last = contacts.rolling_moment[p], contacts.sqrt_overlap[p]
+    stiffness, before = rolling_stiffness(rolling, p, stiffness), contacts.rolling_moment[p]
     moment = capped(mindlin(before, sqrt_overlap, last, stiffness, angle), limit)
     contacts.rolling_moment[p] = moment
-    total = capped(moment - rolling[1, p] * math.sqrt(stiffness * sqrt_overlap) * rate, limit)
+    total = capped(moment - rolling[1, p] * overlap_quarter * rate, limit)
     return (
         total,
         dissipated_power(account, total - moment, rate),
         dissipated_power(account, moment, rate),
     )
+
+
+@optional
+def last_sqrt_overlap(sqrt_overlap, p):
+    """Root of the overlap of contact p in the last step (m^0.5)."""
+    return sqrt_overlap[p]
 
 
 @optional
@@ -142,28 +146,30 @@ def respond(contacts, p, geometry, velocity, change, overlap_quarter, dt, accoun
     damping = dashpot_constant(contacts.damping, contacts.mass_ratio, p, geometry.nx, geometry.ny)
     normal = either(damped_force(damping, elastic, overlap_quarter, rate), elastic)
     damped_normal = dissipated_power(given(damping, account), normal - elastic, -rate)
-    moment, damped_rolling, rolled = either(
-        rolling_moment(
-            contacts.rolling,
-            contacts,
-            p,
-            normal,
-            (stiffness, sqrt_overlap),
-            (times(velocity[2], dt), plus(velocity[2], change[2])),
-            account,
-        ),
-        (None, None, None),
-    )
+    last = last_sqrt_overlap(contacts.sqrt_overlap, p)  # before friction overwrites it
+    springs = stiffness, sqrt_overlap, last, damping, overlap_quarter
     tangential, damped_tangential, slid = either(
         friction_force(
             contacts.friction,
             contacts,
             p,
             normal,
-            (stiffness, sqrt_overlap, damping, overlap_quarter),
+            springs,
             (velocity[1] * dt, plus(velocity[1], change[1])),
             account,
             dt,
+        ),
+        (None, None, None),
+    )
+    moment, damped_rolling, rolled = either(
+        rolling_moment(
+            contacts.rolling,
+            contacts,
+            p,
+            normal,
+            springs,
+            (times(velocity[2], dt), plus(velocity[2], change[2])),
+            account,
         ),
         (None, None, None),
     )

@@ -128,9 +128,10 @@ def add_rolling(rolling, rows, pair, p, spring, spins):
     rolling: Contacts.rolling; spring: of `add_contact`; spins: 1/sqrt(I) of both bodies (kg^-0.5
     m^-1), zero for one that no torque turns.
     """
-    k = rolling_stiffness(rolling, p, spring[0]) * spring[1]
+    stiffness, sqrt_overlap, _ = spring
+    k, c = rolling_stiffness(rolling, p, stiffness), rolling[1, p] * math.sqrt(sqrt_overlap)
     weights = (0.0, spins[0]), (0.0, spins[1])
-    add_pair(rows, pair, k, rolling[1, p] * math.sqrt(k), (0.0, 0.0), weights)
+    add_pair(rows, pair, k * sqrt_overlap, c, (0.0, 0.0), weights)
 
 
 @inlined

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from dem.contacts.blocks import shifted, sizes_of
+from dem.contacts.response import rolling_stiffness
 from dem.dynamics.cell_list import image, match, near_pairs, near_planes, near_solids
 from dem.dynamics.world import (
     ALPHA,
@@ -142,7 +143,8 @@ def set_rolling(rolling, contacts, p, partner, radius, squares):
     both bodies as of two springs in a row; 3/2 of it is I_r, about the contact.
     """
     contacts.rolling[0, p] = rolling[partner] * radius
-    contacts.rolling[1, p] = 2.0 * rolling[3] * math.sqrt(1.5 * squares)
+    stiffness = rolling_stiffness(contacts.rolling, p, contacts.stiffness[p])
+    contacts.rolling[1, p] = 2.0 * rolling[3] * math.sqrt(1.5 * squares * stiffness)
 
 
 @inlined

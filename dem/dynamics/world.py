@@ -44,9 +44,9 @@ class Contacts(NamedTuple):
     sqrt_overlap : ndarray of shape (m,) or None
         Contact history: root of the overlap in the last step (m^0.5).
     rolling : ndarray of shape (2, m) or None
-        Rolling resistance of each contact: mu_r R_r (m), and its dashpot over the root of the
-        rolling stiffness, 2 zeta_r sqrt(I_r) (kg^0.5 m). None without; else no contact lacks
-        friction and a dashpot, if need be of zero.
+        Rolling resistance of each contact: mu_r R_r (m), and the constant of its dashpot over
+        delta^(1/4) (N m^0.75 s). None without; else all contacts have friction and dashpots, if
+        need be with zeros.
     rolling_moment : ndarray of shape (m,) or None
         Contact history: moment of the rolling spring (N m).
     normal_x, normal_y : ndarray of shape (m,) or None

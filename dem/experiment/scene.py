@@ -9,7 +9,7 @@ from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import diameters, shaped, solids, thickness
 from dem.experiment.config import Replicate
 from dem.experiment.solids import material_of
-from dem.material import Friction, Material
+from dem.material import Friction, Material, Rolling
 from dem.motion import Drive
 from dem.packing.random import Bed
 from dem.periodic import walled
@@ -29,7 +29,7 @@ def granules(replicate: Replicate):
 def make_scene(replicate: Replicate, bed: Bed) -> Scene:
     """The scene of the run."""
     own = replicate.configuration
-    material, rough = own.material, own.friction
+    material, rough, rolling = own.material, own.friction, own.rolling
     return Scene(
         shape=granules(replicate),
         material=Material(
@@ -41,6 +41,8 @@ def make_scene(replicate: Replicate, bed: Bed) -> Scene:
         gravity=(0.0, -own.gravity) if own.gravity > 0.0 else None,
         thickness=thickness(replicate),
         periodic=bed.periodic,
+        rolling=rolling
+        and Rolling(rolling.granule, rolling.wall, rolling.cylinder, rolling.damping),
     )
 
 

@@ -33,7 +33,7 @@ from dem.dynamics.numerics import (
     check_stable,
 )
 from dem.experiment.observables import OBSERVABLES
-from dem.material import Friction
+from dem.material import Friction, Rolling
 from dem.shapes import KINDS
 
 Share = Annotated[Ratio, Field(lt=1)]
@@ -177,6 +177,17 @@ class FrictionSection(Section):
     """friction at the cylinder"""
     stiffness: Ratio = Friction.stiffness
     """stiffness of tangential springs relative to Mindlin's"""
+
+
+class RollingSection(Section):
+    granule: Coefficient
+    """rolling resistance between granules"""
+    wall: Coefficient
+    """rolling resistance at the walls"""
+    cylinder: Coefficient
+    """rolling resistance at the cylinder"""
+    damping: Coefficient = Rolling.damping
+    """damping ratio of granules that rock without rolling"""
 
 
 class ShearSection(Section):
