@@ -15,8 +15,10 @@ rule batch:
         "Simulate batch {wildcards.batch}"
     output:
         "results/store/batches/{batch}.nc",
-    # before measures, so that these fill the processors that the last batches leave idle
-    priority: 2
+    # in the order of the plan, so that each kind of kernel is compiled first; all of them before measures, so
+    # that these fill the processors that the last batches leave idle
+    priority:
+        lambda w: 2 + 1 / (1 + POSITION.get(w.batch, 0))
     threads: SWEEP.sweep.threads
     log:
         f"{RESULTS}/logs/batches/{{batch}}.log",

@@ -84,9 +84,14 @@ def batches_in(folder, rounds=None):
     return batches
 
 
+POSITION = {}  # of a batch in the plan of its block, where the first of each kind of kernel are in front
+
+
 def names_of(sweep, block, rounds=None):
     """The files of the batches of a block, below the root; rounds: after a number of these, or all that are known."""
-    return [f"results/store/batches/{batch.id}.nc" for batch in sweep.batches(block, rounds)]
+    batches = [batch.id for batch in sweep.batches(block, rounds)]
+    POSITION.update({batch: number for number, batch in enumerate(batches)})
+    return [f"results/store/batches/{batch}.nc" for batch in batches]
 
 
 def missing(sweep, block, rounds=None):

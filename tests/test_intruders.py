@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import dem
 from dem.experiment.bed import make_bed
 from dem.experiment.box import area_of_solids, circles_of, height_of_box
 from dem.experiment.kinds import drag
+from dem.experiment.scene import make_scene
 from dem.experiment.solids import solids_of
 from dem.sweep.config import load
 
@@ -138,3 +140,45 @@ def test_what_cannot_be_drawn_is_refused_in_one_sentence(words):
     sections = {name: value for name, value in REFUSED[words].items() if "." not in name}
     with pytest.raises(dem.InputError, match=words):
         run(changes, **sections)
+
+
+SETTLED = {
+    "packing.preparation": "settled",
+    "packing.fraction": 0.6,
+    "packing.friction": 0.3,
+    "gravity": 9.81,
+    "shapes.c1.granules": 60,
+    "box_width": 9e-3,
+}
+
+
+def test_a_settled_bed_rests_on_its_floor_below_a_free_surface():
+    replicate = run(SETTLED | {"cylinder.start": 0.3})
+    bed = make_bed(replicate)
+    scene = make_scene(replicate, bed)
+    diameter = 2.0 * scene.shape.radius
+    assert (bed.position[:, 1] + 0.5 * diameter).max() < 0.9 * bed.height
+    still = replace(scene, solids=[replace(solid, velocity=(0.0, 0.0)) for solid in scene.solids])
+    simulation = dem.Simulation(still, bed.state)
+    simulation.advance(5e-3)  # in which a granule that nothing holds falls by a tenth of a diameter
+    assert np.abs(simulation.state.position - bed.position).max() < 0.01 * diameter.mean()
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"gravity": 0.0}, "give gravity"),
+        ({"packing.fraction": 0.84}, "at most 0.75"),
+        ({"packing.fraction": None, "packing.pressure": 3e7}, "relaxed without friction"),
+    ],
+)
+def test_a_bed_that_cannot_settle_is_refused(changes, words):
+    with pytest.raises(dem.InputError, match=words):
+        run(SETTLED | changes)
+
+
+def test_a_settled_bed_is_known_by_what_decides_it():
+    heavy = run(SETTLED).configuration.replicate("c1", 7800.0, 1)
+    assert heavy.bed_key() != run(SETTLED).bed_key()
+    assert run(SETTLED | {"material.young_modulus": 7e9}).bed_key() != run(SETTLED).bed_key()
+    assert run({"material.young_modulus": 7e9}).bed_key() == run().bed_key()

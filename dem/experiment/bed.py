@@ -9,16 +9,19 @@ from dem.contacts.force_law import effective_modulus
 from dem.experiment.box import NOMINAL, ahead_of, height_of_box, sample_diameters
 from dem.experiment.config import Replicate
 from dem.experiment.solids import solids_of
+from dem.material import Material
 from dem.packing.compaction import START, compact
 from dem.packing.constant_pressure import pack_under
 from dem.packing.job import Job, ignored
 from dem.packing.random import Bed, Room, relaxed
+from dem.packing.settling import settle
 from dem.packing.swelling import grown
 from dem.periodic import Periods, periods_of
 from dem.shapes import of_size
 from dem.solids import Solid
 
-PREPARATIONS = {"relaxed": relaxed, "grown": grown}  # by packing.preparation
+# by packing.preparation: how granules get their size
+PREPARATIONS = {"relaxed": relaxed, "grown": grown, "settled": relaxed}
 
 
 def shaped(replicate: Replicate, diameters: np.ndarray, *options):
@@ -68,6 +71,14 @@ def room_of(replicate: Replicate) -> tuple:
     return shaped(replicate, sizes), room
 
 
+def material_of_granules(replicate: Replicate) -> Material:
+    """Material of the granules."""
+    elastic = replicate.configuration.material
+    return Material(
+        replicate.density, elastic.young_modulus, elastic.poisson_ratio, elastic.restitution
+    )
+
+
 def packed(configuration, shape, room: Room, job: Job | None = None) -> Bed:
     """The bed in a room, at the packing fraction of the room."""
     friction, prepare = (
@@ -81,13 +92,17 @@ def packed(configuration, shape, room: Room, job: Job | None = None) -> Bed:
 def make_bed(replicate: Replicate, checkpoint: Path | None = None, report=ignored) -> Bed:
     """Pack the bed; ellipses always by common normal, which alone has an energy to minimise.
 
-    Under a pressure the top wall comes down on a loose bed. checkpoint, report: as of
+    Under a pressure the top wall comes down on a loose bed; under gravity granules of a loose bed
+    fall. checkpoint, report: as of
     dem.packing.job.Job. Raises PackingError where no bed is found, or where it leaves no room for
     the stroke.
     """
     own, (shape, room) = replicate.configuration, room_of(replicate)
     job = Job(own.threads, checkpoint, report)
     job.begin(replicate.bed_id)
+    if own.packing.preparation == "settled":
+        material, friction = material_of_granules(replicate), own.packing.friction
+        return settle(shape, room, material, friction, own.gravity, thickness(replicate), job)
     if own.packing.pressure is None:
         return packed(own, shape, room, job)
     loose = room._replace(height=room.height * NOMINAL / START)

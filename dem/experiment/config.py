@@ -78,6 +78,7 @@ BED_KEYS = (
     "packing.preparation",
 )
 PACKED = "packing.fraction", "packing.friction"
+SETTLED_BY = *PACKED, "gravity", "material"
 PRESSED_BY = (
     "packing.pressure",
     "material.young_modulus",
@@ -152,6 +153,18 @@ class Configuration(Section):
                 f"packing.pressure is {pressure:g} Pa and periodic {self.periodic}; a pressure "
                 "needs a top wall, let periodic be none or x"
             )
+        if self.packing.preparation == "settled":
+            if not self.gravity or "y" in self.periodic:
+                raise ValueError(
+                    f"packing.preparation is settled, gravity {self.gravity:g} and periodic "
+                    f"{self.periodic}; granules settle on a floor, give gravity, and let periodic be "
+                    "none or x"
+                )
+            if self.module.constants.get("BED_ALONE"):
+                raise ValueError(
+                    f"packing.preparation is settled; the experiment {self.experiment} compresses its "
+                    "bed, let it be relaxed or grown"
+                )
         if record is None or cylinder is None or not self.module.observed:
             return self
         if record.bins % (record.snapshots - 1):
@@ -364,7 +377,8 @@ class Replicate:
     def _known(self, *paths: str) -> str:
         """The values at some paths and below them that this run is known by, as text."""
         known = self.configuration.known[self.label].items()
-        values = {path: v for path, v in known if path in paths or path.startswith("shape.")}
+        groups = *(f"{path}." for path in paths), "shape."
+        values = {path: v for path, v in known if path in paths or path.startswith(groups)}
         return json.dumps(values, sort_keys=True)
 
     @property
@@ -375,8 +389,11 @@ class Replicate:
 
     def bed_key(self) -> str:
         """All that the bed depends on, as text."""
-        pressed = self.configuration.packing.pressure is not None
-        return f"{self._known(*BED_KEYS, *(PRESSED_BY if pressed else PACKED))} {self.seed}"
+        packing = self.configuration.packing
+        if packing.preparation == "settled":
+            return f"{self._known(*BED_KEYS, *SETTLED_BY)} {self.density} {self.seed}"
+        packed_by = PACKED if packing.pressure is None else PRESSED_BY
+        return f"{self._known(*BED_KEYS, *packed_by)} {self.seed}"
 
     def run_key(self) -> str:
         """All that the run depends on, as text."""

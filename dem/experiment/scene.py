@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import diameters, shaped, solids, thickness
+from dem.experiment.bed import diameters, material_of_granules, shaped, solids, thickness
 from dem.experiment.config import Replicate
 from dem.experiment.solids import material_of
-from dem.material import Friction, Material, Rolling
+from dem.material import Friction, Rolling
 from dem.motion import Drive
 from dem.packing.random import Bed
 from dem.periodic import walled
@@ -29,12 +29,10 @@ def granules(replicate: Replicate):
 def make_scene(replicate: Replicate, bed: Bed) -> Scene:
     """The scene of the run."""
     own = replicate.configuration
-    material, rough, rolling = own.material, own.friction, own.rolling
+    rough, rolling = own.friction, own.rolling
     return Scene(
         shape=granules(replicate),
-        material=Material(
-            replicate.density, material.young_modulus, material.poisson_ratio, material.restitution
-        ),
+        material=material_of_granules(replicate),
         friction=Friction(rough.granule, rough.wall, rough.cylinder, rough.stiffness),
         walls=_walls(replicate, bed),
         solids=solids(replicate, bed.height),

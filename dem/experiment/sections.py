@@ -37,6 +37,7 @@ from dem.material import Friction, Rolling
 from dem.shapes import KINDS
 
 Share = Annotated[Ratio, Field(lt=1)]
+LOOSEST = 0.75  # packing fraction of a box with room above a bed that settles
 
 
 def or_file(known: Iterable[str]) -> AfterValidator:
@@ -137,8 +138,8 @@ class PackingSection(Section):
     """friction of all contacts while the bed is packed"""
     pressure: Pressure | None = None
     """pressure on the top wall, which holds it; none: packing.fraction is given"""
-    preparation: Literal["relaxed", "grown"] = "relaxed"
-    """how granules grow: energy minimised, or in motion"""
+    preparation: Literal["relaxed", "grown", "settled"] = "relaxed"
+    """how granules grow: energy minimised, or in motion; settled: then they fall under gravity"""
 
     @model_validator(mode="after")
     def _check(self):
@@ -148,6 +149,11 @@ class PackingSection(Section):
             raise ValueError(
                 f"fraction is {self.fraction:g} and pressure {self.pressure:g} Pa; one follows "
                 "from the other, make one of them null"
+            )
+        if self.preparation == "settled" and (self.fraction or 0.0) > LOOSEST:
+            raise ValueError(
+                f"fraction is {self.fraction:g} and preparation settled; it is that of the box with "
+                f"the room above the bed, let it be at most {LOOSEST:g}"
             )
         if self.pressure is not None and (self.friction or self.preparation != "relaxed"):
             raise ValueError(

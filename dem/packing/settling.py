@@ -1,0 +1,77 @@
+"""Beds with a free surface: granules fall under gravity until they are at rest.
+
+They start apart, as dem.packing.random leaves them far below jamming, and move by the dynamics of a
+run (dem.dynamics.simulation) with their own masses and stiffness. The box is higher than the bed.
+"""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from dem.base.errors import OverlapError, PackingError, StateError
+from dem.contacts.force_law import effective_modulus
+from dem.dynamics.simulation import Simulation
+from dem.material import Friction, Material
+from dem.packing.job import Job
+from dem.packing.random import Bed, Room, relaxed
+from dem.periodic import wrapped
+
+PIECE = 3.0  # sqrt(diameter / gravity) between two looks
+PIECES = 200  # at most
+STILL = 1e-6  # of weight times diameter: mean kinetic energy of granules at rest
+
+
+def settle(
+    shape: Any,
+    room: Room,
+    material: Material,
+    friction: float,
+    gravity: float,
+    thickness: float,
+    job: Job,
+) -> Bed:
+    """A bed at rest under gravity (m/s2), with Coulomb's coefficient at all contacts while it settles.
+
+    thickness (m): of the granules out of the plane. Raises PackingError where they do not come to
+    rest.
+    """
+    rough = Friction(friction, friction, friction)
+    scene = replace(
+        room.scene(shape, material, rough), gravity=(0.0, -gravity), thickness=thickness
+    )
+    diameter = 2.0 * float(shape.constituent_radius.mean())
+    enough = STILL * float(scene.mass.mean()) * gravity * diameter
+    state = relaxed(shape, room, job).state
+    try:
+        run = Simulation(scene, state, threads=job.threads)
+        for _ in range(PIECES):
+            run.advance(PIECE * math.sqrt(diameter / gravity))
+            now = run.diagnose()
+            if now.kinetic_energy <= enough * scene.granules:
+                break
+        else:
+            raise PackingError(
+                f"{room.name(shape)} is not at rest after {run.time:.3g} s under gravity: its kinetic "
+                f"energy is {now.kinetic_energy:.2g} J, asked for {enough * scene.granules:.2g} J."
+            )
+    except (OverlapError, StateError) as error:
+        raise PackingError(
+            f"{room.name(shape)} cannot be made: while it settled, {error}"
+        ) from None
+    end, world = run.state, run.world
+    modulus, walls = effective_modulus(material, material), len(scene.walls)
+    net_force = world.force[:, :2] + np.array(scene.gravity) / world.inverse_mass[:, None]
+    pushed = float(world.boundaries.contact_forces[:walls, 0].sum())
+    return Bed(
+        position=wrapped(end.position, room.periods),
+        angle=np.mod(end.angle, 2.0 * np.pi),
+        width=room.width,
+        height=room.height,
+        net_force=float(np.hypot(*net_force.T).max() / (0.25 * modulus * diameter**2)),
+        pressure=pushed / (2.0 * (room.width + room.height) * modulus),
+        coordination_number=now.coordination_number,
+        max_overlap=now.max_overlap,
+        periodic=room.periods,
+    )
