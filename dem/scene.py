@@ -162,8 +162,8 @@ class Scene(Kept):
         self._check_materials()
         if self.rolling is not None and not isinstance(self.shape, Disc):
             raise InputError(
-                f"rolling is for discs, and shape is {type(self.shape).__name__}; rolling must be None, "
-                "because granules that are not round resist rolling by their shape."
+                f"rolling is for discs, and shape is {type(self.shape).__name__}; rolling must be "
+                "None, because granules that are not round resist rolling by their shape."
             )
         for axis, period in enumerate(self.periodic or ()):
             if period is not None:

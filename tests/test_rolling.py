@@ -131,7 +131,8 @@ def test_rolling_resistance_varies_as_others_do_and_leaves_the_bed(tmp_path):
     """A dimension of a sweep from zero on, whose runs share their beds and kernels."""
     file = tmp_path / "roll.yaml"
     file.write_text(
-        f"extends: {CONFIG / 'smoke.yaml'}\nresults: results/roll\nrolling: {{granule: 0.1, wall: 0.1, cylinder: 0.1}}\n"
+        f"extends: {CONFIG / 'smoke.yaml'}\nresults: results/roll\n"
+        "rolling: {granule: 0.1, wall: 0.1, cylinder: 0.1}\n"
         "sweep: {shape: c1, density: 3900.0, seed: [1], rolling.granule: [0.0, 0.3]}"
     )
     block = load(file).block("drag")

@@ -68,7 +68,7 @@ def scene_of(name):
         shape, state = granules(dem.Disc)
         cylinder = dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), (1.0, 2.0), spin=TURN)
         return dem.Scene(
-            shape, damped, rough, WALLS, cylinder, rolling=dem.Rolling(0.2, 0.3, 0.1, damping=0.4)
+            shape, damped, rough, WALLS, cylinder, rolling=dem.Rolling(0.2, 0.3, 0.1, damping=0.2)
         ), state  # fmt: skip
     if name == "discs":
         shape, state = granules(dem.Disc)
@@ -136,8 +136,9 @@ def scene_of(name):
 
 
 SCENES = (
-    "box of discs", "discs that resist rolling", "discs", "smooth discs", "discs around solids", "smooth discs around solids", "dumbbells",
-    "ellipses", "ellipses of local radius", "ellipses by the chord", "ellipses around solids", "superellipses",
+    "box of discs", "discs that resist rolling", "discs", "smooth discs", "discs around solids",
+    "smooth discs around solids", "dumbbells", "ellipses", "ellipses of local radius", "ellipses by the chord",
+    "ellipses around solids", "superellipses",
 )  # fmt: skip
 
 

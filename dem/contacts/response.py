@@ -44,8 +44,9 @@ def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
     """The spring is capped first, then spring and dashpot, so that friction does no positive work.
 
     elastic: stiffness (N m^-1.5), sqrt_overlap now and in the last step (m^0.5), constant and
-    overlap_quarter (m^0.25) of the dashpot; slip: in this step (m), and its rate at the full step (m/s). Returns the force (N)
-    and the powers (W) that dashpot and spring take, None without an energy ledger.
+    overlap_quarter (m^0.25) of the dashpot; slip: in this step (m), and its rate at the full step
+    (m/s). Returns the force (N) and the powers (W) that dashpot and spring take, None without an
+    energy ledger.
     """
     stiffness, sqrt_overlap, last, damping, overlap_quarter = elastic
     distance, rate = slip
@@ -133,10 +134,9 @@ def respond(contacts, p, geometry, velocity, change, overlap_quarter, dt, accoun
     T is None without friction, M without rolling resistance, the powers without an energy ledger.
     velocity, change: from relative_velocity, of the half step and to the full step. Where nothing
     turns change is None: the velocity is that of the full step, and no slip follows from it.
-    overlap_quarter
-    (m^0.25): delta^(1/4) for the dashpot, None without one. Bodies that do not touch remember
-    nothing, and feel nothing but the dashpot if they touch within half a step: their overlap counts
-    as zero in the force law.
+    overlap_quarter (m^0.25): delta^(1/4) for the dashpot, None without one. Bodies that do not
+    touch remember nothing, and feel nothing but the dashpot if they touch within half a step: their
+    overlap counts as zero in the force law.
     """
     overlap = max(geometry.overlap, 0.0)
     sqrt_overlap = math.sqrt(overlap)

@@ -25,10 +25,10 @@ from dem.shapes.protocol import (
     support,
 )
 
-# members of Contacts that a response does not read
+# members of Contacts on which no force depends
 NOT_OF_RESPONSE = (
     *("first", "normal_x", "normal_y", "shift_x", "shift_y", "sizes"),
-    *("rolling", "rolling_moment"),  # no force depends on it
+    *("rolling", "rolling_moment"),
 )
 
 

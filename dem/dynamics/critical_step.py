@@ -1,10 +1,9 @@
 """A lower bound of the critical time step, proved for small motions of the bed as it is.
 
 A contact resists the relative motion of two granules along its normal and along its tangent, and
-may resist their relative rotation. In
-mass-weighted coordinates each adds k g g^T to the stiffness matrix and c g g^T to the damping
-matrix. Here g = (g1, g2), and g1 (three numbers: two of translation, one of rotation) belongs to
-granule 1. For any s > 0
+may resist their relative rotation. In mass-weighted coordinates each adds k g g^T to the stiffness
+matrix and c g g^T to the damping matrix. Here g = (g1, g2), and g1 (three numbers: two of
+translation, one of rotation) belongs to granule 1. For any s > 0
 
     g g^T <= (1 + s) g1 g1^T + (1 + 1/s) g2 g2^T,
 

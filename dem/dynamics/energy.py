@@ -3,9 +3,9 @@
 The kernels sum powers over time (dem.jit.block_memory): those that dashpots, tangential springs and
 rolling springs take. They sum the work of walls, solids and held granules as they kick them.
 Kinetic and elastic energies follow from the state. What springs have taken and do not hold is lost
-by sliding or rolling;
-energy that a spring loses while the overlap shrinks is included. Powers count with the kicks of
-their forces, up to the time of the state: the trapezoidal rule, of second order in the time step.
+by sliding or rolling; energy that a spring loses while the overlap shrinks is included. Powers
+count with the kicks of their forces, up to the time of the state: the trapezoidal rule, of second
+order in the time step.
 """
 
 import math
