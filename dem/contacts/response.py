@@ -7,15 +7,28 @@ M on body 2 and -M on constituent 1 oppose the rotation of one relative to the o
 
 import math
 
-from dem.contacts.force_law import capped, damped, hertz, mindlin
+from dem.contacts.force_law import capped, damped, mindlin
 from dem.jit.compilation import inlined
 from dem.jit.optional import either, given, minus, optional, plus, times
+from dem.laws.protocol import force, measure, slope, stiffness
 
 
 @optional
-def local_stiffness(radius, modulus):
-    """4/3 E* sqrt(R) (N m^-1.5) for the radius of curvature at the contact."""
-    return modulus * math.sqrt(radius)
+def _local_stiffness(radius, law, modulus):
+    """K for the effective radius (m) at the contact."""
+    return stiffness(law, modulus, radius)
+
+
+@optional
+def length_of(length, p):
+    """The second constant (m) of contact p, where its law has one."""
+    return length[p]
+
+
+@inlined
+def measure_of(contacts, p, overlap):
+    """Measure of the law for contact p at an overlap (m) of zero or more."""
+    return measure(contacts.law, overlap, length_of(contacts.length, p))
 
 
 @optional
@@ -25,52 +38,49 @@ def _yielding(mass_ratio, damping, p, nx, ny):
 
 @optional
 def dashpot_constant(damping, mass_ratio, p, nx, ny):
-    """alpha sqrt(m* k) of contact p, with the effective mass m* along its normal."""
+    """alpha sqrt(m* K) of contact p, with the effective mass m* along its normal."""
     return either(_yielding(mass_ratio, damping, p, nx, ny), damping[p])
 
 
 @optional
-def damped_force(damping, elastic, overlap_quarter, rate):
-    return damped(elastic, overlap_quarter, damping, rate)
+def damped_force(damping, elastic, root, rate):
+    return damped(elastic, root, damping, rate)
 
 
 @optional
-def dashpot(damping, ratio, overlap_quarter, slip_rate):
-    return ratio * damping * overlap_quarter * slip_rate
+def dashpot(damping, ratio, root, slip_rate):
+    return ratio * damping * root * slip_rate
 
 
 @optional
 def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
     """The spring is capped first, then spring and dashpot, so that friction does no positive work.
 
-    elastic: stiffness (N m^-1.5), sqrt_overlap now and in the last step (m^0.5), constant and
-    overlap_quarter (m^0.25) of the dashpot; slip: in this step (m), and its rate at the full step
-    (m/s). Returns the force (N) and the powers (W) that dashpot and spring take, None without an
-    energy ledger.
+    elastic: constant and measure of the law, the measure in the last step, constant and root of the
+    dashpot; slip: in this step (m), and its rate at the full step (m/s). Returns the force (N) and
+    the powers (W) that dashpot and spring take, None without an energy ledger.
     """
-    stiffness, sqrt_overlap, last, damping, overlap_quarter = elastic
+    constant, measured, last, damping, root = elastic
     distance, rate = slip
     limit = friction[0, p] * normal  # see dem.dynamics.world.COEFFICIENT
-    stiffness = friction[1, p] * stiffness
-    before = contacts.tangential_force[p]
-    force = mindlin(before, sqrt_overlap, last, stiffness, distance)
-    force = capped(force, limit)
-    contacts.tangential_force[p] = force
-    contacts.sqrt_overlap[p] = sqrt_overlap
-    dashpot_force = dashpot(damping, friction[2, p], overlap_quarter, rate)
-    total = capped(minus(force, dashpot_force), limit)
+    constant, before = friction[1, p] * constant, contacts.tangential_force[p]
+    spring = capped(mindlin(before, measured, last, constant, distance), limit)
+    contacts.tangential_force[p], contacts.measure[p] = spring, measured
+    dashpot_force = dashpot(damping, friction[2, p], root, rate)
+    total = capped(minus(spring, dashpot_force), limit)
     return (
         total,
-        dissipated_power(account, total - force, rate),
-        dissipated_power(account, force, rate),
+        dissipated_power(account, total - spring, rate),
+        dissipated_power(account, spring, rate),
     )
 
 
 @inlined
-def rolling_stiffness(rolling, p, stiffness):
-    """Rolling stiffness of contact p over sqrt(delta) (N m^0.5): 3 (mu_r R_r)^2 times that of the
-    normal force, 3/2 k; rolling: Contacts.rolling."""
-    return 4.5 * rolling[0, p] * rolling[0, p] * stiffness
+def rolling_stiffness(contacts, p, constant):
+    """Rolling stiffness of contact p over the measure of the law: 3 (mu_r R_r)^2 times that of the
+    normal force; constant: of the law."""
+    arm = contacts.rolling[0, p]
+    return 3.0 * arm * arm * slope(contacts.law, constant, 1.0)
 
 
 @optional
@@ -80,13 +90,13 @@ def rolling_moment(rolling, contacts, p, normal, elastic, rotation, account):
     elastic: as there; rotation of 2 relative to 1: in this step (rad), and its rate at the full
     step (rad/s).
     """
-    stiffness, sqrt_overlap, last, _, overlap_quarter = elastic
+    constant, measured, last, _, root = elastic
     angle, rate = rotation
     limit = rolling[0, p] * normal  # see dem.dynamics.world.Contacts
-    stiffness, before = rolling_stiffness(rolling, p, stiffness), contacts.rolling_moment[p]
-    moment = capped(mindlin(before, sqrt_overlap, last, stiffness, angle), limit)
+    constant, before = rolling_stiffness(contacts, p, constant), contacts.rolling_moment[p]
+    moment = capped(mindlin(before, measured, last, constant, angle), limit)
     contacts.rolling_moment[p] = moment
-    total = capped(moment - rolling[1, p] * overlap_quarter * rate, limit)
+    total = capped(moment - rolling[1, p] * root * rate, limit)
     return (
         total,
         dissipated_power(account, total - moment, rate),
@@ -95,9 +105,9 @@ def rolling_moment(rolling, contacts, p, normal, elastic, rotation, account):
 
 
 @optional
-def last_sqrt_overlap(sqrt_overlap, p):
-    """Root of the overlap of contact p in the last step (m^0.5)."""
-    return sqrt_overlap[p]
+def last_measure(measure, p):
+    """Measure of the law for contact p in the last step."""
+    return measure[p]
 
 
 @optional
@@ -108,8 +118,9 @@ def dissipated_power(account, force, rate):
 
 @inlined
 def stiffness_of(contacts, p, radius):
-    """4/3 E* sqrt(R*) (N m^-1.5) of contact p; radius: R* (m) there, None where the pair has one."""
-    return either(local_stiffness(radius, contacts.stiffness[p]), contacts.stiffness[p])
+    """K of contact p; radius: R* (m) there, None where the pair has one."""
+    constant = contacts.stiffness[p]
+    return either(_local_stiffness(radius, contacts.law, constant), constant)
 
 
 @inlined
@@ -127,27 +138,27 @@ def relative_velocity(one, two, geometry):
 
 
 @inlined
-def respond(contacts, p, geometry, velocity, change, overlap_quarter, dt, account):
+def respond(contacts, p, geometry, velocity, change, root, dt, account):
     """Forces N and T (N) and moment M (N m) of contact p, and powers (W) that dashpots, tangential
     springs and rolling springs take.
 
     T is None without friction, M without rolling resistance, the powers without an energy ledger.
     velocity, change: from relative_velocity, of the half step and to the full step. Where nothing
-    turns change is None: the velocity is that of the full step, and no slip follows from it.
-    overlap_quarter (m^0.25): delta^(1/4) for the dashpot, None without one. Bodies that do not
-    touch remember nothing, and feel nothing but the dashpot if they touch within half a step: their
-    overlap counts as zero in the force law.
+    turns change is None: the velocity is that of the full step, and no slip follows from it. root:
+    of the law, for the dashpot, None without one. Bodies that do not touch remember nothing, and
+    feel nothing but the dashpot if they touch within half a step: their overlap counts as zero in
+    the law.
     """
     overlap = max(geometry.overlap, 0.0)
-    sqrt_overlap = math.sqrt(overlap)
-    stiffness = stiffness_of(contacts, p, geometry.radius)
-    elastic = hertz(overlap, sqrt_overlap, stiffness)
+    measured = measure_of(contacts, p, overlap)
+    constant = stiffness_of(contacts, p, geometry.radius)
+    elastic = force(contacts.law, constant, overlap, measured)
     rate = -plus(velocity[0], change[0])
     damping = dashpot_constant(contacts.damping, contacts.mass_ratio, p, geometry.nx, geometry.ny)
-    normal = either(damped_force(damping, elastic, overlap_quarter, rate), elastic)
+    normal = either(damped_force(damping, elastic, root, rate), elastic)
     damped_normal = dissipated_power(given(damping, account), normal - elastic, -rate)
-    last = last_sqrt_overlap(contacts.sqrt_overlap, p)  # before friction overwrites it
-    springs = stiffness, sqrt_overlap, last, damping, overlap_quarter
+    last = last_measure(contacts.measure, p)  # before friction overwrites it
+    springs = constant, measured, last, damping, root
     tangential, damped_tangential, slid = either(
         friction_force(
             contacts.friction,

@@ -29,6 +29,7 @@ import numpy as np
 from dem.contacts.response import rolling_stiffness
 from dem.jit.compilation import inlined
 from dem.jit.optional import optional, times
+from dem.laws.protocol import root, slope
 
 # Columns of `rows` (bodies, 12): xx, xy, yy, xr, yr, rr of stiffness (1/s2), then of damping (1/s)
 STIFFNESS, DAMPING, COLUMNS = 0, 6, 12
@@ -104,33 +105,34 @@ def add_pair(rows, pair, k, c, direction, weights):
 
 
 @inlined
-def add_contact(rows, pair, friction, spring, normal, along, across):
+def add_contact(law, rows, pair, friction, spring, normal, along, across):
     """Stiffness and damping of a contact; returns its normal stiffness (N/m).
 
-    friction: tangential over normal stiffness and damping, or None; spring: stiffness (N m^-1.5),
-    sqrt_overlap (m^0.5), normal damping (N s/m, or None); along, across: weights of both bodies for the normal and for the tangential force.
+    friction: tangential over normal stiffness and damping, or None; spring: constant and measure of
+    the law, normal damping (N s/m, or None); along, across: weights of both bodies for the normal
+    and for the tangential force.
     """
-    stiffness, sqrt_overlap, damping = spring
-    k = 1.5 * stiffness * sqrt_overlap
+    constant, measured, damping = spring
+    k = slope(law, constant, measured)
     add_pair(rows, pair, k, damping, normal, along)
     if friction is not None:
-        k_t = friction[0] * stiffness * sqrt_overlap
+        k_t = friction[0] * constant * measured
         c_t = times(friction[1], damping)
         add_pair(rows, pair, k_t, c_t, (-normal[1], normal[0]), across)
     return k
 
 
 @optional
-def add_rolling(rolling, rows, pair, p, spring, spins):
+def add_rolling(rolling, contacts, rows, pair, p, elastic, spins):
     """Rolling stiffness and damping of contact p.
 
-    rolling: Contacts.rolling; spring: of `add_contact`; spins: 1/sqrt(I) of both bodies (kg^-0.5
-    m^-1), zero for one that no torque turns.
+    elastic: constant of the law, overlap (m) and its measure; spins: 1/sqrt(I) of both bodies
+    (kg^-0.5 m^-1), zero for one that no torque turns.
     """
-    stiffness, sqrt_overlap, _ = spring
-    k, c = rolling_stiffness(rolling, p, stiffness), rolling[1, p] * math.sqrt(sqrt_overlap)
-    weights = (0.0, spins[0]), (0.0, spins[1])
-    add_pair(rows, pair, k * sqrt_overlap, c, (0.0, 0.0), weights)
+    constant, overlap, measured = elastic
+    k = rolling_stiffness(contacts, p, constant) * measured
+    c = rolling[1, p] * root(contacts.law, overlap, measured)
+    add_pair(rows, pair, k, c, (0.0, 0.0), ((0.0, spins[0]), (0.0, spins[1])))
 
 
 @inlined

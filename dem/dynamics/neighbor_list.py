@@ -14,6 +14,7 @@ from dem.dynamics.world import (
     LAW,
     MODULUS,
     PATCH,
+    SHARE,
     Contacts,
     Patches,
     number_of_patches,
@@ -22,6 +23,7 @@ from dem.jit.address import as_before, by_address, changeable
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import optional
+from dem.laws.protocol import length, stiffness
 from dem.shapes.protocol import circle, local_radius, outline, place
 from dem.shapes.rotation import set_orientation
 
@@ -90,12 +92,14 @@ def renewed(old, first, constituent, partner, force_row, shape):
         constituent=constituent,
         partner=partner,
         force_row=force_row,
+        law=old.law,
         stiffness=np.empty(count),
+        length=zeros_like(old.length, count),
         damping=zeros_like(old.damping, count),
         mass_ratio=zeros_like(old.mass_ratio, (2, count)),
         friction=zeros_like(old.friction, (3, count)),
         tangential_force=carried(old.tangential_force, source),
-        sqrt_overlap=carried(old.sqrt_overlap, source),
+        measure=carried(old.measure, source),
         rolling=zeros_like(old.rolling, (2, count)),
         rolling_moment=carried(old.rolling_moment, source),
         normal_x=carried(old.normal_x, source),
@@ -116,16 +120,27 @@ def inverse_mass_along(world, g, c):
 
 
 @inlined
-def set_constants(contacts, p, law, shape, radius, mass, inverse_masses):
-    """Constants of contact p from its row of GranuleTable.laws, its effective radius R* (m) and
-    mass m* (kg).
+def effective_radius(one, two):
+    """R* (m) of two radii, of which the second is zero for a flat body."""
+    return one * two / (one + two) if two > 0.0 else one
+
+
+@inlined
+def set_constants(contacts, p, law, shape, radii, mass, inverse_masses):
+    """Constants of contact p from its row of GranuleTable.laws, the radii of both bodies (m; zero of
+    a flat one) and its effective mass m* (kg).
 
     inverse_masses: sums of those of both bodies along x and y (1/kg).
     """
-    stiffness = law[MODULUS] * math.sqrt(radius)
-    contacts.stiffness[p] = stiffness if local_radius(shape) is None else law[MODULUS]
+    one, two = radii
+    radius = effective_radius(one, two)
+    constant = stiffness(contacts.law, law[MODULUS], radius)
+    contacts.stiffness[p] = constant if local_radius(shape) is None else law[MODULUS]
+    if contacts.length is not None:
+        other = two if two > 0.0 else one
+        contacts.length[p] = length(contacts.law, law[SHARE], one, other, radius)
     if contacts.damping is not None:
-        contacts.damping[p] = law[ALPHA] * math.sqrt(mass * stiffness)
+        contacts.damping[p] = law[ALPHA] * math.sqrt(mass * constant)
     if contacts.friction is not None:
         for c in range(LAW - FRICTION):
             contacts.friction[c, p] = law[FRICTION + c]
@@ -136,15 +151,15 @@ def set_constants(contacts, p, law, shape, radius, mass, inverse_masses):
 
 
 @optional
-def set_rolling(rolling, contacts, p, partner, radius, squares):
+def set_rolling(rolling, contacts, p, partner, radii, squares):
     """Rolling resistance of contact p of a disc with another (partner 0), a wall (1), a solid (2).
 
-    rolling: GranuleTable.rolling; radius: R_r (m); squares: mass times radius squared (kg m2), of
-    both bodies as of two springs in a row; 3/2 of it is I_r, about the contact.
+    rolling: GranuleTable.rolling; radii: as for `set_constants`; squares: mass times radius squared
+    (kg m2), of both bodies as of two springs in a row; 3/2 of it is I_r, about the contact.
     """
-    contacts.rolling[0, p] = rolling[partner] * radius
-    stiffness = rolling_stiffness(contacts.rolling, p, contacts.stiffness[p])
-    contacts.rolling[1, p] = 2.0 * rolling[3] * math.sqrt(1.5 * squares * stiffness)
+    contacts.rolling[0, p] = rolling[partner] * effective_radius(radii[0], radii[1])
+    constant = rolling_stiffness(contacts, p, contacts.stiffness[p])
+    contacts.rolling[1, p] = 2.0 * rolling[3] * math.sqrt(1.5 * squares * constant)
 
 
 @inlined
@@ -240,12 +255,11 @@ def list_pairs(world, table):
             inverse_mass_along(world, g, 0) + inverse_mass_along(world, h, 0),
             inverse_mass_along(world, g, 1) + inverse_mass_along(world, h, 1),
         )
-        reduced_radius = radius[i] * radius[j] / (radius[i] + radius[j])
         mass = effective_mass(held, table.mass, i, j)
         law = table.laws[table.species[h], table.species[g]]
-        set_constants(new, p, law, shape, reduced_radius, mass, inverse_masses)
+        set_constants(new, p, law, shape, (radius[i], radius[j]), mass, inverse_masses)
         turned = world.inverse_mass[g] / radius[i] ** 2 + world.inverse_mass[h] / radius[j] ** 2
-        set_rolling(table.rolling, new, p, 0, reduced_radius, 1.0 / turned)
+        set_rolling(table.rolling, new, p, 0, (radius[i], radius[j]), 1.0 / turned)
         set_image(new, p, rows[j, X] - rows[i, X], rows[j, Y] - rows[i, Y], period)
         put_sizes(new.sizes, p, shape, orientation, i, j)
     world.pairs, world.patches = new, patches
@@ -270,16 +284,12 @@ def list_surface(surface, world, table):
             inverse_mass_along(world, i // per, 0) + drive[b, INVERSE_MASS],
             inverse_mass_along(world, i // per, 1) + drive[b, INVERSE_MASS + 1],
         )
-        reduced = table.radius[i]
-        if surface.radius is not None:
-            reduced = reduced * surface.radius[b] / (reduced + surface.radius[b])
-        elif surface.outlines is not None:
-            reduced = reduced * table.solid_radius[b] / (reduced + table.solid_radius[b])
+        radii = table.radius[i], table.solid_radius[b]
         law = table.laws[materials + b, table.species[i // per]]
-        set_constants(new, p, law, world.shape, reduced, table.mass[i], inverse_masses)
+        set_constants(new, p, law, world.shape, radii, table.mass[i], inverse_masses)
         kind = 1 if surface.planes is not None else 2
         squares = table.mass[i] * table.radius[i] ** 2
-        set_rolling(table.rolling, new, p, kind, reduced, squares)
+        set_rolling(table.rolling, new, p, kind, radii, squares)
         set_image(new, p, motion[b, X] - rows[i, X], motion[b, Y] - rows[i, Y], period)
     reach_patches(world.patches, constituent, per)
     surface.contacts = new

@@ -41,6 +41,7 @@ def make_scene(replicate: Replicate, bed: Bed) -> Scene:
         periodic=bed.periodic,
         rolling=rolling
         and Rolling(rolling.granule, rolling.wall, rolling.cylinder, rolling.damping),
+        law=replicate.law,
     )
 
 
