@@ -174,8 +174,12 @@ def test_a_law_of_ones_own_by_the_page(tmp_path, monkeypatch):
     names = {}
     exec(use, names)
     assert np.diff(names["after"])[0] == pytest.approx(0.5, rel=0.02)
-    run = load(tmp_path / "cones.yaml").replicate("c1", 3900.0, 1)
-    assert run.law == names["Cone"]() and type(run.law) is names["Cone"]
+    cone = load(tmp_path / "cones.yaml").replicate("c1", 3900.0, 1).law
+    assert type(cone) is names["Cone"]
+    axis = sweep.replace("1 to 5", "1, contact.law: [hertz, linear, cones.Cone]")
+    (tmp_path / "cones.yaml").write_text(axis)
+    runs = load(tmp_path / "cones.yaml").block("drag").unique()
+    assert [run.law for run in runs] == [dem.Hertz(), dem.Linear(), cone]
 
 
 def test_a_law_is_part_of_what_a_run_and_its_bed_are():
@@ -192,5 +196,5 @@ def test_a_law_is_part_of_what_a_run_and_its_bed_are():
     assert (hertz.id, hertz.bed_id) == (plain.id, plain.bed_id)
     assert len({run.id for run in (plain, linear, stiff)}) == 3
     assert len({run.bed_id for run in (plain, linear, stiff)}) == 3
-    with pytest.raises(dem.InputError, match="stiffness is .* and law hertz; leave it out"):
+    with pytest.raises(dem.InputError, match="N/m and law hertz; leave it out"):
         asked(**{"contact.stiffness": 1e7})

@@ -56,7 +56,7 @@ MUTANTS = (
     Mutant("contacts/force_law.py", "sign", "elastic + damping", "elastic - damping", BOX),
     Mutant("contacts/force_law.py", "limit", "max(force, -limit), limit)", "max(force, 0.0), limit)", BOX),
     Mutant("contacts/force_law.py", "missing factor", "+ kept * last)", "+ last)", BOX),
-    Mutant("contacts/force_law.py", "limit", "TINY), 1.0\n", "TINY), 2.0\n", BOX),
+    Mutant("contacts/force_law.py", "limit", "max(last, TINY), 1.0)", "max(last, TINY), 2.0)", BOX),
     Mutant("contacts/force_law.py", "constant", "-(math.pi - 2.0 * psi)", "-(math.pi - psi)", BOX),
     Mutant("contacts/response.py", "time", "rate = -plus(velocity[0], change[0])", "rate = -velocity[0]", BOX),
     Mutant("contacts/response.py", "sign", "minus(gx * nx + gy * ny, times(t2", "plus(gx * nx + gy * ny, times(t2", ELLIPSES),
@@ -115,7 +115,7 @@ MUTANTS = (
     Mutant("experiment/box.py", "sign", "(granules / fraction + area)", "(granules / fraction - area)", RUN),
     Mutant("experiment/kinds/drag.py", "order", "min(every - done % every, BINS_A_CALL)", "BINS_A_CALL", RUN),
     Mutant("experiment/observables/drag.py", "sign", '"drag": -(total @ along)', '"drag": (total @ along)', RUN),
-    Mutant("experiment/kinds/jamming.py", "constant", "load[start:] ** (2.0 / 3.0)", "load[start:] ** (3.0 / 2.0)", "studies/claims/tests/test_claims.py::test_line_finds_where_pressure_begins"),
+    Mutant("experiment/kinds/jamming.py", "constant", "load[start:] ** (1.0 / power)", "load[start:] ** (3.0 / 2.0)", "studies/claims/tests/test_claims.py::test_line_finds_where_pressure_begins"),
     Mutant("experiment/kinds/onset.py", "constant", "HOLDING = 3", "HOLDING = 2", "tests/test_onset.py"),
     Mutant("experiment/config.py", "missing term", 'PACKED = "packing.fraction", "packing.friction"', 'PACKED = ("packing.fraction",)', SWEEP),
     # sweeps, their store, files and numbers

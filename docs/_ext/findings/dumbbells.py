@@ -3,7 +3,6 @@
 from rich.table import Table
 
 from dem.analysis.tables import numbers
-from dem.base.statistics import Estimate
 from studies.common.findings import estimate
 
 from .drag import drag
@@ -45,7 +44,7 @@ def ratios(precise, claims, preparation, pressure) -> Table:
         ),
     ):
         found = judged["dumbbells_above_discs"].comparisons[0]
-        ratio = estimate(Estimate(found.estimate, *found.interval()))
+        ratio = estimate(found.known())
         made.add_row(_link(page), _name(file), PAPER, beds, "0.84", str(found.runs), ratio)
     seeds = str(pressure.dataset.sizes["seed"])
     for way, beds, at in (
