@@ -15,6 +15,7 @@ from .laws.line import Line as Line
 from .laws.linear import Linear as Linear
 from .material import Friction as Friction
 from .material import Material as Material
+from .material import Rolling as Rolling
 from .motion import Drive as Drive
 from .motion import Held as Held
 from .motion import PrescribedMotion as PrescribedMotion

@@ -16,9 +16,10 @@ from dem.base.errors import InputError
 from dem.base.types import Acceleration, Length, array, checked, must, parsed
 from dem.laws.hertz import Hertz
 from dem.laws.protocol import is_law
-from dem.material import Friction, Material
+from dem.material import Friction, Material, Rolling
 from dem.motion import Held, Kept, finite, fixed, numbered
 from dem.periodic import ROOM, Periods, nearest_image
+from dem.shapes.disc import Disc
 from dem.shapes.protocol import is_alone, is_of_discs, is_shape, resized, sizes_of
 from dem.solids import Polygon, Solid, Solids, Walls
 
@@ -106,6 +107,8 @@ class Scene(Kept):
         Number of the material of each granule, from 0 (without unit); None if there is one.
     law : Hertz, Linear, Line or a class of your own
         Law of all contacts.
+    rolling : Rolling, optional
+        Rolling resistance of all contacts of discs; None for none.
 
     Raises
     ------
@@ -167,9 +170,15 @@ class Scene(Kept):
     ] = ()
     species: Species | None = None
     law: ContactLaw = field(default_factory=Hertz)
+    rolling: InstanceOf[Rolling] | None = None
 
     def __post_init__(self) -> None:
         self._check_materials()
+        if self.rolling is not None and not isinstance(self.shape, Disc):
+            raise InputError(
+                f"rolling is for discs, and shape is {type(self.shape).__name__}; rolling must be "
+                "None, because granules that are not round resist rolling by their shape."
+            )
         for axis, period in enumerate(self.periodic or ()):
             if period is not None:
                 self._check_period(axis, period)

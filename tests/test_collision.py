@@ -133,8 +133,8 @@ def errors(restitution, depth, properties):
     law, mass = Law(scene, material, material, 0.0), 0.5 * scene.mass[0]
 
     def motion(t, y):
-        new, rate = (0.0, 0.0), (-y[1], 0.0)
-        return y[1], -law.push(new, y[0], (1e-3, 1e-3), mass, rate, rate, 0.0)[0] / mass
+        new, rate = (0.0, 0.0, 0.0), (-y[1], 0.0, 0.0)
+        return y[1], -law.push(new, y[0], (1e-3, 1e-3), mass, 1.0, rate, rate, 0.0)[0] / mass
 
     duration, steps = 6e-5, 2 ** np.arange(6, 11)
     exact = solve_ivp(motion, (0.0, duration), (depth, 1.0), "DOP853", rtol=1e-12, atol=1e-16)

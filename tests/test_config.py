@@ -76,6 +76,11 @@ REFUSED = [
     ("cylinder.diameter", 0.021, "cylinder.diameter is 0.021"),
     ("ellipse.contact", "geometric", "it must be 'common_normal' or 'geometric_potential'."),
     ("experiment", "darg", "experiment is 'darg'; it must be 'drag'"),
+    (
+        "rolling",
+        {"granule": 0.1, "wall": 0.1, "cylinder": 0.1},
+        "rolling is for discs, and shapes.d1.kind is dumbbell; make rolling null, or leave this",
+    ),
     ("numerics.step_fraction", 1.5, "is 1.5; it must be at most 1, or allow_unstable be true."),
     ("results", "results/../..", "it must be results or a folder below it, such as results/mine"),
     ("results", "results/store", "but not that of the store"),

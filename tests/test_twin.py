@@ -67,6 +67,12 @@ def scene_of(name):
     if name == "box of discs":
         shape, state = granules(dem.Disc)
         return dem.Scene(shape, damped, rough, WALLS, cylinder), state
+    if name == "discs that resist rolling":
+        shape, state = granules(dem.Disc)
+        cylinder = dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), (1.0, 2.0), spin=TURN)
+        return dem.Scene(
+            shape, damped, rough, WALLS, cylinder, rolling=dem.Rolling(0.2, 0.3, 0.1, damping=0.2)
+        ), state  # fmt: skip
     if name == "discs":
         shape, state = granules(dem.Disc)
         return dem.Scene(
@@ -149,9 +155,9 @@ def scene_of(name):
 
 
 SCENES = (
-    "box of discs", "discs", "smooth discs", "discs around solids", "smooth discs around solids", "dumbbells",
-    "clumps", "ellipses", "ellipses of local radius", "ellipses by the chord", "ellipses around solids", "superellipses",
-    *LAWS,
+    "box of discs", "discs that resist rolling", "discs", "smooth discs", "discs around solids",
+    "smooth discs around solids", "dumbbells", "clumps", "ellipses", "ellipses of local radius",
+    "ellipses by the chord", "ellipses around solids", "superellipses", *LAWS,
 )  # fmt: skip
 
 

@@ -255,8 +255,8 @@ def mean_root(overlap, change):
 
 
 def spring_of(law, overlap, a):
-    """What a law says of an overlap (m), over its constant K: force f = du/d(delta), the measure that the
-    tangential stiffness goes with, y = sqrt(2 u) and dy/d(delta). a: the length of the law of lines (m)."""
+    """What a law says of an overlap (m), over its constant K: force f = du/d(delta), the measure that
+    tangential and rolling stiffness go with, y = sqrt(2 u) and dy/d(delta). a: the length of the law of lines (m)."""
     touch = overlap > 0.0
     d = np.where(touch, overlap, 1e-9)
     if isinstance(law, dem.Linear):
@@ -271,18 +271,20 @@ def spring_of(law, overlap, a):
     return [np.where(touch, value, 0.0) for value in values]
 
 
-CONSTANTS = "young", "shear", "zeta", "friction", "share"
+CONSTANTS = "young", "shear", "zeta", "friction", "share", "rolling", "rolling_damping"
 
 
 class Law:
     """The force law of one kind of contact: E* and G* (Pa), damping ratio, coefficient of friction, share of
-    the granule in 1/E*.
+    the granule in 1/E*, coefficient of rolling resistance and its damping ratio.
 
     other: material of the partner, None if it is rigid; stiffness: of the tangential springs over Mindlin's;
     turns: whether contacts turn anything in the scene.
     """
 
-    def __init__(self, scene, material, other, friction, stiffness=1.0, turns=True):
+    def __init__(
+        self, scene, material, other, friction, stiffness=1.0, turns=True, rolling=(0.0, 0.0)
+    ):
         self.elastic, self.thickness = scene.law, scene.thickness
         meets = [material] if other is None else [material, other]
         self.young = 1.0 / sum((1.0 - m.poisson_ratio**2) / m.young_modulus for m in meets)
@@ -292,6 +294,7 @@ class Law:
         restitution = np.prod([m.restitution for m in meets]) ** (1.0 / len(meets))
         self.zeta, self.friction, self.turns = damping_ratio(restitution), friction, turns
         self.share = self.young * (1.0 - material.poisson_ratio**2) / material.young_modulus
+        self.rolling, self.rolling_damping = rolling
 
     def of(self, index):
         """Those of contacts with these numbers."""
@@ -311,13 +314,15 @@ class Law:
             return np.pi * self.young * self.thickness, 4.0, a
         return 4.0 / 3.0 * self.young * np.sqrt(radius), 6.0, a
 
-    def push(self, memory, overlap, radii, mass, middle, rate, dt):
-        """N and T (N) on body 2, and the memory afterwards: the spring (N) and the overlap (m).
+    def push(self, memory, overlap, radii, mass, inertia, middle, rate, dt):
+        """N and T (N) and M (N m) on body 2, and the memory afterwards: the spring (N), the overlap (m) and the
+        moment (N m) of the rolling spring.
 
-        radii, mass: of both bodies (m) and m* (kg); middle, rate: v_n and v_t (m/s) in the middle of the step of dt (s), and
-        at its end. Contacts that do not touch remember nothing.
+        radii, mass, inertia: of both bodies (m), m* (kg) and I* (kg m2); middle, rate: v_n and v_t (m/s) and the
+        spin of 2 relative to 1 (rad/s) in the middle of the step of dt (s), and at its end. Contacts that do not
+        touch remember nothing.
         """
-        (spring, last), (k, ratio, a) = memory, self.constants(radii)
+        (spring, last, moment), (k, ratio, a) = memory, self.constants(radii)
         change = 0.5 * dt * np.abs(middle[0] if self.turns else rate[0])
         force, measure, _, root = spring_of(self.elastic, overlap, a)
         if isinstance(self.elastic, dem.Hertz):
@@ -338,7 +343,18 @@ class Law:
         spring = np.clip(kept * spring - slid, -limit, limit)
         overlap = np.maximum(overlap, 0.0)
         dashpot = 2.0 * c * np.sqrt(self.shear / self.young) * root * rate[1]
-        return normal, np.clip(spring - dashpot, -limit, limit), (spring, overlap)
+        tangential = np.clip(spring - dashpot, -limit, limit)
+        hertz = isinstance(
+            self.elastic, dem.Hertz
+        )  # k_n is 3/2 K sqrt(delta), else K times the measure
+        arm = self.rolling / (1.0 / radii[0] + 1.0 / radii[1])
+        limit, stiffness = arm * normal, 3.0 * arm**2 * k * (1.5 if hertz else 1.0)
+        moment = kept * moment - 0.5 * stiffness * (kept * before + measure) * middle[2] * dt
+        moment = np.clip(moment, -limit, limit)
+        root = root * 2.0 / np.sqrt(5.0) if hertz else root
+        dashpot = 2.0 * self.rolling_damping * np.sqrt(stiffness * inertia) * root * rate[2]
+        total = np.clip(moment - dashpot, -limit, limit)
+        return normal, tangential, total, (spring, overlap, moment)
 
 
 # Motion
@@ -434,15 +450,15 @@ class Contacts:
     """All contacts that there could be of constituents `one` with `two`: constituents or boundaries.
 
     laws: of which `which` (k,) tells that of each; lightness (k, 2): the sum of inverse masses (1/kg) of both along
-    x and y; where nothing yields, that of the granule.
+    x and y; where nothing yields, that of the granule; inertia (k,): I* (kg m2) about the contact.
     """
 
-    def __init__(self, laws, which, one, two, lightness, mass):
+    def __init__(self, laws, which, one, two, lightness, mass, inertia):
         self.one, self.two, self.law = one, two, copy(laws[0])
         for name in CONSTANTS:
             setattr(self.law, name, np.array([getattr(law, name) for law in laws])[which])
         self.lightness = np.where(lightness > 0.0, lightness, 1.0 / mass[:, None])
-        self.memory = np.zeros(len(one)), np.zeros(len(one))
+        self.inertia, self.memory = inertia, np.zeros((3, len(one)))
 
 
 class Twin:
@@ -479,8 +495,12 @@ class Twin:
         turns = max([table.max(), *friction[0], *friction[1]]) > 0.0
         turns |= not isinstance(scene.shape, dem.Disc) or not all(s.is_round for s in solids)
 
-        def law(one, other, mu):
-            return Law(scene, one, other, mu, rough.stiffness, turns)
+        rolling = scene.rolling or dem.Rolling(0.0, 0.0, 0.0)
+        turns |= scene.rolling is not None
+
+        def law(one, other, mu, mu_r):
+            coefficients = mu_r, rolling.damping
+            return Law(scene, one, other, mu, rough.stiffness, turns, coefficients)
 
         free = self.group < 0
         one, two = np.triu_indices(len(owner), 1)
@@ -491,25 +511,29 @@ class Twin:
         )  # of held granules, that of their group
         lightness[~free] = lightness_of(self.held.motions)[self.group[~free]]
         lightness, mass = lightness[owner], mass[owner]
+        inertia = self.granules.inertia[owner] + mass * self.granules.radius**2  # about the rim
+        swing = np.where(free[owner], 1.0 / inertia, 0.0)
         laws = [
-            law(first, second, table[a, b])
+            law(first, second, table[a, b], rolling.granule)
             for a, first in enumerate(materials)
             for b, second in enumerate(materials)
         ]
         which = len(materials) * species[one] + species[two]
         both = lightness[one] + lightness[two]
-        self.pairs = Contacts(laws, which, one, two, both, mass[one])
+        self.pairs = Contacts(
+            laws, which, one, two, both, mass[one], 1.0 / (swing[one] + swing[two])
+        )
 
-        def around(bodies, moving, coefficients):
+        def around(bodies, moving, coefficients, mu_r):
             yields, every = lightness_of(moving.motions), np.arange(len(owner))
             for k, (body, mu) in enumerate(zip(bodies, coefficients, strict=True)):
                 partner = body.material or scene.boundary
-                laws = [law(material, partner, mu) for material in materials]
+                laws = [law(material, partner, mu, mu_r) for material in materials]
                 two = np.full(len(owner), k)
-                yield Contacts(laws, species, every, two, lightness + yields[k], mass)
+                yield Contacts(laws, species, every, two, lightness + yields[k], mass, inertia)
 
-        self.at_walls = list(around(scene.walls, self.walls, friction[0]))
-        self.at_solids = list(around(solids, self.solids, friction[1]))
+        self.at_walls = list(around(scene.walls, self.walls, friction[0], rolling.wall))
+        self.at_solids = list(around(solids, self.solids, friction[1], rolling.solid))
         self.sums, self.kicked = self.no_sums(), 0.0
         self.find_forces(0.0)
         self.last = self.accelerations()
@@ -590,9 +614,9 @@ class Twin:
 
         self.solids.force[:], self.solids.torque[:] = 0.0, 0.0
         for contacts in self.at_solids:
-            solid_of, force, arm = self.act(contacts, self.solids, near_solids, solid, dt)
+            solid_of, force, torque = self.act(contacts, self.solids, near_solids, solid, dt)
             np.add.at(self.solids.force, solid_of, force)
-            np.add.at(self.solids.torque, solid_of, cross(arm, force))
+            np.add.at(self.solids.torque, solid_of, torque)
         self.loads["solid_force"] = self.solids.force.copy()
         self.loads["solid_torque"] = self.solids.torque.copy()
 
@@ -615,13 +639,13 @@ class Twin:
 
     def act(self, contacts, partners, near, geometry, dt):
         """Forces of all contacts of a kind on the granules; returns for those that may touch the partner, the
-        force (N) on it and its arm (m)."""
+        force (N) and the torque (N m) on it."""
         owner = self.granules.owner
         may = np.flatnonzero(near(contacts.one, contacts.two))
         one, two = contacts.one[may], contacts.two[may]
         if not len(may):
-            contacts.memory = np.zeros((2, len(contacts.one)))
-            return two, np.zeros((0, 2)), np.zeros((0, 2))
+            contacts.memory = np.zeros((3, len(contacts.one)))
+            return two, np.zeros((0, 2)), np.zeros(0)
         touch, away, radii = geometry(one, two)
         n, t = touch.normal, turned(touch.normal)
         radii = touch.curvature if self.granules.local else radii
@@ -632,21 +656,24 @@ class Twin:
         other = arm - away  # from that of body 2
         mine, theirs = self.bodies.velocity_at(g, arm), partners.velocity_at(h, other)
         middle, end = theirs[0] - mine[0], theirs[1] - mine[1]
+        spin = partners.spin[h] - self.bodies.spin[g]
+        spins = spin, spin + partners.spin_change[h] - self.bodies.spin_change[g]
         memory = [each[may] for each in contacts.memory]
         mass = 1.0 / (contacts.lightness[may] * n**2).sum(axis=1)  # m*, along the normal
-        normal, tangential, memory = contacts.law.of(may).push(
-            memory, touch.overlap, radii, mass,
-            (dot(middle, n), dot(middle, t)), (dot(end, n), dot(end, t)), dt,
+        normal, tangential, moment, memory = contacts.law.of(may).push(
+            memory, touch.overlap, radii, mass, contacts.inertia[may],
+            (dot(middle, n), dot(middle, t), spins[0]), (dot(end, n), dot(end, t), spins[1]), dt,
         )  # fmt: skip
-        contacts.memory = np.zeros((2, len(contacts.one)))
+        contacts.memory = np.zeros((3, len(contacts.one)))
         contacts.memory[:, may] = memory
         force = normal[:, None] * n + tangential[:, None] * t
         np.add.at(self.force, g, -force)
-        np.add.at(self.torque, g, -cross(arm, force))
+        np.add.at(self.torque, g, -cross(arm, force) - moment)
+        torque = cross(other, force) + moment
         if partners is self.bodies:
             np.add.at(self.force, h, force)
-            np.add.at(self.torque, h, cross(other, force))
-        return two, force, other
+            np.add.at(self.torque, h, torque)
+        return two, force, torque
 
     def accelerations(self):
         """Of all granules (m/s2), and of their spins (rad/s2)."""

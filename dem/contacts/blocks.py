@@ -279,11 +279,13 @@ def change_between(turns, motion, at, geometry):
 def put_change(change, contacts, values, k):
     put(given(contacts.damping, change[0]), values, lane.DV_NORMAL + k)
     put(given(contacts.friction, change[1]), values, lane.DV_TANGENT + k)
+    put(given(contacts.rolling, change[2]), values, lane.D_SPIN + k)
 
 
 @optional
-def change_of_lane(turns, values, k):
-    return values[lane.DV_NORMAL + k], values[lane.DV_TANGENT + k]
+def change_of_lane(turns, rolling, values, k):
+    spin = take(rolling, values, lane.D_SPIN + k)
+    return values[lane.DV_NORMAL + k], values[lane.DV_TANGENT + k], spin
 
 
 @inlined
@@ -304,9 +306,10 @@ def store_geometry(turns, geometry, contacts, p, lanes, k):
     put(t1, values, lane.T1 + k)
     put(t2, values, lane.T2 + k)
     put(radius, values, lane.RADIUS + k)
-    # only damping needs the rate, and only friction the slip
+    # only damping needs the rate, only friction the slip, only rolling resistance the spin
     put(given(contacts.damping, velocity[0]), values, lane.V_NORMAL + k)
     put(given(contacts.friction, velocity[1]), values, lane.V_TANGENT + k)
+    put(given(contacts.rolling, velocity[2]), values, lane.SPIN + k)
     put_change(change, contacts, values, k)
     remember(contacts.normal_x, contacts.normal_y, p, nx, ny)
 
@@ -409,21 +412,24 @@ def contact_forces(friction, shape, levers, turns, contacts, start, stop, dt, la
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         geometry = load_geometry(shape, levers, values, k)
-        velocity = values[lane.V_NORMAL + k], values[lane.V_TANGENT + k]
-        change = either(change_of_lane(turns, values, k), (None, None))
+        spin = take(contacts.rolling, values, lane.SPIN + k)
+        velocity = values[lane.V_NORMAL + k], values[lane.V_TANGENT + k], spin
+        change = either(change_of_lane(turns, contacts.rolling, values, k), (None, None, None))
         mean = take(contacts.damping, values, lane.ROOT + k)
-        n, t, damped, slid = respond(
+        n, t, moment, damped, slid, rolled = respond(
             contacts, p, geometry, velocity, change, mean, dt, lanes.account
         )
         put(damped, values, lane.DAMPED + k)
         put(slid, values, lane.SLID + k)
+        put(rolled, values, lane.ROLLED + k)
         _, nx, ny, n1, t1, n2, t2, _ = geometry
         values[lane.FORCE_X + k] = minus(n * nx, times(t, ny))
         values[lane.FORCE_Y + k] = plus(n * ny, times(t, nx))
         # zero where a list has none, because other lists of the same lanes have some
         none = given(turns, 0.0)
-        put(either(minus(times(t1, n), times(n1, t)), none), values, lane.TORQUE_1 + k)
-        two = minus(minus(None, times(n2, t)), times(t2, n))
+        one = minus(minus(times(t1, n), times(n1, t)), moment)
+        put(either(one, none), values, lane.TORQUE_1 + k)
+        two = plus(minus(minus(None, times(n2, t)), times(t2, n)), moment)
         put(either(two, none), values, lane.TORQUE_2 + k)
 
 
@@ -435,6 +441,7 @@ def add_losses(account, contacts, start, stop, values):
         k = np.uint64(q)
         add_loss(lossy, account, lane.POWER_DAMPED, values, lane.DAMPED + k)
         add_loss(contacts.friction, account, lane.POWER_SPRINGS, values, lane.SLID + k)
+        add_loss(contacts.rolling, account, lane.POWER_ROLLING, values, lane.ROLLED + k)
 
 
 @optional

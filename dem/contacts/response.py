@@ -1,15 +1,16 @@
-"""The response of one contact: from its geometry and its slip to the forces N and T.
+"""The response of one contact: from its geometry and its slip to the forces N and T and a moment M.
 
 A contact acts from constituent 1 to body 2 (a constituent, a wall or a solid) with N n + T t
 on body 2, n and t as in dem.shapes.protocol; N >= 0 pushes them apart, T opposes the slip.
+M on body 2 and -M on constituent 1 oppose the rotation of one relative to the other.
 """
 
 import math
 
-from dem.contacts.force_law import TINY, capped, damped, mindlin
+from dem.contacts.force_law import capped, damped, mindlin
 from dem.jit.compilation import inlined
 from dem.jit.optional import either, given, minus, optional, plus, times
-from dem.laws.protocol import force, measure, stiffness
+from dem.laws.protocol import force, measure, slope, stiffness
 
 
 @optional
@@ -55,15 +56,14 @@ def dashpot(damping, ratio, root, slip_rate):
 def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
     """The spring is capped first, then spring and dashpot, so that friction does no positive work.
 
-    elastic: constant and measure of the law, constant and root of the dashpot; slip: in this step
-    (m), and its rate at the full step (m/s). Returns the force (N) and the powers (W) that dashpot
-    and spring take, None without an energy ledger.
+    elastic: constant and measure of the law, the measure in the last step, constant and root of the
+    dashpot; slip: in this step (m), and its rate at the full step (m/s). Returns the force (N) and
+    the powers (W) that dashpot and spring take, None without an energy ledger.
     """
-    constant, measured, damping, root = elastic
+    constant, measured, last, damping, root = elastic
     distance, rate = slip
     limit = friction[0, p] * normal  # see dem.dynamics.world.COEFFICIENT
-    constant = friction[1, p] * constant
-    before, last = contacts.tangential_force[p], contacts.measure[p]
+    constant, before = friction[1, p] * constant, contacts.tangential_force[p]
     spring = capped(mindlin(before, measured, last, constant, distance), limit)
     contacts.tangential_force[p], contacts.measure[p] = spring, measured
     dashpot_force = dashpot(damping, friction[2, p], root, rate)
@@ -75,15 +75,44 @@ def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
     )
 
 
+@inlined
+def rolling_stiffness(contacts, p, constant):
+    """Rolling stiffness of contact p over the measure of the law: 3 (mu_r R_r)^2 times that of the
+    normal force; constant: of the law."""
+    arm = contacts.rolling[0, p]
+    return 3.0 * arm * arm * slope(contacts.law, constant, 1.0)
+
+
 @optional
-def spring_energy(account, force, stiffness):
-    """Energy (J) of a tangential spring."""
-    return 0.5 * force * force / max(stiffness, TINY)
+def rolling_moment(rolling, contacts, p, normal, elastic, rotation, account):
+    """Moment (N m) on body 2, and the powers (W) that dashpot and spring take, as `friction_force`.
+
+    elastic: as there; rotation of 2 relative to 1: in this step (rad), and its rate at the full
+    step (rad/s).
+    """
+    constant, measured, last, _, root = elastic
+    angle, rate = rotation
+    limit = rolling[0, p] * normal  # see dem.dynamics.world.Contacts
+    constant, before = rolling_stiffness(contacts, p, constant), contacts.rolling_moment[p]
+    moment = capped(mindlin(before, measured, last, constant, angle), limit)
+    contacts.rolling_moment[p] = moment
+    total = capped(moment - rolling[1, p] * root * rate, limit)
+    return (
+        total,
+        dissipated_power(account, total - moment, rate),
+        dissipated_power(account, moment, rate),
+    )
+
+
+@optional
+def last_measure(measure, p):
+    """Measure of the law for contact p in the last step."""
+    return measure[p]
 
 
 @optional
 def dissipated_power(account, force, rate):
-    """Power (W) that a force takes: minus that on what moves at `rate` (m/s)."""
+    """Power (W) that a force or a moment takes: minus that on what moves at `rate` (m/s, rad/s)."""
     return -force * rate
 
 
@@ -96,7 +125,7 @@ def stiffness_of(contacts, p, radius):
 
 @inlined
 def relative_velocity(one, two, geometry):
-    """Velocity of body 2 relative to body 1 at the contact, along n and along t.
+    """Velocity of body 2 relative to body 1 at the contact, along n and along t, and its spin.
 
     one, two: velocity x, y (m/s) and spin (rad/s; None where nothing turns), or their changes to
     the full step.
@@ -105,18 +134,20 @@ def relative_velocity(one, two, geometry):
     gx, gy = two[0] - one[0], two[1] - one[1]
     v_normal = plus(minus(gx * nx + gy * ny, times(t2, two[2])), times(t1, one[2]))
     v_tangent = minus(minus(gy * nx - gx * ny, times(n2, two[2])), times(n1, one[2]))
-    return v_normal, v_tangent
+    return v_normal, v_tangent, minus(two[2], one[2])
 
 
 @inlined
 def respond(contacts, p, geometry, velocity, change, root, dt, account):
-    """Forces N and T (N) of contact p, and powers (W) that dashpots and tangential springs take.
+    """Forces N and T (N) and moment M (N m) of contact p, and powers (W) that dashpots, tangential
+    springs and rolling springs take.
 
-    T is None without friction, the powers without an energy ledger. velocity, change: from
-    relative_velocity, of the half step and to the full step. Where nothing turns change is (None,
-    None): the velocity is that of the full step, and no slip follows from it. root: of the law, for
-    the dashpot, None without one. Bodies that do not touch remember nothing, and feel nothing but
-    the dashpot if they touch within half a step: their overlap counts as zero in the law.
+    T is None without friction, M without rolling resistance, the powers without an energy ledger.
+    velocity, change: from relative_velocity, of the half step and to the full step. Where nothing
+    turns change is None: the velocity is that of the full step, and no slip follows from it. root:
+    of the law, for the dashpot, None without one. Bodies that do not touch remember nothing, and
+    feel nothing but the dashpot if they touch within half a step: their overlap counts as zero in
+    the law.
     """
     overlap = max(geometry.overlap, 0.0)
     measured = measure_of(contacts, p, overlap)
@@ -126,17 +157,32 @@ def respond(contacts, p, geometry, velocity, change, root, dt, account):
     damping = dashpot_constant(contacts.damping, contacts.mass_ratio, p, geometry.nx, geometry.ny)
     normal = either(damped_force(damping, elastic, root, rate), elastic)
     damped_normal = dissipated_power(given(damping, account), normal - elastic, -rate)
+    last = last_measure(contacts.measure, p)  # before friction overwrites it
+    springs = constant, measured, last, damping, root
     tangential, damped_tangential, slid = either(
         friction_force(
             contacts.friction,
             contacts,
             p,
             normal,
-            (constant, measured, damping, root),
+            springs,
             (velocity[1] * dt, plus(velocity[1], change[1])),
             account,
             dt,
         ),
         (None, None, None),
     )
-    return normal, tangential, plus(damped_normal, damped_tangential), slid
+    moment, damped_rolling, rolled = either(
+        rolling_moment(
+            contacts.rolling,
+            contacts,
+            p,
+            normal,
+            springs,
+            (times(velocity[2], dt), plus(velocity[2], change[2])),
+            account,
+        ),
+        (None, None, None),
+    )
+    damped = plus(plus(damped_normal, damped_tangential), damped_rolling)
+    return normal, tangential, moment, damped, slid, rolled

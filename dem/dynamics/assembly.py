@@ -1,6 +1,7 @@
 """From a scene and a state to the arrays of the kernels."""
 
 import math
+from dataclasses import astuple
 from typing import NamedTuple
 
 import numpy as np
@@ -85,6 +86,8 @@ class GranuleTable(NamedTuple):
         Means (m, kg).
     held : ndarray of shape (constituents,) or None
         Which are held.
+    rolling : tuple of float or None
+        Coefficients of rolling resistance with granules, walls and solids, and the damping ratio.
     """
 
     law: tuple
@@ -109,6 +112,7 @@ class GranuleTable(NamedTuple):
     mean_radius: float
     mean_mass: float
     held: np.ndarray | None
+    rolling: tuple[float, float, float, float] | None
 
 
 def writable(shape):
@@ -154,6 +158,7 @@ def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTa
         mean_radius=float(shape.constituent_radius.mean()),
         mean_mass=float(scene.mass.mean()),
         held=scene.is_held[owner] if scene.held else None,
+        rolling=astuple(scene.rolling) if scene.rolling else None,
     )
 
 
@@ -230,7 +235,7 @@ def has_friction(laws: np.ndarray) -> bool:
 
 def can_turn(scene: Scene, laws: np.ndarray) -> bool:
     """Whether any contact turns a granule, or a solid that is not round."""
-    turns = any(not solid.is_round for solid in scene.solids)
+    turns = scene.rolling is not None or any(not solid.is_round for solid in scene.solids)
     turns |= bool(np.any(scene.shape.normal_lever > 0.0))
     return turns or has_friction(laws)
 
@@ -318,7 +323,8 @@ def contacts(
     that of the granules if absent.
     """
     index, numbers = np.empty(0, np.uint32), np.empty(0)
-    damped, rough = bool(table.laws[..., ALPHA].any()), has_friction(table.laws)
+    rolls = table.rolling is not None
+    damped, rough = rolls or table.laws[..., ALPHA].any(), rolls or has_friction(table.laws)
     memory = numbers if rough else None
     remembers = (scene.shape if shape is None else shape).guesses
     guesses = numbers if partner != "wall" and remembers else None
@@ -337,6 +343,8 @@ def contacts(
         friction=np.empty((3, 0)) if rough else None,
         tangential_force=memory,
         measure=memory,
+        rolling=np.empty((2, 0)) if rolls else None,
+        rolling_moment=numbers if rolls else None,
         normal_x=guesses,
         normal_y=guesses,
         shift_x=numbers if x else None,
@@ -395,6 +403,7 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
     turned = np.column_stack([np.cos(state.angle), np.sin(state.angle)])
     moving, none = boundaries(scene), np.zeros(0, np.int64)
     held_drive = moving.drive[len(moving.drive) - len(scene.held) :]
+    pairs = contacts(scene, table, held_drive)
     return World(
         shape=writable(scene.shape),
         bodies=bodies,
@@ -406,8 +415,8 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
         constituents=bodies if table.alone else rows(count, 8),
         constituent_force=force if table.alone else rows(count, 4),
         reference=np.zeros((count, 2)),
-        previous_acceleration=rows(n, 4) if table.laws[..., ALPHA].any() else None,
-        pairs=contacts(scene, table, held_drive),
+        previous_acceleration=None if pairs.damping is None else rows(n, 4),
+        pairs=pairs,
         boundaries=moving,
         **surfaces(scene, table, moving.drive),
         gravity=scene.gravity or (0.0, 0.0),

@@ -25,8 +25,11 @@ from dem.shapes.protocol import (
     support,
 )
 
-# members of Contacts that a response does not read
-NOT_OF_RESPONSE = "first", "normal_x", "normal_y", "shift_x", "shift_y", "sizes"
+# members of Contacts on which no force depends
+NOT_OF_RESPONSE = (
+    *("first", "normal_x", "normal_y", "shift_x", "shift_y", "sizes"),
+    *("rolling", "rolling_moment"),
+)
 
 
 @inlined
@@ -193,6 +196,9 @@ class ContactList(NamedTuple):
     total_force : ndarray of shape (m, 2)
         Forces (x, y) on the partner (N), normal and tangential, of springs and dashpots; the
         granule feels the opposite. NaN where a tangential force is not known.
+    rolling_moment : ndarray of shape (m,)
+        Moments of the rolling springs (N m) on the partner, anticlockwise; zero without rolling
+        resistance, NaN where it is not known.
     """
 
     granule: np.ndarray
@@ -204,6 +210,7 @@ class ContactList(NamedTuple):
     force: np.ndarray
     tangential_force: np.ndarray
     total_force: np.ndarray
+    rolling_moment: np.ndarray
 
 
 def list_contacts(world, names: np.ndarray) -> ContactList:
@@ -243,7 +250,10 @@ def _columns(world, names, listed, geometries, partner, second):
     rates = np.column_stack([(nearing * normal).sum(axis=1), (nearing * tangent).sum(axis=1)])
     pushed = np.empty((len(rates), 3))
     _respond_now(_copied(listed, touch, constant), overlap, normal, rates, pushed)
-    spring = listed.tangential_force
+    spring, moment = (
+        np.zeros(len(granule)) if memory is None else memory[touch]
+        for memory in (listed.tangential_force, listed.rolling_moment)
+    )
     return (
         names[granule],
         partner,
@@ -252,8 +262,9 @@ def _columns(world, names, listed, geometries, partner, second):
         branch,
         overlap,
         pushed[:, 2],
-        np.zeros(len(granule)) if spring is None else spring[touch],
+        spring,
         pushed[:, :1] * normal + pushed[:, 1:2] * tangent,
+        moment,
     )
 
 
@@ -287,12 +298,12 @@ def _respond_now(contacts, overlap, normals, rates, pushed):
     for p in range(overlap.shape[0]):
         nx, ny = normals[p, 0], normals[p, 1]
         geometry = ContactGeometry(overlap[p], nx, ny, 0.0, None, None, None, None)
-        velocity = rates[p, 0], rates[p, 1]
+        velocity = rates[p, 0], rates[p, 1], None
         measured = measure_of(contacts, p, overlap[p])
         put(given(contacts.friction, measured), contacts.measure, p)
         now = given(contacts.damping, root(law, overlap[p], measured))
-        normal, tangential, _, _ = respond(
-            contacts, p, geometry, velocity, (0.0, 0.0), now, 0.0, None
+        normal, tangential, _, _, _, _ = respond(
+            contacts, p, geometry, velocity, (0.0, 0.0, None), now, 0.0, None
         )
         pushed[p, 0], pushed[p, 1] = normal, either(tangential, 0.0)
         pushed[p, 2] = force(law, contacts.stiffness[p], overlap[p], measured)

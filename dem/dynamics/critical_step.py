@@ -1,9 +1,9 @@
 """A lower bound of the critical time step, proved for small motions of the bed as it is.
 
-A contact resists the relative motion of two granules along its normal and along its tangent. In
-mass-weighted coordinates each adds k g g^T to the stiffness matrix and c g g^T to the damping
-matrix. Here g = (g1, g2), and g1 (three numbers: two of translation, one of rotation) belongs to
-granule 1. For any s > 0
+A contact resists the relative motion of two granules along its normal and along its tangent, and
+may resist their relative rotation. In mass-weighted coordinates each adds k g g^T to the stiffness
+matrix and c g g^T to the damping matrix. Here g = (g1, g2), and g1 (three numbers: two of
+translation, one of rotation) belongs to granule 1. For any s > 0
 
     g g^T <= (1 + s) g1 g1^T + (1 + 1/s) g2 g2^T,
 
@@ -26,9 +26,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.contacts.response import rolling_stiffness
 from dem.jit.compilation import inlined
-from dem.jit.optional import times
-from dem.laws.protocol import slope
+from dem.jit.optional import optional, times
+from dem.laws.protocol import root, slope
 
 # Columns of `rows` (bodies, 12): xx, xy, yy, xr, yr, rr of stiffness (1/s2), then of damping (1/s)
 STIFFNESS, DAMPING, COLUMNS = 0, 6, 12
@@ -119,6 +120,19 @@ def add_contact(law, rows, pair, friction, spring, normal, along, across):
         c_t = times(friction[1], damping)
         add_pair(rows, pair, k_t, c_t, (-normal[1], normal[0]), across)
     return k
+
+
+@optional
+def add_rolling(rolling, contacts, rows, pair, p, elastic, spins):
+    """Rolling stiffness and damping of contact p.
+
+    elastic: constant of the law, overlap (m) and its measure; spins: 1/sqrt(I) of both bodies
+    (kg^-0.5 m^-1), zero for one that no torque turns.
+    """
+    constant, overlap, measured = elastic
+    k = rolling_stiffness(contacts, p, constant) * measured
+    c = rolling[1, p] * root(contacts.law, overlap, measured)
+    add_pair(rows, pair, k, c, (0.0, 0.0), ((0.0, spins[0]), (0.0, spins[1])))
 
 
 @inlined

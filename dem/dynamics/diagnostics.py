@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.contacts.blocks import last_normal, shifted
+from dem.contacts.blocks import last_normal, shifted, take
 from dem.contacts.response import dashpot_constant, measure_of, stiffness_of
 from dem.dynamics.boundaries import boundary_weight, driven_acceleration, fastest
 from dem.dynamics.contact_list import deeper, geometries
@@ -14,6 +14,7 @@ from dem.dynamics.critical_step import (
     Bounds,
     add_contact,
     add_force_stiffness,
+    add_rolling,
     shortest,
     stable_step,
     weight,
@@ -133,6 +134,9 @@ def scan_pairs(world, table, bounds, begin, end, spare):
             along, across = (body_1[1], body_2[1]), (body_1[2], body_2[2])
             friction = friction_of(contacts.friction, p)
             k = add_contact(law, rows, pair, friction, spring, (nx, ny), along, across)
+            spins, elastic = table.root_inverse_inertia, (constant, held, measured)
+            spins = take(contacts.rolling, spins, g), take(contacts.rolling, spins, h)
+            add_rolling(contacts.rolling, contacts, rows, pair, p, elastic, spins)
             add_force_stiffness(rows, pair[0], k, overlap, table.bend[g])
             add_force_stiffness(rows, pair[1], k, overlap, table.bend[h])
     return touching, worst
@@ -189,6 +193,9 @@ def scan_contacts(surface, world, table, bounds, worst):
         across = across, boundary_weight(boundaries, b, far[1])
         friction = friction_of(contacts.friction, p)
         k = add_contact(law, rows, pair, friction, spring, (nx, ny), along, across)
+        spin = take(contacts.rolling, constants.root_inverse_inertia, g)
+        spins, elastic = (spin, boundary_weight(boundaries, b, 1.0)[1]), (constant, held, measured)
+        add_rolling(contacts.rolling, contacts, rows, pair, p, elastic, spins)
         add_force_stiffness(rows, g, k, overlap, constants.bend[g])
         if boundaries.reach[b] > 0.0:  # a flat side has no curvature: its size bounds the arm
             bend = constants.bulk * boundaries.reach[b] * boundaries.drive[b, INVERSE_MASS + 2]

@@ -1,10 +1,11 @@
 """Kinetic energy, and the energy ledger: what a bed holds, gains and loses.
 
-The kernels sum two powers over time (dem.jit.block_memory): those that dashpots and tangential
-springs take. They sum the work of walls, solids and held granules as they kick them. Kinetic and
-elastic energies follow from the state. What springs have taken and do not hold is lost by sliding;
-energy that a spring loses while the overlap shrinks is included. Powers count with the kicks of
-their forces, up to the time of the state: the trapezoidal rule, of second order in the time step.
+The kernels sum powers over time (dem.jit.block_memory): those that dashpots, tangential springs and
+rolling springs take. They sum the work of walls, solids and held granules as they kick them.
+Kinetic and elastic energies follow from the state. What springs have taken and do not hold is lost
+by sliding or rolling; energy that a spring loses while the overlap shrinks is included. Powers
+count with the kicks of their forces, up to the time of the state: the trapezoidal rule, of second
+order in the time step.
 """
 
 import math
@@ -13,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.contacts.force_law import TINY
-from dem.contacts.response import measure_of
+from dem.contacts.response import measure_of, rolling_stiffness
 from dem.dynamics.contact_list import measured
 from dem.dynamics.forces import greater
 from dem.dynamics.world import STIFFNESS_RATIO, at_full_steps
@@ -35,10 +36,14 @@ class Ledger(NamedTuple):
         Elastic energy of the normal springs now (J).
     elastic_tangential : float
         Elastic energy of the tangential springs now (J).
+    elastic_rolling : float
+        Elastic energy of the rolling springs now (J).
     damped : float
         Energy lost in dashpots since the start (J).
     slid : float
         Energy lost by sliding since the start (J).
+    rolled : float
+        Energy lost by rolling resistance since the start (J).
     work : float
         Work of the boundaries on the granules since the start (J): of walls, solids and held
         granules.
@@ -49,14 +54,16 @@ class Ledger(NamedTuple):
 
     Notes
     -----
-    ``held - before = work + fallen - damped - slid``, but for the error of the time step.
+    ``held - before = work + fallen - damped - slid - rolled``, but for the error of the time step.
     """
 
     kinetic: float
     elastic_normal: float
     elastic_tangential: float
+    elastic_rolling: float
     damped: float
     slid: float
+    rolled: float
     work: float
     fallen: float
     before: float
@@ -64,13 +71,13 @@ class Ledger(NamedTuple):
     @property
     def held(self) -> float:
         """Kinetic and elastic energy (J) now."""
-        return self.kinetic + self.elastic_normal + self.elastic_tangential
+        return sum(self[:4])
 
     @property
     def residual(self) -> float:
         """Error of the energy balance over its largest term, without unit."""
         change = self.held - self.before
-        gained, gone = self.work + self.fallen, self.damped + self.slid
+        gained, gone = self.work + self.fallen, self.damped + self.slid + self.rolled
         scale = max(self.held, self.before, abs(self.work), abs(self.fallen), abs(gone))
         return abs(change - gained + gone) / scale if scale > 0.0 else 0.0
 
@@ -105,20 +112,27 @@ def kinetic(world, later, frame):
 
 @compiled(allocates=True)
 def elastic(geometries, contacts):
-    """Normal and tangential elastic energy (J) of contacts; a spring stores T^2 / (2 k_t)."""
-    normal, tangential, friction = 0.0, 0.0, contacts.friction
+    """Normal, tangential and rolling elastic energy (J) of contacts; a spring stores
+    T^2 / (2 k_t)."""
+    normal, tangential, rolled = 0.0, 0.0, 0.0
+    friction, rolling = contacts.friction, contacts.rolling
     for p in range(geometries.shape[0]):
         overlap, constant = max(geometries[p, 0], 0.0), geometries[p, 5]
         normal += energy(contacts.law, constant, overlap, measure_of(contacts, p, overlap))
+        if rolling is not None:
+            moment = contacts.rolling_moment[p]
+            stiffness = rolling_stiffness(contacts, p, constant) * contacts.measure[p]
+            rolled += 0.5 * moment * moment / max(stiffness, TINY)
         if friction is not None:
             force = contacts.tangential_force[p]
             stiffness = friction[STIFFNESS_RATIO, p] * constant * contacts.measure[p]
             tangential += 0.5 * force * force / max(stiffness, TINY)
-    return normal, tangential
+    return normal, tangential, rolled
 
 
-def balance(world) -> tuple[float, float, float]:
-    """Kinetic, normal elastic and tangential elastic energy (J) of the bed."""
+def balance(world) -> tuple[float, ...]:
+    """Kinetic energy (J) of the bed, and elastic energies of normal, tangential and rolling
+    springs."""
     listed = measured(world)
     stored = np.array([elastic(rows, surface.contacts) for surface, _, rows in listed])
     return kinetic(world, 0.0, (0.0, 0.0))[0], *stored.sum(axis=0).tolist()
@@ -134,14 +148,16 @@ def energies(world, held: float, height: float, later: float) -> Ledger:
     """The ledger now, of a bed that held an energy (J) at the start, and had a `fallen` (J); later
     (s): kicks that its arrays lacked."""
     account = world.lanes.account
-    damped, taken = account[ACCOUNTS:WORK] + later * account[:ACCOUNTS]
-    moving, normal, tangential = balance(world)
+    damped, slid, rolled = account[ACCOUNTS:WORK] + later * account[:ACCOUNTS]
+    moving, normal, tangential, rolling = balance(world)
     return Ledger(
         kinetic=moving,
         elastic_normal=normal,
         elastic_tangential=tangential,
+        elastic_rolling=rolling,
         damped=float(damped),
-        slid=float(taken - tangential),
+        slid=float(slid - tangential),
+        rolled=float(rolled - rolling),
         work=float(account[WORK]),
         fallen=fallen(world) - height,
         before=held,

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from dem.contacts.blocks import shifted, sizes_of
+from dem.contacts.response import rolling_stiffness
 from dem.dynamics.cell_list import image, match, near_pairs, near_planes, near_solids
 from dem.dynamics.world import (
     ALPHA,
@@ -21,6 +22,7 @@ from dem.dynamics.world import (
 from dem.jit.address import as_before, by_address, changeable
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
+from dem.jit.optional import optional
 from dem.laws.protocol import length, stiffness
 from dem.shapes.protocol import circle, first_of, local_radius, outline, owner_of, place
 from dem.shapes.rotation import set_orientation
@@ -98,6 +100,8 @@ def renewed(old, first, constituent, partner, force_row, shape):
         friction=zeros_like(old.friction, (3, count)),
         tangential_force=carried(old.tangential_force, source),
         measure=carried(old.measure, source),
+        rolling=zeros_like(old.rolling, (2, count)),
+        rolling_moment=carried(old.rolling_moment, source),
         normal_x=carried(old.normal_x, source),
         normal_y=carried(old.normal_y, source),
         shift_x=zeros_like(old.shift_x, count),
@@ -116,6 +120,12 @@ def inverse_mass_along(world, g, c):
 
 
 @inlined
+def effective_radius(one, two):
+    """R* (m) of two radii, of which the second is zero for a flat body."""
+    return one * two / (one + two) if two > 0.0 else one
+
+
+@inlined
 def set_constants(contacts, p, law, shape, radii, mass, inverse_masses):
     """Constants of contact p from its row of GranuleTable.laws, the radii of both bodies (m; zero of
     a flat one) and its effective mass m* (kg).
@@ -123,9 +133,7 @@ def set_constants(contacts, p, law, shape, radii, mass, inverse_masses):
     inverse_masses: sums of those of both bodies along x and y (1/kg).
     """
     one, two = radii
-    radius = one
-    if two > 0.0:
-        radius = one * two / (one + two)
+    radius = effective_radius(one, two)
     constant = stiffness(contacts.law, law[MODULUS], radius)
     contacts.stiffness[p] = constant if local_radius(shape) is None else law[MODULUS]
     if contacts.length is not None:
@@ -140,6 +148,18 @@ def set_constants(contacts, p, law, shape, radii, mass, inverse_masses):
         for c in range(2):  # where neither body yields, the mass is m* itself
             ratio = mass * inverse_masses[c] if inverse_masses[c] > 0.0 else 1.0
             contacts.mass_ratio[c, p] = ratio
+
+
+@optional
+def set_rolling(rolling, contacts, p, partner, radii, squares):
+    """Rolling resistance of contact p of a disc with another (partner 0), a wall (1), a solid (2).
+
+    rolling: GranuleTable.rolling; radii: as for `set_constants`; squares: mass times radius squared
+    (kg m2), of both bodies as of two springs in a row; 3/2 of it is I_r, about the contact.
+    """
+    contacts.rolling[0, p] = rolling[partner] * effective_radius(radii[0], radii[1])
+    constant = rolling_stiffness(contacts, p, contacts.stiffness[p])
+    contacts.rolling[1, p] = 2.0 * rolling[3] * math.sqrt(1.5 * squares * constant)
 
 
 @inlined
@@ -238,6 +258,8 @@ def list_pairs(world, table):
         mass = effective_mass(held, table.mass, i, j)
         law = table.laws[table.species[h], table.species[g]]
         set_constants(new, p, law, shape, (radius[i], radius[j]), mass, inverse_masses)
+        turned = world.inverse_mass[g] / radius[i] ** 2 + world.inverse_mass[h] / radius[j] ** 2
+        set_rolling(table.rolling, new, p, 0, (radius[i], radius[j]), 1.0 / turned)
         set_image(new, p, rows[j, X] - rows[i, X], rows[j, Y] - rows[i, Y], period)
         put_sizes(new.sizes, p, shape, orientation, i, j)
     world.pairs, world.patches = new, patches
@@ -266,6 +288,9 @@ def list_surface(surface, world, table):
         radii = table.radius[i], table.solid_radius[b]
         law = table.laws[materials + b, table.species[g]]
         set_constants(new, p, law, world.shape, radii, table.mass[i], inverse_masses)
+        kind = 1 if surface.planes is not None else 2
+        squares = table.mass[i] * table.radius[i] ** 2
+        set_rolling(table.rolling, new, p, kind, radii, squares)
         set_image(new, p, motion[b, X] - rows[i, X], motion[b, Y] - rows[i, Y], period)
         reach_patch(world.patches, g)
     surface.contacts = new

@@ -265,6 +265,9 @@ class Result(NamedTuple):
         contacts = run.contacts()
         if run.world.pairs.friction is None:
             return contacts
+        if self.scene.rolling:
+            unknown = np.full_like(contacts.rolling_moment, np.nan)
+            contacts = contacts._replace(rolling_moment=unknown)
         return contacts._replace(
             tangential_force=np.full_like(contacts.tangential_force, np.nan),
             total_force=np.full_like(contacts.total_force, np.nan),

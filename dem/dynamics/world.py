@@ -47,6 +47,12 @@ class Contacts(NamedTuple):
         Contact history: force of the tangential spring (N).
     measure : ndarray of shape (m,) or None
         Contact history: measure of the law in the last step.
+    rolling : ndarray of shape (2, m) or None
+        Rolling resistance of each contact: mu_r R_r (m), and the constant of its dashpot over the
+        root of the law. None without; else all contacts have friction and dashpots, if need be with
+        zeros.
+    rolling_moment : ndarray of shape (m,) or None
+        Contact history: moment of the rolling spring (N m).
     normal_x, normal_y : ndarray of shape (m,) or None
         Normal in the last step, of granules that are not round.
     shift_x, shift_y : ndarray of shape (m,) or None
@@ -67,6 +73,8 @@ class Contacts(NamedTuple):
     friction: np.ndarray | None
     tangential_force: np.ndarray | None
     measure: np.ndarray | None
+    rolling: np.ndarray | None
+    rolling_moment: np.ndarray | None
     normal_x: np.ndarray | None
     normal_y: np.ndarray | None
     shift_x: np.ndarray | None

@@ -43,6 +43,7 @@ from dem.experiment.sections import (
     NumericsSection,
     PackingSection,
     RecordSection,
+    RollingSection,
     RunSection,
     SecondSection,
     ShapeSection,
@@ -110,6 +111,8 @@ class Configuration(Section):
     packing: PackingSection
     material: MaterialSection
     friction: FrictionSection
+    rolling: RollingSection | None = None
+    """rolling resistance of discs, once they are packed; null: none"""
     contact: ContactSection = ContactSection()
     walls: WallsSection | None = None
     """friction and material of single walls"""
@@ -345,11 +348,17 @@ Configuration.read = dict(Configuration.model_fields)
 
 
 class Replicate:
-    """One run: values of a configuration, a shape of it, a density (kg/m3) and a seed."""
+    """One run: values of a configuration, a shape of it, a density (kg/m3) and a seed; raises
+    InputError where its granules cannot have them."""
 
     def __init__(self, configuration: Configuration, label: str, density: float, seed: int):
         self.configuration, self.label = configuration, label
         self.density, self.seed = float(density), int(seed)
+        if configuration.rolling is not None and self.shape.kind != "disc":
+            raise InputError(
+                f"rolling is for discs, and shapes.{label}.kind is {self.shape.kind}; make rolling "
+                "null, or leave this shape out of the sweep."
+            )
 
     @property
     def shape(self) -> ShapeSection:
@@ -426,6 +435,7 @@ class Replicate:
             c.packing.friction > 0,
             c.packing.pressure is not None,
             any((*frictions, c.at("second.friction"))),
+            c.rolling is not None,
             c.at("cylinder.outline"),
             c.material.restitution < 1,
             c.gravity > 0,

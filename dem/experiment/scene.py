@@ -9,7 +9,7 @@ from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import diameters, material_of_granules, shaped, solids, thickness
 from dem.experiment.config import Replicate
 from dem.experiment.solids import material_of
-from dem.material import Friction
+from dem.material import Friction, Rolling
 from dem.motion import Drive
 from dem.packing.random import Bed
 from dem.periodic import walled
@@ -28,7 +28,8 @@ def granules(replicate: Replicate):
 
 def make_scene(replicate: Replicate, bed: Bed) -> Scene:
     """The scene of the run."""
-    own, rough = replicate.configuration, replicate.configuration.friction
+    own = replicate.configuration
+    rough, rolling = own.friction, own.rolling
     return Scene(
         shape=granules(replicate),
         material=material_of_granules(replicate),
@@ -38,6 +39,8 @@ def make_scene(replicate: Replicate, bed: Bed) -> Scene:
         gravity=(0.0, -own.gravity) if own.gravity > 0.0 else None,
         thickness=thickness(replicate),
         periodic=bed.periodic,
+        rolling=rolling
+        and Rolling(rolling.granule, rolling.wall, rolling.cylinder, rolling.damping),
         law=replicate.law,
     )
 

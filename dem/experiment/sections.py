@@ -39,7 +39,7 @@ from dem.dynamics.numerics import (
 )
 from dem.experiment.observables import OBSERVABLES
 from dem.laws import LAWS
-from dem.material import Friction
+from dem.material import Friction, Rolling
 from dem.shapes import KINDS
 
 Share = Annotated[Ratio, Field(lt=1)]
@@ -189,6 +189,17 @@ class FrictionSection(Section):
     """friction at the cylinder"""
     stiffness: Ratio = Friction.stiffness
     """stiffness of tangential springs relative to Mindlin's"""
+
+
+class RollingSection(Section):
+    granule: Coefficient
+    """rolling resistance between granules"""
+    wall: Coefficient
+    """rolling resistance at the walls"""
+    cylinder: Coefficient
+    """rolling resistance at the cylinder"""
+    damping: Coefficient = Rolling.damping
+    """damping ratio of granules that rock without rolling"""
 
 
 class ContactSection(Section):

@@ -27,8 +27,8 @@ class Lanes(NamedTuple):
     ----------
     motion, values : ndarray
         Rows of BLOCK lanes and a LINE of padding, see the offsets below.
-    account : ndarray of shape (5,) or None
-        Energy ledger: two powers (W) now, the energies (J) that they have made with the kicks so
+    account : ndarray of shape (7,) or None
+        Energy ledger: three powers (W) now, the energies (J) that they have made with the kicks so
         far, and the work (J) of the boundaries (dem.dynamics.energy).
     """
 
@@ -48,19 +48,20 @@ def _offsets(count, step, group=1):
 # fmt: on
 ZERO, ONE, TWO, THREE, FOUR, FIVE, SIX, EIGHT = map(np.uint64, (0, 1, 2, 3, 4, 5, 6, 8))
 
-# values[offset + k]: geometry, velocities and their changes, root of the law, forces, powers, outlines
+# values[offset + k]: geometry, velocities and spins of 2 relative to 1 and their changes, root of
+# the law, forces, powers, outlines
 # fmt: off
 (OVERLAP, NX, NY, N1, T1, N2, T2, RADIUS, UNCONVERGED,
  V_NORMAL, V_TANGENT, DV_NORMAL, DV_TANGENT, ROOT, FORCE_X, FORCE_Y, TORQUE_1, TORQUE_2,
- DAMPED, SLID, OUTLINE_1) = _offsets(21, BLOCK + LINE)
+ DAMPED, SLID, SPIN, D_SPIN, ROLLED, OUTLINE_1) = _offsets(24, BLOCK + LINE)
 # fmt: on
 ROW = np.uint64(BLOCK + LINE)  # from one number of an outline to the next
 OUTLINE_2 = np.uint64(OUTLINE_1 + OUTLINE_SIZE * ROW)
 VALUES = int(OUTLINE_2 + OUTLINE_SIZE * ROW)  # numbers in all
 
-# account: power (W) that dashpots take, and tangential springs; their energies; work on the
-# granules
-POWER_DAMPED, POWER_SPRINGS, ACCOUNTS, WORK = 0, 1, 2, 4
+# account: power (W) that dashpots take, tangential springs, and rolling springs; their energies;
+# work on the granules
+POWER_DAMPED, POWER_SPRINGS, POWER_ROLLING, ACCOUNTS, WORK = 0, 1, 2, 3, 6
 
 
 def make_lanes(accounted: bool = False) -> Lanes:
