@@ -27,16 +27,17 @@ WRITTEN = [path if not (by := path.with_suffix(".md.in")).exists() else by for p
 FRONT_MATTER = re.compile(r"\A---\n(.*?)\n---\n", re.S)
 NO_PROSE = re.compile(
     r"^(?P<fence>`{3,}|~{3,})(?!\{(?!code)).*?^(?P=fence)[`~]*\s*$"  # code; {note} and the like are prose
-    r"|`[^`\n]+`|\{\{.*?\}\}|\{%.*?%\}|\]\([^)\n]*\)",
+    r"|`[^`\n]+`|\{\{.*?\}\}|\{%.*?%\}|\]\([^)\n]*\)|^:\w+:[^\n]*$",
     re.S | re.M,
 )
 UNITS = (
     r"[kMG]?Pa|[mk]N|[kM]?N/m|[mk]?m/s|ms|us|µs|μs|ns|min|minutes?|hours?|seconds?|days?|weeks?"
-    r"|[µμmn]icroseconds?|milliseconds?|nanoseconds?"
+    r"|[µμmn]icroseconds?|milliseconds?|nanoseconds?|per ?cent|times"
 )
 RESULT = re.compile(
     r"(?:\d[\d.,]*\s*)?(?:±|\+-|\+/-|\\pm)\s*\d[\d.,]*"
     rf"|\d[\d.,]*(?:[ \u00a0\u202f-]?(?:{UNITS})|[ \u00a0\u202f-](?:N|s|h))\b"
+    r"|\d[\d.,]*(?<!,)[ \u00a0\u202f]?%"
 )
 
 
@@ -67,20 +68,22 @@ NO_NUMBERS = (
 
 
 def results_typed(text):
-    """Numbers with a unit of force, time or speed, or with ±, in the prose of a page, but for those
-    that its front matter lists as given; and what it lists in vain."""
+    """Numbers with a unit of force, time or speed, per cent, "times" or ± in the prose of a page,
+    but for the level of intervals and those that its front matter gives with a reason; and what it
+    gives in vain, or without one."""
     matter = FRONT_MATTER.match(text)
-    given = (yaml.safe_load(matter[1]) or {}).get("given", []) if matter else []
+    given = (yaml.safe_load(matter[1]) or {}).get("given", {}) if matter else {}
     prose = NO_PROSE.sub(" ", text[matter.end() :] if matter else text)
-    vain = [each for each in given if each not in prose]
-    for each in sorted(given, key=len, reverse=True):
-        prose = prose.replace(each, " ")
+    vain = [number for number, reason in given.items() if number not in prose or not reason]
+    for number in sorted((*given, "95 %"), key=len, reverse=True):
+        prose = re.sub(rf"(?<![\d.,]){re.escape(number)}", " ", prose)
     return RESULT.findall(prose), vain
 
 
 @pytest.mark.parametrize("page", WRITTEN, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_no_page_types_a_result(page):
-    """Take the number from docs/_ext/findings, or list it as `given` if no run made it."""
+    """Take the number from docs/_ext/findings; if no run made it, list it as `given`, with the
+    reason."""
     assert results_typed(page.read_text(encoding="utf-8")) == ([], [])
 
 
@@ -98,6 +101,8 @@ def test_no_page_types_a_result(page):
         r"$3 \pm 1$",
         "```{note}\nIt takes 65 minutes.\n```",
         "| c1 | 1295 N |",
+        "the drag is 12 % lower",
+        "2.3 times as much",
     ],
 )
 def test_a_typed_result_is_found(text):
@@ -112,7 +117,8 @@ def test_a_typed_result_is_found(text):
         "```yaml\nvelocity: 2 # 2 m/s\n```",
         "the 1990s",
         "5 mm of stroke",
-        "---\ngiven: [1295 N]\n---\nThe paper reports 1295 N.",
+        "---\ngiven: {1295 N: of the paper}\n---\nThe paper reports 1295 N.",
+        "95 % intervals",
         "five runs",
         "section 3.3 says",
     ],

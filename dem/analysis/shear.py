@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.values import along, axes_beside, places_of, value_of
+from dem.analysis.values import along, places_beside, value_of
 from dem.base.errors import InputError
 from dem.base.statistics import half_interval
 
@@ -64,18 +64,14 @@ def rheology(dataset: xr.Dataset) -> dict[tuple, Curves]:
         "pressure": on_lid / pressure,
         "rate": rate,
     }
-    others = axes_beside(dataset, AXIS)
-    curves = {name: _interval(values, others) for name, values in measured.items()}
-    curves["number"] = curves["number"][..., 0]
-    rows = (dict(zip(curves, row, strict=True)) for row in zip(*curves.values(), strict=True))
-    places = places_of(dataset, others)
-    return {place: Curves(**row) for place, row in zip(places, rows, strict=True)}
-
-
-def _interval(values: xr.DataArray, others: list[str]) -> np.ndarray:
-    """Mean over runs and ends of its interval (places, i, 3)."""
-    kept = (*others, AXIS, "seed")
-    values = values.squeeze([dim for dim in values.dims if dim not in kept]).transpose(*kept)
-    mean, half = values.mean("seed"), half_interval(values)
-    ends = np.stack([mean, mean - half, mean + half], -1)
-    return ends.reshape(-1, *ends.shape[-2:])
+    found = {}
+    for place in places_beside(dataset, AXIS):
+        curves = {}
+        for name, values in measured.items():
+            here = values.sel(place)
+            here = here.squeeze([dim for dim in here.dims if dim not in (AXIS, "seed")])
+            mean, half = here.mean("seed"), half_interval(here)
+            curves[name] = np.stack([mean, mean - half, mean + half], -1)
+        number = curves.pop("number")[:, 0]
+        found[tuple(map(str, place.values()))] = Curves(number, **curves)
+    return found

@@ -5,7 +5,6 @@ configuration in the attributes has what all runs share, and tells nothing of a 
 """
 
 import json
-from collections.abc import Iterator
 from itertools import product
 
 import pandas as pd
@@ -43,15 +42,13 @@ def factors_of(runs: xr.DataArray | xr.Dataset, dim: str) -> list[str]:
     ]
 
 
-def places_of(values: xr.DataArray | xr.Dataset, axes: list[str]) -> Iterator[tuple[str, ...]]:
-    """Places on some axes in words, the last axis fastest."""
-    return product(*(values[dim].values.astype(str).tolist() for dim in axes))
-
-
-def axes_beside(dataset: xr.Dataset, name: str) -> list[str]:
-    """Axes with more than one value, beside that of a value and the seed."""
-    sizes = along(dataset, name)["run_id"].sizes
-    return [str(dim) for dim in sizes if dim not in (name, "seed") and sizes[dim] > 1]
+def places_beside(dataset: xr.Dataset, *axes: str) -> list[dict]:
+    """Places on the axes with more than one value beside some and the seed, value by name; the last
+    axis fastest."""
+    sizes = dataset["run_id"].sizes
+    others = [dim for dim in sizes if dim not in (*axes, "seed") and sizes[dim] > 1]
+    values = product(*(dataset[dim].values for dim in others))
+    return [dict(zip(others, at, strict=True)) for at in values]
 
 
 def along(dataset: xr.Dataset, name: str) -> xr.Dataset:

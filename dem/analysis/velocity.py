@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 
 from dem.analysis.drag import over_seeds, summarise
-from dem.analysis.values import along, axes_beside, places_of, value_of
+from dem.analysis.values import along, places_beside, value_of
 from dem.base.errors import InputError
 from dem.base.statistics import Estimate, bootstrap_interval, bootstrap_weights
 
@@ -79,12 +79,11 @@ def rates(dataset: xr.Dataset) -> Rates:
             raise InputError(f"it has {runs.sizes[dim]} {what}; a fit takes {least}.")
     velocity, beds = runs[AXIS].values, runs.sizes["seed"]
     weights = bootstrap_weights(beds)
-    others = axes_beside(dataset, AXIS)
-    runs = runs.squeeze([dim for dim in runs.dims if dim not in (*LEAST, *others)])
-    rows = runs.transpose(*others, AXIS, "seed").values.reshape(-1, len(velocity), beds)
-    means = {
-        place: weights @ row.T for place, row in zip(places_of(runs, others), rows, strict=True)
-    }
+    means = {}
+    for place in places_beside(dataset, AXIS):
+        here = runs.sel(place)
+        here = here.squeeze([dim for dim in here.dims if dim not in LEAST])
+        means[tuple(map(str, place.values()))] = weights @ here.transpose("seed", AXIS).values
     laws = {place: fit(velocity, drag) for place, drag in means.items()}
     return Rates(velocity, means, laws, beds)
 

@@ -35,7 +35,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         curve, around = smooth.sel(case=label), half.sel(case=label)
         name = f"running mean over {1e3 * style.SMOOTHING:g} mm, {style.runs(dataset)}"
         axes.plot(x, curve, color=style.CURVE, zorder=3, label=name)
-        style.band(axes, x, curve, around, style.CURVE, "its 95 % interval")
+        style.band(axes, x, curve, around, color=style.CURVE, label="its 95 % interval")
         if label != labels[0]:
             axes.plot(x, first, label=f"running mean of {labels[0]}", **style.REFERENCE)
         middle = style.mark_window(axes, dataset)

@@ -14,9 +14,13 @@ from dem.figures import style
 FILE = "drag"
 CAPTION = "Ellipse code at aspect ratio 1 against the disc code"
 CASES = {"all": ("c1", "e0")}
-# by shape: the code; width of the curve, so that one shows below the other; mean (N) in the paper,
-# section 3.2, and the deviation over it
-CODES = {"c1": ("disc code", 3.2, 1295.0, 0.18), "e0": ("ellipse code", 1.8, 1405.0, 0.17)}
+# by shape: the code; width of the curve, so that one shows below the other; whether its interval
+# is filled, so that both show in grey; mean (N) in the paper, section 3.2, and the deviation over
+# that mean
+CODES = {
+    "c1": ("disc code", 3.2, True, 1295.0, 0.18),
+    "e0": ("ellipse code", 1.8, False, 1405.0, 0.17),
+}
 
 
 @style.styled
@@ -32,13 +36,16 @@ def plot(dataset: xr.Dataset) -> Figure:
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.7, 1.0))
     numbers, ticks = summarise(dataset), []
     for place, (shape, label) in enumerate(cases.items()):
-        (code, width, paper, deviation), case = CODES[shape], dataset.sel(case=label)
+        (code, width, filled, paper, deviation), case = CODES[shape], dataset.sel(case=label)
         case_numbers, look = numbers.sel(case=label), style.look(case)
         x, (curve, half) = style.displacement(case), style.smoothed(case)
         name = f"{code} ({label}), mean of {style.runs(case)}"
         line = {"color": look.color, "linestyle": look.line, "linewidth": width}
         left.plot(x, curve, zorder=3, label=name, **line)
-        style.band(left, x, curve, half, look.color, "95 % interval of the mean")
+        fill = {"facecolor": look.color, "alpha": 0.3}
+        edge = {"facecolor": "none", "alpha": 1.0, "edgecolor": look.color, "linewidth": 1.1}
+        name = f"its 95 % interval ({'shade' if filled else 'thin lines'})"
+        style.band(left, x, curve, half, label=name, **(fill if filled else edge))
         mean, half = float(case_numbers["mean"]), float(case_numbers["half_interval"])
         point = style.INTERVAL | {"color": look.color, "marker": look.marker}
         name = f"mean{style.its_interval(numbers)}"
@@ -61,5 +68,5 @@ def plot(dataset: xr.Dataset) -> Figure:
     style.from_zero(left)
     figure.suptitle("Drag by the disc code and by the ellipse code at aspect ratio 1")
     for axes, place in ((left, "outside lower left"), (right, "outside lower right")):
-        style.legend(figure, axes, place, grey="95 %")
+        style.legend(figure, axes, place)
     return figure

@@ -1,5 +1,6 @@
 """Where beds jam and on how many contacts, against aspect ratio: by size, and for infinite size."""
 
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -10,7 +11,19 @@ FILE = "onset"
 CAPTION = "Where beds jam and on how many contacts, against aspect ratio"
 AXES = {"granules": 3, "seed": 3}
 VARIABLES = ("onset_fraction", "onset_contacts")
+APART = 0.015  # on the scaled axis: marks of one aspect ratio, those of larger beds to the right
 ISOSTATIC = {4.0: "isostatic discs, 4", 6.0: "isostatic ellipses, 6"}
+
+
+def _scaled(ratio):
+    """Signed root of what an aspect ratio exceeds 1 by: near discs, contacts are nearly linear in
+    it."""
+    return np.sign(ratio - 1.0) * np.sqrt(np.abs(ratio - 1.0))
+
+
+def _ratio(scaled):
+    """Inverse of `_scaled`."""
+    return 1.0 + scaled * np.abs(scaled)
 
 
 @style.styled
@@ -29,7 +42,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     ):
         for column, (granules, marker) in enumerate(sizes):
             axes.plot(
-                found.ratio,
+                _ratio(_scaled(found.ratio) + APART * (column - len(sizes))),
                 means[:, column],
                 marker,
                 color="0.15",
@@ -37,8 +50,8 @@ def plot(dataset: xr.Dataset) -> Figure:
                 markerfacecolor=str(0.95 - 0.75 * column / len(found.granules)),
                 label=f"{granules} granules",
             )
-        look = {"marker": "o", "color": style.CURVE, "label": "infinitely many"}
-        style.intervals(axes, found.ratio, estimates, capsize=4, **look)
+        look = {"marker": "o", "linestyle": "-", "label": "infinitely many"}
+        style.intervals(axes, found.ratio, estimates, color=style.CURVE, **look)
     for level, words in ISOSTATIC.items():
         below.axhline(level, **style.REFERENCE)
         below.annotate(
@@ -51,6 +64,11 @@ def plot(dataset: xr.Dataset) -> Figure:
             va="bottom" if level == 4.0 else "top",
         )
     above.set_ylabel("Packing fraction\nat the onset of jamming")
-    below.set(xlabel="Aspect ratio", ylabel="Contacts per granule there,\nrattlers left out")
+    below.set_xscale("function", functions=(_scaled, _ratio))
+    below.set_xticks(found.ratio, [f"{ratio:g}" for ratio in found.ratio])
+    below.set(
+        xlabel="Aspect ratio (scaled by the root of its excess over 1)",
+        ylabel="Contacts per granule there,\nrattlers left out",
+    )
     style.legend(figure, above, "outside lower center", ncols=3)
     return figure

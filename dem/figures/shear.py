@@ -4,7 +4,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.analysis.shear import AXIS, rheology
-from dem.analysis.values import axes_beside
+from dem.analysis.values import along, places_beside
 from dem.figures import style
 
 FILE = "shear"
@@ -16,21 +16,15 @@ VARIABLES = ("lid_shear_stress",)
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """Friction above, packing fraction below, one curve per place on the other axes."""
-    found, others = rheology(dataset), axes_beside(dataset, AXIS)
+    found, places = rheology(dataset), places_beside(along(dataset, AXIS), AXIS)
     figure, (above, below) = style.panels(2, 1, 0.0, 3.8, sharex=True)
     figure.suptitle("Simple shear: means of runs from beds of their own, with 95 % intervals")
     for axes, name in ((above, "friction"), (below, "fraction")):
-        for number, (place, curves) in enumerate(found.items()):
-            words = ", ".join(f"{dim} {at}" for dim, at in zip(others, place, strict=True))
-            style.intervals(
-                axes,
-                curves.number,
-                getattr(curves, name),
-                capsize=3,
-                linewidth=1.0,
-                label=words or "mean",
-                **style.numbered(number),
-            )
+        for number, (curves, place) in enumerate(zip(found.values(), places, strict=True)):
+            words = ", ".join(f"{dim} {at}" for dim, at in place.items())
+            look = {"linestyle": "-", "linewidth": 1.0, "label": words or "mean"}
+            values = getattr(curves, name)
+            style.intervals(axes, curves.number, values, **look, **style.numbered(number))
     above.set_ylabel("Friction of the bed:\nshear over normal stress")
     below.set(xlabel="Inertial number", xscale="log", ylabel="Packing fraction")
     style.from_zero(above)

@@ -66,6 +66,7 @@ INTERVAL = {
     "capthick": 1.6,
     "zorder": 4,
 }
+MARK = {"linestyle": "none", "capsize": 4, "markersize": 6.5, "elinewidth": 1.4}
 MANY = 20  # runs, whose dots would hide the interval of their mean
 FAINT = {"markersize": 2.5, "markeredgecolor": "0.45", "zorder": 3}
 FEW = 3  # groups of bars: fewer are not drawn wider
@@ -179,19 +180,22 @@ def smoothed(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
     return runs.mean("seed"), half_interval(runs)
 
 
-def band(axes, x, mean, half, color: str, label: str | None = None, alpha: float = 0.22) -> None:
+def band(axes, x, mean, half, **look) -> None:
     """The interval of a curve, if it has one everywhere."""
     if np.isfinite(half).all():
-        look = {"color": color, "alpha": alpha, "linewidth": 0.0, "label": label}
-        axes.fill_between(x, mean - half, mean + half, **look)
+        axes.fill_between(x, mean - half, mean + half, **{"alpha": 0.22, "linewidth": 0.0} | look)
 
 
-def intervals(axes, x, estimates, **look) -> None:
-    """Values with their intervals, in the order of x (k,); estimates (k, 3): value and both
-    ends."""
-    order = np.argsort(x)
-    value, low, high = np.asarray(estimates)[order].T
-    axes.errorbar(np.asarray(x)[order], value, [value - low, high - value], **look)
+def intervals(axes, x, estimates, across: bool = False, **look) -> None:
+    """Values with their intervals, in the order of x (k,); estimates (k, 3): value and both ends;
+    across: along x, at heights x."""
+    order, look = np.argsort(x), MARK | look
+    value, low, high = np.reshape(estimates, (-1, 3))[order].T
+    ends, at = np.abs([value - low, high - value]), np.asarray(x)[order]
+    if across:
+        axes.errorbar(value, at, xerr=ends, **look)
+    else:
+        axes.errorbar(at, value, yerr=ends, **look)
 
 
 def panels(count: int, columns: int, around: float, row: float, **shared):

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.values import axes_beside
+from dem.analysis.values import along, places_beside
 from dem.analysis.velocity import AXIS, inertial_number, rates
 from dem.figures import style
 
@@ -21,7 +21,7 @@ ALONG = 80  # points of a curve
 def plot(dataset: xr.Dataset) -> Figure:
     """Drag above, drag over its quasi-static limit below, one curve per place on the other axes."""
     found = rates(dataset)
-    others = axes_beside(dataset, AXIS)
+    places = places_beside(along(dataset, AXIS), AXIS)
     usual = json.loads(dataset.attrs["configuration"])["cylinder"].get("velocity")
     marked = usual in found.velocity  # else no run has it
     figure, (above, below) = style.panels(2, 1, 0.0, 3.8, sharex=True)
@@ -29,25 +29,18 @@ def plot(dataset: xr.Dataset) -> Figure:
         f"Drag against velocity: means of {found.beds} beds, and the law fitted to them\n"
         f"(95 % intervals; dotted: limits{f'; grey line: {usual:g} m/s' if marked else ''})"
     )
-    along = np.geomspace(found.velocity[0], found.velocity[-1], ALONG)
-    for number, (place, law) in enumerate(found.laws.items()):
-        words = ", ".join(f"{dim} {at}" for dim, at in zip(others, place, strict=True))
+    velocity = np.geomspace(found.velocity[0], found.velocity[-1], ALONG)
+    for number, ((place, law), at) in enumerate(zip(found.laws.items(), places, strict=True)):
+        words = ", ".join(f"{dim} {value}" for dim, value in at.items())
         look = style.numbered(number)
         limit, low, high = found.interval(law.limit)
         look["label"] = f"{words or 'mean'}: limit {limit:.0f} N ({low:.0f} to {high:.0f})"
         for axes, over in ((above, 1.0), (below, limit)):
             means = [found.interval(each) for each in (found.means[place] / over).T]
-            style.intervals(
-                axes,
-                found.velocity,
-                means,
-                linestyle="none",
-                capsize=3,
-                **look,
-            )
-            drag, low, high = np.array([found.interval(law.drag(v) / over) for v in along]).T
-            axes.plot(along, drag, color=look["color"], linewidth=1.4)
-            axes.fill_between(along, low, high, color=look["color"], alpha=0.15, linewidth=0.0)
+            style.intervals(axes, found.velocity, means, **look)
+            drag, low, high = np.array([found.interval(law.drag(v) / over) for v in velocity]).T
+            axes.plot(velocity, drag, color=look["color"], linewidth=1.4)
+            axes.fill_between(velocity, low, high, color=look["color"], alpha=0.15, linewidth=0.0)
         above.axhline(limit, **style.REFERENCE | {"color": look["color"]})
     above.set(yscale="log", ylabel=f"Mean drag from\n{style.window_text(dataset)} (N)")
     below.axhline(1.0, **style.REFERENCE)

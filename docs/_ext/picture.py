@@ -30,7 +30,7 @@ def draw(snapshots: Path, drag: Path, folder: Path) -> list[Path]:
             one = dataset.sel(case=case)
             look, x, (mean, half) = style.look(one), style.displacement(one), style.smoothed(one)
             curves.plot(x, mean, color=look.color, linestyle=look.line, label=title)
-            style.band(curves, x, mean, half, look.color)
+            style.band(curves, x, mean, half, color=look.color)
         curves.set(xlim=(0.0, x[-1]), ylim=(0.0, None), xlabel="Displacement of the cylinder (mm)")
     curves.set_ylabel("Drag (N)")
     curves.set_title("Mean of five runs, 95 % intervals")

@@ -8,7 +8,7 @@ import pandas as pd
 from rich.table import Table
 
 from dem.analysis.tables import numbers
-from studies.accuracy import bias
+from studies.accuracy.bias import Steps, steps_of
 from studies.accuracy.replicates import TARGET, Replicates, cost, drift, expected, windows
 from studies.common.findings import Findings, percent
 
@@ -26,14 +26,14 @@ class Accuracy(Findings):
     attributes = "window_start", "window_stop", "default_fraction"
 
     @cached_property
-    def biases(self) -> dict[str, bias.Bias]:
-        """By shape, bias of the mean drag at the default step."""
-        return {shape: bias.bias(self.dataset, shape) for shape in bias.shapes_of(self.dataset)}
+    def of_shapes(self) -> dict[str, Steps]:
+        """By shape, what the step does."""
+        return steps_of(self.dataset)
 
     @property
     def unbiased(self) -> bool:
-        """Whether the intervals of all biases hold zero."""
-        return all(abs(each.value) < each.half for each in self.biases.values())
+        """Whether the intervals of all biases of the default step hold zero."""
+        return all(abs(each.bias.value) < each.bias.half for each in self.of_shapes.values())
 
     @property
     def none_fails(self) -> bool:
@@ -63,49 +63,39 @@ class Accuracy(Findings):
         """Change of the mean from the window to the whole stroke."""
         return drift(self.dataset)
 
-    @property
-    def _default(self) -> float:
-        """The default step over the bound."""
-        return float(self.dataset.attrs["default_fraction"])
-
     def half(self, runs: int) -> float:
         """Half the interval of the mean of some runs, over the mean."""
         return expected(self.replicates.scatter, runs)
 
     def longer(self, shape: str, fraction: float) -> float:
         """Mean time step at a step fraction over that of the paper's."""
-        return bias.lengths(self.dataset, shape)[fraction]
+        return self.of_shapes[shape].lengths[fraction]
 
     def change(self, shape: str, fraction: float) -> tuple[float, float]:
         """Change of the mean drag at a step, over the bound, against the default, and half its
         interval."""
-        found = bias.change(bias.table(self.dataset, shape), self._default).sel(fraction=fraction)
-        return float(found["value"]), float(found["half"])
+        return tuple(self.of_shapes[shape].changes.loc[fraction])
 
     def bias_table(self) -> Table:
         """One row per shape: bias of the default step and of half of it."""
         made = numbers("shape", "bias at step fraction 0.5", "of half that step", "beds")
-        for shape, each in self.biases.items():
-            cells = (percent((x * each.value, x * each.half), 1) for x in (1.0, 0.5))
-            made.add_row(shape, *cells, str(each.seeds))
+        for shape, each in self.of_shapes.items():
+            value, half, _, seeds = each.bias
+            cells = (percent((x * value, x * half), 1) for x in (1.0, 0.5))
+            made.add_row(shape, *cells, str(seeds))
         return made
 
     def steps(self) -> Table:
         """By shape and step fraction: change of the mean drag against the paper's step over the
         same beds."""
         made = numbers("shape", "step fraction", "beds", "change", "failed", "s per run")
-        runs = pd.DataFrame(
-            {
-                name: self.dataset[f"trial_{name}"].values
-                for name in ("shape", "fraction", "drag", "time")
-            }
-        )
-        for (shape, fraction), some in runs.groupby(["shape", "fraction"]):
-            value, half = (100 * each for each in self.change(shape, fraction))
-            change = f"{value:+.1f} +- {half:.1f} %" if np.isfinite(value) else "-"
-            failed = f"{100 * some.drag.isna().mean():.0f} %"
-            cells = f"{fraction:g}", f"{len(some)}", change, failed, f"{some.time.median():.2f}"
-            made.add_row(shape, *cells)
+        for shape, each in self.of_shapes.items():
+            for fraction, some in each.runs.groupby("fraction"):
+                value, half = (100 * number for number in self.change(shape, fraction))
+                change = f"{value:+.1f} +- {half:.1f} %" if np.isfinite(value) else "-"
+                failed = percent(each.failed[fraction])
+                cells = f"{fraction:g}", f"{len(some)}", change, failed, f"{some.time.median():.2f}"
+                made.add_row(shape, *cells)
         return made
 
     def comparison(self, name: str, words: int = 1) -> Table:

@@ -10,38 +10,38 @@ from dem.base.errors import InputError, RunError
 from dem.experiment.kinds import drag
 from dem.io.dataset import FAILURES
 from studies.accuracy.bias import LARGEST
-from studies.common.results import columns, runs
+from studies.common.results import along, columns, runs
 
 TITLE = "error against run time"
-VARIABLES = {
-    "trial_shape": (("trial",), None, "label of the shape"),
-    "trial_seed": (("trial",), "1", "seed of the bed"),
-    "trial_fraction": (("trial",), "1", "step fraction"),
-    "trial_drag": (
-        ("trial",),
-        "N",
-        "mean drag within the averaging window, NaN where the run failed",
-    ),
-    "trial_time_step": (("trial",), "s", "mean time step of the run, NaN where it failed"),
-    "trial_time": (("trial",), "s", "processor time of the run"),
-    "trial_status": (("trial",), None, "ran, or the name of the error that stopped the run"),
-    "replicate": (("replicate",), "1", "seed of the bed"),
-    "replicate_displacement": (
-        ("replicate_displacement",),
-        "m",
-        "displacement of the cylinder, middle of the bin",
-    ),
-    "replicate_drag": (
-        ("replicate", "replicate_displacement"),
-        "N",
-        "drag: mean force on the cylinder against its motion over the bin",
-    ),
-    "replicate_time": (
-        ("replicate",),
-        "s",
-        "processor time of the run, over the whole stroke",
-    ),
-}
+VARIABLES = (
+    along(
+        "trial",
+        shape=(None, "label of the shape"),
+        seed=("1", "seed of the bed"),
+        fraction=("1", "step fraction"),
+        drag=("N", "mean drag within the averaging window, NaN where the run failed"),
+        time_step=("s", "mean time step of the run, NaN where it failed"),
+        time=("s", "processor time of the run"),
+        status=(None, "ran, or the name of the error that stopped the run"),
+    )
+    | {
+        "replicate": (("replicate",), "1", "seed of the bed"),
+        "replicate_displacement": (
+            ("replicate_displacement",),
+            "m",
+            "displacement of the cylinder, middle of the bin",
+        ),
+    }
+    | along(
+        "replicate",
+        drag=(
+            "N",
+            "drag: mean force on the cylinder against its motion over the bin",
+            "replicate_displacement",
+        ),
+        time=("s", "processor time of the run, over the whole stroke"),
+    )
+)
 REPLICATES = "replicates"
 
 

@@ -5,16 +5,14 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.compare import Comparison
 from dem.analysis.drag import summarise, within
 from studies.claims import MEASURES
+from studies.claims.compare import Comparison
 from studies.claims.irregularity import in_window
 
 NOTHING = xr.Dataset(coords={"case": [], "seed": []})
 NAMES = {"run_factor": "at"}  # values of the design are not those of its axis
-LABELS = {
-    f"run_{name}" for name in ("part", "case", "shape", "setting", "status", "seed", "density")
-}
+LABELS = "run_seed", "run_density"
 MARGIN = 0.18  # the larger scatter of section 3.2, by which the paper itself judges two drags
 
 
@@ -47,12 +45,12 @@ def rows(dataset: xr.Dataset, part: str, setting: str | None = None) -> xr.Datas
     here = dataset["run_part"] == part
     if setting is not None:
         here &= dataset["run_setting"] == setting
-    return dataset.isel(run=np.flatnonzero(here.values))
+    return dataset.isel(run=here.values)
 
 
 def with_case(runs: xr.Dataset, *cases: str) -> xr.Dataset:
     """Of some runs those of these cases."""
-    return runs.isel(run=np.flatnonzero(np.isin(runs["run_case"].values, cases)))
+    return runs.isel(run=runs["run_case"].isin(cases).values)
 
 
 def table(runs: xr.Dataset, column: str = "run_case", along: str = "run_seed") -> xr.Dataset:
@@ -61,31 +59,20 @@ def table(runs: xr.Dataset, column: str = "run_case", along: str = "run_seed") -
     window."""
     if not runs.sizes["run"]:
         return NOTHING
-    keys, numbers = runs[column].values.tolist(), runs[along].values.tolist()
-    cases, seeds = list(dict.fromkeys(keys)), sorted(set(numbers))
-    at = [cases.index(key) for key in keys], [seeds.index(number) for number in numbers]
-    found = {}
-    for name, array in runs.variables.items():
-        if array.dims[:1] != ("run",) or name in LABELS:
-            continue
-        values, others = _in_window(runs, name)
-        room = np.full((len(cases), len(seeds), *values.shape[1:]), np.nan)
-        room[at] = values
-        found[NAMES.get(name, name.removeprefix("run_"))] = (("case", "seed", *others), room)
-    first = [keys.index(case) for case in cases]
+    moved = runs["moment"]
+    inside = (moved >= runs.attrs["window_start"]) & (moved <= runs.attrs["window_stop"])
+    names = {
+        name: NAMES.get(name, name.removeprefix("run_"))
+        for name, values in runs.data_vars.items()
+        if values.dims[:1] == ("run",) and values.dtype.kind in "if" and name not in LABELS
+    }
+    found = runs[list(names)].rename(names).isel(moment=inside.values)
+    keys = {"case": ("run", runs[column].values), "seed": ("run", runs[along].values)}
+    found = found.mean("moment", keep_attrs=True).assign_coords(keys)
+    found = found.set_index(run=["case", "seed"]).unstack("run").transpose("case", "seed", ...)
+    first = np.sort(np.unique(runs[column], return_index=True)[1])
     about = {name: ("case", runs[f"run_{name}"].values[first]) for name in ("shape", "density")}
-    axes = {name: runs[name].values for name in ("factor", "place")}
-    return xr.Dataset(found, {"case": cases, "seed": seeds, **axes, **about}, runs.attrs)
-
-
-def _in_window(runs, name):
-    """Values (run, ...) as numbers, and the names of their further dimensions."""
-    array = runs[name]
-    if "moment" in array.dims:
-        low, high = runs.attrs["window_start"], runs.attrs["window_stop"]
-        inside = (runs["moment"] >= low) & (runs["moment"] <= high)
-        array = array.isel(moment=np.flatnonzero(inside.values)).mean("moment")
-    return array.values.astype(float), array.dims[1:]
+    return found.sel(case=runs[column].values[first]).sortby("seed").assign_coords(about)
 
 
 def reference(dataset: xr.Dataset) -> tuple[str, float, float]:
@@ -106,19 +93,15 @@ def first_come(runs: xr.Dataset, case: str) -> xr.Dataset:
 def scaled(dataset: xr.Dataset, setting: str, shape: str) -> xr.Dataset:
     """Runs of a shape by the factor on one of the sweep's values; the replicates are at 1."""
     _, density, _ = reference(dataset)
-    changed = rows(dataset, "scaling", setting)
-    changed = changed.isel(run=np.flatnonzero(changed["run_shape"].values == shape))
-    base = rows(dataset, "replicates")
-    base = base.isel(run=np.flatnonzero(base["run_shape"].values == shape))
-    densities = base["run_density"].values
-    if not (changed.sizes["run"] and len(densities)):
+    part, mine = dataset["run_part"], dataset["run_shape"] == shape
+    changed = mine & (part == "scaling") & (dataset["run_setting"] == setting)
+    base = mine & (part == "replicates")
+    densities = dataset["run_density"].values[base.values]
+    if not (changed.any() and len(densities)):
         return NOTHING
-    density = density if density in densities else densities[0]
-    base = base.isel(run=np.flatnonzero(densities == density))
-    base = base.assign(run_x=("run", np.ones(base.sizes["run"])))
-    how = {"data_vars": "minimal", "coords": "minimal", "compat": "override", "join": "override"}
-    found = table(xr.concat([base, changed], "run", **how), "run_x")
-    return found.sel(case=sorted(found["case"].values.tolist()))
+    base &= dataset["run_density"] == (density if density in densities else densities[0])
+    runs = dataset.assign(run_x=dataset["run_x"].where(part != "replicates", 1.0))
+    return table(runs.isel(run=(base | changed).values), "run_x").sortby("case")
 
 
 def scaled_ratios(dataset: xr.Dataset, setting: str, shape: str) -> dict[float, Comparison]:
@@ -128,7 +111,7 @@ def scaled_ratios(dataset: xr.Dataset, setting: str, shape: str) -> dict[float, 
     found = {}
     for x in [] if drag is None else drag["case"].values.tolist():
         a, b = (drag.sel(case=each).values for each in (x, 1.0))
-        ratio = Comparison("drag", a, b, 0.0, np.inf, paired=setting == "velocity")
+        ratio = Comparison(words="drag", a=a, b=b, paired=setting == "velocity")
         if x != 1.0 and ratio.runs > 1:
             found[x] = ratio
     return found

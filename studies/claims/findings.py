@@ -9,11 +9,11 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED, Comparison
 from dem.analysis.drag import by_case
 from dem.analysis.tables import numbers
 from dem.base.errors import InputError
-from dem.base.statistics import Estimate
+from dem.base.statistics import Estimate, mean_interval
+from studies.claims.compare import CONTRADICTED, SUPPORTED, UNDECIDED
 from studies.claims.evidence import MARGIN, from_study, from_sweep, scaled_ratios
 from studies.claims.influence import Influence, influences, responses
 from studies.claims.remains import remaining
@@ -78,11 +78,6 @@ class Claims(Findings):
         """What a claim is compared by, with 95 % intervals."""
         return "; ".join(map(span, self.judged[name].comparisons))
 
-    def extremes(self, name: str) -> str:
-        """The least and the greatest number of a claim."""
-        found = [each.estimate for each in self.judged[name].comparisons]
-        return f"{min(found):.2f} to {max(found):.2f}"
-
     def verdicts(self) -> Table:
         """One row per claim; those that do not hold come first."""
         return table_of(self.judged.values())
@@ -102,10 +97,9 @@ class Claims(Findings):
             cells = []
             for friction in np.unique(frictions):
                 here = (shapes == shape) & (frictions == friction)
-                found = Comparison("", fractions[here], None, 0.0, 1.0)
-                half = np.ptp(found.interval()) / 2
-                cells.append(interval(found.estimate, half, digits=4))
-            table.add_row(shape, *cells, str(found.runs))
+                found = mean_interval(fractions[here])
+                cells.append(interval(found.value, found.half, digits=4))
+            table.add_row(shape, *cells, str(np.isfinite(fractions[here]).sum()))
         return table
 
     def states(self) -> Table:
@@ -167,8 +161,7 @@ class Claims(Findings):
     def scaled(self, setting: str, shape: str, factor: float) -> str:
         """Drag at a factor on one of the paper's values, over that at the paper's, with its
         interval."""
-        found = scaled_ratios(self.dataset, setting, shape)[factor]
-        return estimate((found.estimate, *found.interval()))
+        return estimate(scaled_ratios(self.dataset, setting, shape)[factor].known())
 
     def shrinks(self, setting: str, shape: str, factor: float) -> bool:
         """Whether the drag there is below that at the paper's value, the interval included."""

@@ -5,9 +5,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.compare import Comparison
 from dem.analysis.drag import find
-from dem.base.statistics import log_ratio_error, student
+from dem.base.statistics import log_ratio_interval
 
 SHAPES = "e3", "c1"
 
@@ -36,8 +35,5 @@ def compared(dataset: xr.Dataset, name: str) -> Ratio | None:
     if None in cases:
         return None
     runs = (in_window(dataset, name).sel(case=case).values for case in cases)
-    found = Comparison(name, *runs, 1.0, np.inf)
-    if found.runs < 2:
-        return None
-    half = float(student(*log_ratio_error(*found.samples(), paired=False)))
-    return Ratio(found.estimate, found.estimate * half)
+    ratio, _, high = log_ratio_interval(*runs, paired=False)
+    return Ratio(ratio, ratio * np.log(high / ratio)) if np.isfinite(high) else None

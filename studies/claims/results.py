@@ -15,89 +15,89 @@ from dem.sweep.design import Choice, Design, Range
 from dem.sweep.expand import Block
 from dem.sweep.precision import GridPoint
 from studies.claims import MEASURES
-from studies.common.results import columns, runs
+from studies.common.results import along, columns, runs
 
 TITLE = "which claims hold"
-VARIABLES = {
-    "run_part": (
-        ("run",),
-        None,
-        "part of the study: replicates, sensitivity, matched, ratios or scaling",
-    ),
-    "run_case": (("run",), None, "case, or shape where there is no case"),
-    "run_shape": (("run",), None, "label of the shape"),
-    "run_setting": (("run",), None, "what is equal or varied"),
-    "run_x": (
-        ("run",),
-        "1",
-        "what varies: packing fraction (matched), aspect ratio (ratios), factor on the sweep's value (scaling)",
-    ),
-    "run_point": (("run",), "1", "point of the design, -1 for runs of other parts"),
-    "run_seed": (("run",), "1", "seed of the replicate"),
-    "run_density": (("run",), "kg m-3", "density of the granules"),
-    "run_packing": (("run",), "1", "packing fraction"),
-    "run_status": (("run",), None, "ran, or the error that stopped the run"),
-    "run_drag": (("run",), "N", "mean drag in the window, NaN where the run failed"),
-    "run_spent": (
-        ("run",),
-        "s",
-        "processor time of bed, run and measures, with compiling where it was the first",
-    ),
-    "run_non_affine": (("run",), "1", "mean of D2min over the squared diameter in the window"),
-    "run_fluctuation": (
-        ("run",),
-        "1",
-        "mean distance of a granule from the motion of its neighbours, over that of the cylinder, in the window",
-    ),
-    "run_mixing": (
-        ("run",),
-        "1",
-        "share of pairs side by side that are of different layers, less that at the start, mean in the window",
-    ),
-    "run_contacts_lost": (("run",), "1", "share of contacts lost in a lag, mean in the window"),
-    "run_factor": (
-        ("run", "factor"),
-        "1",
-        "values of the design, SI units; of a choice, its number; NaN for other parts",
-    ),
-    "run_curve": (("run", "place"), "N", "drag along the displacement"),
-    "run_alignment": (
-        ("run", "moment"),
-        "1",
-        "mean of cos 2(angle - direction of motion) of the granules near the cylinder",
-    ),
-    "run_alignment_start": (
-        ("run", "moment"),
-        "1",
-        "the same with the angles that these granules had at the start",
-    ),
-    "run_streaming": (
-        ("run", "moment"),
-        "1",
-        "mean of cos 2(angle - direction of motion past the cylinder) of the granules near it",
-    ),
-    "run_streaming_start": (
-        ("run", "moment"),
-        "1",
-        "the same with the angles that these granules had at the start",
-    ),
-    "reference_shape": (
-        (),
-        None,
-        "shape to which others are compared: that of the sweep's first case",
-    ),
-    "reference_density": ((), "kg m-3", "density of the sweep's first case"),
-    "reference_packing": ((), "1", "packing fraction of the sweep"),
-    "factor": (("factor",), None, "value of the configuration, by its path"),
-    "place": (("place",), "m", "displacement of the cylinder"),
-    "moment": (("moment",), "m", "displacement of the cylinder at the end of the motion"),
-    "jam_shape": (("jam",), None, "label of the shape, or aspect ratio of an ellipse"),
-    "jam_diameter": (("jam",), "m", "mean volume diameter of the granules"),
-    "jam_seed": (("jam",), "1", "seed of the bed"),
-    "jam_friction": (("jam",), "1", "coefficient of friction while the granules grow"),
-    "jam_fraction": (("jam",), "1", "packing fraction at which the bed jams"),
-    "jam_slope": (("jam",), "1", "slope of load^(2/3) against packing fraction"),
-}
+VARIABLES = (
+    along(
+        "run",
+        part=(None, "part of the study: replicates, sensitivity, matched, ratios or scaling"),
+        case=(None, "case, or shape where there is no case"),
+        shape=(None, "label of the shape"),
+        setting=(None, "what is equal or varied"),
+        x=(
+            "1",
+            "what varies: packing fraction (matched), aspect ratio (ratios), factor on the sweep's value (scaling)",
+        ),
+        point=("1", "point of the design, -1 for runs of other parts"),
+        seed=("1", "seed of the replicate"),
+        density=("kg m-3", "density of the granules"),
+        packing=("1", "packing fraction"),
+        status=(None, "ran, or the error that stopped the run"),
+        drag=("N", "mean drag in the window, NaN where the run failed"),
+        spent=(
+            "s",
+            "processor time of bed, run and measures, with compiling where it was the first",
+        ),
+        non_affine=("1", "mean of D2min over the squared diameter in the window"),
+        fluctuation=(
+            "1",
+            "mean distance of a granule from the motion of its neighbours, over that of the cylinder, in the window",
+        ),
+        mixing=(
+            "1",
+            "share of pairs side by side that are of different layers, less that at the start, mean in the window",
+        ),
+        contacts_lost=("1", "share of contacts lost in a lag, mean in the window"),
+        factor=(
+            "1",
+            "values of the design, SI units; of a choice, its number; NaN for other parts",
+            "factor",
+        ),
+        curve=("N", "drag along the displacement", "place"),
+        alignment=(
+            "1",
+            "mean of cos 2(angle - direction of motion) of the granules near the cylinder",
+            "moment",
+        ),
+        alignment_start=(
+            "1",
+            "the same with the angles that these granules had at the start",
+            "moment",
+        ),
+        streaming=(
+            "1",
+            "mean of cos 2(angle - direction of motion past the cylinder) of the granules near it",
+            "moment",
+        ),
+        streaming_start=(
+            "1",
+            "the same with the angles that these granules had at the start",
+            "moment",
+        ),
+    )
+    | {
+        "reference_shape": (
+            (),
+            None,
+            "shape to which others are compared: that of the sweep's first case",
+        ),
+        "reference_density": ((), "kg m-3", "density of the sweep's first case"),
+        "reference_packing": ((), "1", "packing fraction of the sweep"),
+        "factor": (("factor",), None, "value of the configuration, by its path"),
+        "place": (("place",), "m", "displacement of the cylinder"),
+        "moment": (("moment",), "m", "displacement of the cylinder at the end of the motion"),
+    }
+    | along(
+        "jam",
+        shape=(None, "label of the shape, or aspect ratio of an ellipse"),
+        diameter=("m", "mean volume diameter of the granules"),
+        seed=("1", "seed of the bed"),
+        friction=("1", "coefficient of friction while the granules grow"),
+        fraction=("1", "packing fraction at which the bed jams"),
+        slope=("1", "slope of load^(2/3) against packing fraction"),
+    )
+)
 PARTS = ("replicates", "sensitivity", "jamming")  # without which there is no study
 PLACES = 500  # of the drag along the displacement, at most
 

@@ -1,6 +1,6 @@
 """The paper's sentences, one function each: from runs to what decides whether the sentence holds.
 
-A function takes Evidence and returns numbers with intervals (dem.analysis.compare), none where the
+A function takes Evidence and returns numbers with intervals (compare.py), none where the
 runs do not suffice. Its docstring says how the sentence is read: a plain comparative means any
 difference; "significantly", "remarkable", "much" and "strongly" mean one beyond `margin`, and
 "little" and "insignificant" one within it. A new claim is a function here; tables and figures find
@@ -12,89 +12,20 @@ particle flow behavior", "little qualitative difference in flow patterns" (3.3).
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import stdtrit
 
-from dem.analysis.compare import CONTRADICTED, SUPPORTED, Comparison, judged
 from dem.analysis.drag import densities, find
-from dem.base.statistics import LEVEL
+from studies.claims.compare import Comparison, Growth, Prediction
 from studies.claims.evidence import Evidence, curves
 from studies.claims.influence import plane, slopes
 
-INFINITE = float("inf")
+INFINITE = math.inf
 PAPERS_RUNS = 5
 DRAWS = 4000
 SLOW = 5.0  # times the paper's velocity: up to here a claim about slow drag is tested
-
-
-class Growth(NamedTuple):
-    """By which factor something grows: from a fit of its logarithm.
-
-    words: What grows.
-    logarithm, error, freedom: Of the factor, with its standard error and degrees of freedom.
-    low, high: The claim says that the factor is between them.
-    """
-
-    words: str
-    logarithm: float
-    error: float
-    freedom: float
-    low: float
-    high: float
-    outside: bool = False
-    is_ratio: bool = True
-
-    @property
-    def estimate(self) -> float:
-        return math.exp(self.logarithm)
-
-    @property
-    def runs(self) -> int:
-        """Degrees of freedom: the number of independent runs behind the interval."""
-        return int(self.freedom)
-
-    def interval(self, level: float = LEVEL) -> tuple[float, float]:
-        """Confidence interval by Student's t."""
-        half = float(stdtrit(self.freedom, 0.5 + 0.5 * level)) * self.error
-        return math.exp(self.logarithm - half), math.exp(self.logarithm + half)
-
-    def verdict(self, level: float) -> str:
-        return judged(self, *self.interval(level))
-
-
-class Prediction(NamedTuple):
-    """What a sweep as small as the paper's gives, beside what the paper reports.
-
-    words: Of which number.
-    draws: (d,) of the number, from many runs.
-    runs: Number of runs of a draw.
-    low, high: What the paper reports lies between them, by its last digit.
-    """
-
-    words: str
-    draws: np.ndarray
-    runs: int
-    low: float
-    high: float
-    outside: bool = False
-    is_ratio: bool = False
-
-    @property
-    def estimate(self) -> float:
-        """The median."""
-        return float(np.median(self.draws))
-
-    def interval(self, level: float = LEVEL) -> tuple[float, float]:
-        """Range that holds this share of the draws."""
-        low, high = np.quantile(self.draws, [0.5 - 0.5 * level, 0.5 + 0.5 * level])
-        return float(low), float(high)
-
-    def verdict(self, level: float) -> str:
-        """Supported if the report is in the range."""
-        low, high = self.interval(level)
-        return SUPPORTED if low < self.high and high > self.low else CONTRADICTED
 
 
 class Claim(NamedTuple):
@@ -152,7 +83,8 @@ def ratio(runs, measure, one, other, low=0.0, high=INFINITE, **how) -> list[Comp
     a, b = values(runs, measure, one), values(runs, measure, other)
     if a is None or b is None:
         return []
-    return [Comparison(f"{measure.replace('_', ' ')}, {one} / {other}", a, b, low, high, **how)]
+    words = f"{measure.replace('_', ' ')}, {one} / {other}"
+    return [Comparison(words=words, a=a, b=b, low=low, high=high, **how)]
 
 
 def shapes(found: Evidence, measure, one: str, *others: str, low=0.0, high=INFINITE, **how):
@@ -232,9 +164,8 @@ def drag_falls_with_aspect_ratio(found):
     if len(set(x[good])) < 2 or good.sum() < 4:
         return []
     slope, error, free = plane(x[good, None], np.log(drag.ravel()[good]))
-    return [
-        Growth("drag, each 0.1 of aspect ratio", 0.1 * slope[0], 0.1 * error[0], free, 0.0, 1.0)
-    ]
+    fitted = {"logarithm": 0.1 * slope[0], "error": 0.1 * error[0], "freedom": free}
+    return [Growth(words="drag, each 0.1 of aspect ratio", **fitted, low=0.0, high=1.0)]
 
 
 @claim(
@@ -261,11 +192,16 @@ def means_and_scatter_as_reported(found):
     if any(each is None for each in drawn):
         return []
     (e_mean, e_scatter), (c_mean, c_scatter) = drawn
-    count, (e0, c1) = PAPERS_RUNS, cases
+    e0, c1 = cases
+    reported = {
+        f"drag, {e0} / {c1}": (e_mean / c_mean, 1.085, 0.0005),
+        f"scatter of {e0}": (e_scatter, 0.17, 0.005),
+        f"scatter of {c1}": (c_scatter, 0.18, 0.005),
+    }
+    how = {"runs": PAPERS_RUNS, "is_ratio": False}
     return [
-        Prediction(f"five runs: drag, {e0} / {c1}", e_mean / c_mean, count, 1.0845, 1.0855),
-        Prediction(f"five runs: scatter of {e0}", e_scatter, count, 0.165, 0.175),
-        Prediction(f"five runs: scatter of {c1}", c_scatter, count, 0.175, 0.185),
+        Prediction(words=f"five runs: {words}", draws=draws, low=at - off, high=at + off, **how)
+        for words, (draws, at, off) in reported.items()
     ]
 
 
@@ -318,7 +254,7 @@ def velocity_hardly_matters(found):
     allowed = near(found.margin)
     parts = (ratio(found.velocity, "drag", x, 1.0, **allowed, paired=True) for x in speeds)
     return [
-        each._replace(words=f"drag at {x:g} times the velocity, relative to 1")
+        replace(each, words=f"drag at {x:g} times the velocity, relative to 1")
         for x, each in zip(speeds, all_of(*parts), strict=False)
     ]
 
@@ -334,11 +270,13 @@ def compaction_and_friction_matter(found):
         return []
     names, _, _, (slope, error, free) = fitted
     low, growths = 1.0 + found.margin, dict(zip(names, zip(slope, error, strict=True), strict=True))
-    return [
-        Growth(f"drag of c1, over the range of {path}", *growths[path], free, low, INFINITE)
-        for path in ("packing.fraction", "friction.granule")
-        if path in growths
-    ]
+    found = []
+    for path in filter(growths.get, ("packing.fraction", "friction.granule")):
+        logarithm, scatter = growths[path]
+        fitted = {"logarithm": logarithm, "error": scatter, "freedom": free}
+        words = f"drag of c1, over the range of {path}"
+        found.append(Growth(words=words, **fitted, low=low, high=INFINITE))
+    return found
 
 
 @claim(
@@ -383,7 +321,7 @@ def ellipses_align(found):
         now, before = (values(found.runs, name, case) for name in ("alignment", "alignment_start"))
         known = now is not None and before is not None
         words = f"alignment gained, {case}"
-        parts.append([Comparison(words, now - before, None, 0.0, INFINITE)] if known else [])
+        parts.append([Comparison(words=words, a=now - before, is_ratio=False)] if known else [])
     return all_of(*parts)
 
 

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import binomtest
 
-from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED
 from dem.base.statistics import LEVEL
+from studies.claims.compare import CONTRADICTED, SUPPORTED, UNDECIDED
 from studies.claims.evidence import Evidence
 from studies.claims.sentences import CLAIMS, Claim
 

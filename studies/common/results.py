@@ -3,7 +3,8 @@
 A study that writes a file describes it in `results.py` of its folder, by names at its top:
 
 TITLE       what the file is about; it follows the title of the sweep where the study has one
-VARIABLES   the layout of the file, as in dem.io.dataset: name: (dimensions, units, long name)
+VARIABLES   the layout of the file, as in dem.io.dataset: name: (dimensions, units, long name);
+            `along` writes it for what is in a row
 MEASURES    optional: True where `make` simulates or measures by itself, alone on the computer
 READS       optional: other files that `make` reads, as paths below the root of the checkout
 make        function: make(state, jobs, progress) -> values, attributes
@@ -107,6 +108,15 @@ def runs(
                 raise InputError(f"{run.words()} is in none of the {len(files)} files; run again.")
             yield block, point, run, rows[run.id]
         progress((done + 1) / len(blocks))
+
+
+def along(dimension: str, **variables: tuple) -> dict[str, tuple]:
+    """The layout of variables over a dimension, as `columns` names them: units, what they are, and
+    the names of further dimensions of each."""
+    return {
+        f"{dimension}_{name}": ((dimension, *more), units, about)
+        for name, (units, about, *more) in variables.items()
+    }
 
 
 def columns(dimension: str, rows: list[dict]) -> dict[str, np.ndarray]:

@@ -6,10 +6,9 @@ import numpy as np
 import xarray as xr
 from rich.table import Table
 
-from dem.analysis.compare import Comparison
 from dem.analysis.drag import summarise
 from dem.analysis.tables import numbers
-from dem.base.statistics import Estimate
+from dem.base.statistics import Estimate, log_ratio_interval, mean_interval
 from studies.common.findings import Findings, estimate
 
 __all__ = ["preparation"]
@@ -35,9 +34,9 @@ class Preparation(Findings):
     def _over(self, one: tuple, other: tuple | None = None) -> Estimate:
         """Mean drag of a shape in beds made in a way in a box, or its ratio to another on the same
         seeds."""
-        over = None if other is None else self._drags(*other)
-        found = Comparison("", self._drags(*one), over, 0.0, np.inf, paired=True)
-        return Estimate(found.estimate, *found.interval())
+        if other is None:
+            return mean_interval(self._drags(*one))
+        return log_ratio_interval(self._drags(*one), self._drags(*other), paired=True)
 
     def _grown(self, shape: str, box: str) -> Estimate:
         return self._over((shape, "grown", box), (shape, "relaxed", box))

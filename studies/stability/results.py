@@ -16,7 +16,7 @@ import numpy as np
 from dem.base.errors import InputError, RunError
 from dem.base.sources import ROOT
 from dem.sweep.config import Sweep
-from studies.common.results import columns, is_smoke, runs
+from studies.common.results import along, columns, is_smoke, runs
 from studies.stability import beds, bodies, linear
 from studies.stability.catalogue import QUANTITIES, RAN, Case, Catalogue, Changes, load
 from studies.stability.scenes import start
@@ -25,17 +25,19 @@ TITLE = "stiff and extreme cases"
 MEASURES = True
 READS = ("studies/stability/catalogue.yaml",)
 MAP = ("map_shape", "map_stiffness", "map_restitution", "map_fraction")
-VARIABLES = {
-    "check_case": (("check",), None, "case of the catalogue"),
-    "check_shape": (("check",), None, "label of the shape"),
-    "check_quantity": (("check",), None, "what is limited"),
-    "check_value": (("check",), "1", "worst value along the run, NaN where the case was refused"),
-    "check_limit": (("check",), "1", "limit; NaN where the case must be refused"),
-    "check_expected": (("check",), None, "ran, or the error that should refuse the case"),
-    "check_outcome": (("check",), None, "ran, or the error that refused the case"),
-    "check_message": (("check",), None, "what that error said"),
-    "check_known": (("check",), None, "why the case is known to exceed a limit, if it is"),
-    "check_passed": (("check",), "1", "1 where the outcome is as expected and within the limit"),
+VARIABLES = along(
+    "check",
+    case=(None, "case of the catalogue"),
+    shape=(None, "label of the shape"),
+    quantity=(None, "what is limited"),
+    value=("1", "worst value along the run, NaN where the case was refused"),
+    limit=("1", "limit; NaN where the case must be refused"),
+    expected=(None, "ran, or the error that should refuse the case"),
+    outcome=(None, "ran, or the error that refused the case"),
+    message=(None, "what that error said"),
+    known=(None, "why the case is known to exceed a limit, if it is"),
+    passed=("1", "1 where the outcome is as expected and within the limit"),
+) | {
     "map_shape": (("map_shape",), None, "label of the shape"),
     "map_stiffness": (("map_stiffness",), "1", "Young's modulus over that of the configuration"),
     "map_restitution": (("map_restitution",), "1", "coefficient of restitution"),

@@ -8,31 +8,35 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
-from studies.common.results import columns, is_smoke
+from studies.common.results import along, columns, is_smoke
 from studies.verification import cases
 from studies.verification.row import Row
 
 TITLE = "Verification: known cases"
 MEASURES = True
 READS = ("studies/onset/onset.nc", "studies/shear/shear.nc")
-VARIABLES = {
-    "case": (("case",), None, "case: its file in studies/verification/cases"),
-    "case_title": (("case",), None, "what the case is about"),
-    "case_source": (("case",), None, "where what is expected comes from"),
-    "case_time": (("case",), "s", "time that the case took, with compiling where it was the first"),
-    "row_case": (("row",), None, "case that the number belongs to"),
-    "row_name": (("row",), None, "what the number is"),
-    "row_units": (("row",), None, "units of the number"),
-    "row_x": (
-        ("row",),
-        "1",
-        "where in its case the number is, such as an angle; NaN where it has none",
-    ),
-    "row_value": (("row",), "1", "what came out, in row_units"),
-    "row_expected": (("row",), "1", "what is expected, in row_units"),
-    "row_tolerance": (("row",), "1", "largest allowed error, in row_units"),
-    "row_passed": (("row",), "1", "1 where the value is within the tolerance"),
-}
+VARIABLES = (
+    {
+        "case": (("case",), None, "case: its file in studies/verification/cases"),
+    }
+    | along(
+        "case",
+        title=(None, "what the case is about"),
+        source=(None, "where what is expected comes from"),
+        time=("s", "time that the case took, with compiling where it was the first"),
+    )
+    | along(
+        "row",
+        case=(None, "case that the number belongs to"),
+        name=(None, "what the number is"),
+        units=(None, "units of the number"),
+        x=("1", "where in its case the number is, such as an angle; NaN where it has none"),
+        value=("1", "what came out, in row_units"),
+        expected=("1", "what is expected, in row_units"),
+        tolerance=("1", "largest allowed error, in row_units"),
+        passed=("1", "1 where the value is within the tolerance"),
+    )
+)
 CASES = {name: each for name, each in vars(cases).items() if hasattr(each, "SOURCE")}
 QUICK = "chain", "jamming"  # the smallest form
 

@@ -48,7 +48,7 @@ class Drag(Findings):
 
     def printed(self, rows: int) -> str:
         """The first rows of the table that `dem info` prints."""
-        console = Console(width=160, file=StringIO())
+        console = Console(width=80, file=StringIO())  # of a usual terminal
         console.print(TextTable(drag_table(self.dataset).iloc[:rows]))
         return "\n".join(line.rstrip() for line in console.file.getvalue().splitlines())
 

@@ -3,7 +3,6 @@
 from rich.table import Table
 
 from dem.analysis.tables import numbers
-from dem.base.statistics import Estimate
 from studies.common.findings import estimate
 
 from .drag import drag
@@ -38,7 +37,7 @@ def ratios(precise, claims, preparation, pressure) -> Table:
         ),
     ):
         found = judged["shape_matters"].comparisons  # of SHAPES
-        over = (estimate(Estimate(each.estimate, *each.interval())) for each in found)
+        over = (estimate(each.known()) for each in found)
         made.add_row(_link(page), _name(file), PAPER, beds, "0.84", str(found[0].runs), *over)
     seeds = str(pressure.dataset.sizes["seed"])
     for way, beds, at in (

@@ -4,28 +4,22 @@ it took."""
 import numpy as np
 
 from dem.experiment.kinds import drag
-from studies.common.results import columns, runs
+from studies.common.results import along, columns, runs
 
 TITLE = "what a budget buys"
-VARIABLES = {
-    "run_part": (("run",), None, "block of the sweep: what the run is for"),
-    "run_shape": (("run",), None, "label of the shape"),
-    "run_seed": (("run",), "1", "seed of the bed"),
-    "run_fraction": (("run",), "1", "time step over the critical one"),
-    "run_granules": (("run",), "1", "number of granules; the box keeps its form"),
-    "run_stroke": (("run",), "m", "displacement of the cylinder"),
-    "run_drag": (
-        ("run", "window_stop"),
-        "N",
-        "mean drag from the start of the averaging window on",
-    ),
-    "run_time_step": (("run",), "s", "mean time step of the run, NaN where it failed"),
-    "run_time": (("run",), "s", "processor time of the run without its bed"),
-    "run_spent": (
-        ("run",),
-        "s",
-        "processor time of the run, with its bed where no other run had packed it",
-    ),
+VARIABLES = along(
+    "run",
+    part=(None, "block of the sweep: what the run is for"),
+    shape=(None, "label of the shape"),
+    seed=("1", "seed of the bed"),
+    fraction=("1", "time step over the critical one"),
+    granules=("1", "number of granules; the box keeps its form"),
+    stroke=("m", "displacement of the cylinder"),
+    drag=("N", "mean drag from the start of the averaging window on", "window_stop"),
+    time_step=("s", "mean time step of the run, NaN where it failed"),
+    time=("s", "processor time of the run without its bed"),
+    spent=("s", "processor time of the run, with its bed where no other run had packed it"),
+) | {
     "window_stop": (("window_stop",), "m", "displacement at which the mean ends"),
 }
 STOPS = 10  # ends of the mean, evenly up to that of the averaging window

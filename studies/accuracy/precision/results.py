@@ -12,48 +12,28 @@ from dem.base.statistics import mean_interval
 from dem.sweep.precision import Until
 from studies.accuracy.precision.sources import Source, again, gamma, lognormal, mixture, normal
 from studies.accuracy.precision.stopping import FEW, OTHERS, ROUNDS, RULES
-from studies.common.results import is_smoke
+from studies.common.results import along, is_smoke
 
 TITLE = "Precision: how often a mean is as near as was asked for"
-VARIABLES = {
-    "row_rule": (("row",), None, "rule that says how many runs there are"),
-    "row_source": (
-        ("row",),
-        None,
-        "distribution of what a run gives, or case whose runs are drawn again",
-    ),
-    "row_scatter": (("row",), "1", "standard deviation of one run over the mean"),
-    "row_target": (("row",), "1", "half the interval that is asked for over the mean"),
-    "row_samples": (("row",), "1", "how many times the rule was tried"),
-    "row_asked": (
-        ("row",),
+VARIABLES = along(
+    "row",
+    rule=(None, "rule that says how many runs there are"),
+    source=(None, "distribution of what a run gives, or case whose runs are drawn again"),
+    scatter=("1", "standard deviation of one run over the mean"),
+    target=("1", "half the interval that is asked for over the mean"),
+    samples=("1", "how many times the rule was tried"),
+    asked=(
         "1",
         "share of trials whose mean is as near as asked for; where runs ended before, whose interval "
         "holds the true mean",
     ),
-    "row_found": (
-        ("row",),
-        "1",
-        "share of trials whose interval, as narrow as it came out, holds the true mean",
-    ),
-    "row_within": (
-        ("row",),
-        "1",
-        "share of trials whose mean is as near as asked for, wherever they ended",
-    ),
-    "row_half": (
-        ("row",),
-        "1",
-        "half the interval as it came out over the mean, averaged over the trials",
-    ),
-    "row_short": (
-        ("row",),
-        "1",
-        "share of trials that end with a wider interval than asked for",
-    ),
-    "row_runs": (("row",), "1", "number of runs, averaged over the trials"),
-    "row_needed": (("row",), "1", "number of runs that the true scatter asks for"),
-}
+    found=("1", "share of trials whose interval, as narrow as it came out, holds the true mean"),
+    within=("1", "share of trials whose mean is as near as asked for, wherever they ended"),
+    half=("1", "half the interval as it came out over the mean, averaged over the trials"),
+    short=("1", "share of trials that end with a wider interval than asked for"),
+    runs=("1", "number of runs, averaged over the trials"),
+    needed=("1", "number of runs that the true scatter asks for"),
+)
 MEASURES = True
 READS = ("studies/claims/claims.nc",)  # whose runs are drawn again
 SAMPLES = 40_000  # of each row

@@ -13,9 +13,8 @@ from dem.sweep import batch as making
 from dem.sweep.config import load, parse
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store
-from studies.accuracy import bias as biases
 from studies.accuracy import replicates
-from studies.accuracy.bias import bias, change, failures
+from studies.accuracy.bias import Steps
 from studies.accuracy.findings import accuracy
 from studies.accuracy.results import check, make
 from studies.common.results import runs
@@ -55,7 +54,7 @@ def trials(slope, fractions=(0.25, 0.5, 1.0, 2.0), beds=200, seed=1):
 @pytest.mark.parametrize("slope", [0.0, -0.08, 0.2])
 def test_a_bias_that_is_there_is_found(slope):
     """The interval of the bias holds the truth, and is narrow enough to tell 2 %."""
-    found = bias(trials(slope), "c1")
+    found = Steps(trials(slope), "c1").bias
     truth = 0.5 * slope / (1.0 + 0.5 * slope)  # over the mean at the default
     assert abs(found.value - truth) < found.half < 0.02
     assert set(found.fractions) == {0.25, 0.5, 1.0}
@@ -63,20 +62,17 @@ def test_a_bias_that_is_there_is_found(slope):
 
 def test_the_interval_of_the_bias_holds_the_truth_as_often_as_it_says():
     """Of many studies without a bias, about 95 % of the intervals hold zero."""
-    studies = [bias(trials(0.0, beds=20, seed=seed), "c1") for seed in range(200)]
+    studies = [Steps(trials(0.0, beds=20, seed=seed), "c1").bias for seed in range(200)]
     share = np.mean([abs(b.value) < b.half for b in studies])
     assert 0.9 < share < 0.99
 
 
 def test_runs_that_fail_are_counted_and_leave_the_means_alone():
     """A step at which all runs fail shows as such."""
-    dataset = trials(0.0)
-    assert failures(dataset, "c1") == {0.25: 0.0, 0.5: 0.0, 1.0: 0.0, 2.0: 1.0}
-    found = change(biases.table(dataset, "c1"), 0.5)
-    assert np.isnan(found["value"].sel(fraction=2.0))
-    assert abs(float(found["value"].sel(fraction=0.25))) < 3 * float(
-        found["half"].sel(fraction=0.25)
-    )
+    steps = Steps(trials(0.0), "c1")
+    assert steps.failed.to_dict() == {0.25: 0.0, 0.5: 0.0, 1.0: 0.0, 2.0: 1.0}
+    assert np.isnan(steps.changes.value[2.0])
+    assert abs(steps.changes.value[0.25]) < 3 * steps.changes.half[0.25]
 
 
 def series(length, runs=400, bins=1000, width=1e-5, seed=1):

@@ -4,12 +4,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.compare import Comparison
 from dem.base.errors import InputError
+from dem.base.statistics import mean_interval
 from dem.figures import style
 from studies.claims.findings import claims
 from studies.claims.remains import EQUAL
-from studies.common.marks import marks
 
 FILE = "claims"
 CAPTION = "Shapes at equal packing fraction, at equal distance from jamming and at equal load"
@@ -47,10 +46,9 @@ def _jamming(axes, dataset, shapes):
         found = []
         for shape in shapes:
             here = (dataset["jam_shape"] == shape) & (dataset["jam_friction"] == friction)
-            mean = Comparison("", dataset["jam_fraction"].values[here], None, 0.0, 1.0)
-            found.append((mean.estimate, *mean.interval()))
+            found.append(mean_interval(dataset["jam_fraction"].values[here]))
         look = {"marker": marker, "color": "0.15", "markerfacecolor": color}
-        marks(axes, range(len(shapes)), found, label=f"friction {friction:g}", **look)
+        style.intervals(axes, range(len(shapes)), found, label=f"friction {friction:g}", **look)
     fraction = float(dataset["reference_packing"])
     axes.axhline(fraction, **style.REFERENCE, label=f"packing fraction of the runs, {fraction:g}")
     axes.set_xticks(range(len(shapes)), shapes)
@@ -68,7 +66,7 @@ def _drags(axes, found, shapes):
         ratios = [each.ratio for each in here]
         look = {"color": color, "hatch": hatch, "edgecolor": "0.15", "linewidth": 0.8}
         axes.bar(x, [ratio.value for ratio in ratios], width, label=name, **look)
-        marks(axes, x, ratios, **style.INTERVAL | {"capsize": 3})
+        style.intervals(axes, x, ratios, **style.INTERVAL | {"capsize": 3})
     axes.axhline(1.0, color="0.3", linewidth=1.0)
     axes.set_xticks(range(len(shapes)), shapes)
     axes.tick_params(axis="x", length=0)

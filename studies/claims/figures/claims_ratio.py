@@ -4,11 +4,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.compare import Comparison
 from dem.base.errors import InputError
+from dem.base.statistics import mean_interval
 from dem.figures import style
 from studies.claims.evidence import rows, table, with_case
-from studies.common.marks import marks
 
 FILE = "claims"
 CAPTION = "Ellipses from round to twice as long as wide: drag and alignment with the flow"
@@ -36,7 +35,9 @@ def plot(dataset: xr.Dataset) -> Figure:
     for setting, (name, marker, line, color) in SETTINGS.items():
         drag = table(rows(dataset, "ratios", setting), "run_x")["drag"].sortby("case")
         look = {"marker": marker, "linestyle": line, "color": color, "label": name}
-        marks(left, drag["case"], [_mean(values) for values in drag.values], **look)
+        style.intervals(
+            left, drag["case"], [mean_interval(values) for values in drag.values], **look
+        )
     left.set_xlabel("Aspect ratio of the ellipses")
     left.set_ylabel("Mean drag (N)")
     left.set_ylim(0.0)
@@ -52,12 +53,6 @@ def plot(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _mean(values):
-    """Mean over runs and the ends of its interval."""
-    found = Comparison("", values, None, 0.0, 1.0)
-    return found.estimate, *found.interval()
-
-
 def _alignment(axes, runs, name):
     """Gain of an alignment since the start, one line per shape with its interval."""
     moved = style.millimetres(runs["moment"].values)[1:]
@@ -65,7 +60,7 @@ def _alignment(axes, runs, name):
         some = with_case(runs, shape)
         if some.sizes["run"]:
             gained = (some[f"run_{name}"] - some[f"run_{name}_start"]).values[:, 1:]
-            mean, low, high = np.transpose([_mean(column) for column in gained.T])
+            mean, low, high = np.transpose([mean_interval(column) for column in gained.T])
             axes.plot(moved, mean, line, color=color, label=shape)
             axes.fill_between(moved, low, high, color=color, alpha=0.2, linewidth=0.0)
     axes.axhline(0.0, **style.REFERENCE)

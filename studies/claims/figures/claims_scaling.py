@@ -7,7 +7,6 @@ from matplotlib.figure import Figure
 from dem.base.errors import InputError
 from dem.figures import style
 from studies.claims.evidence import MARGIN, rows, scaled_ratios
-from studies.common.marks import marks
 
 FILE = "claims"
 CAPTION = "Drag against the sizes of cylinder and box and against velocity"
@@ -43,7 +42,7 @@ def plot(dataset: xr.Dataset) -> Figure:
                 x, *ratios = np.transpose(sorted([*points, (1.0,) * 4]))
                 look = {"marker": marker, "linestyle": line, "color": color}
                 look |= {"markerfacecolor": "white" if suffix else color}
-                marks(axes, x, np.transpose(ratios), label=f"{shape}, {words}", **look)
+                style.intervals(axes, x, np.transpose(ratios), label=f"{shape}, {words}", **look)
         axes.axhspan(1.0 - MARGIN, 1.0 + MARGIN, **style.WINDOW)
         axes.axhline(1.0, **style.REFERENCE)
         axes.set_xscale("log")

@@ -7,7 +7,6 @@ from matplotlib.figure import Figure
 from dem.base.errors import InputError
 from dem.figures import style
 from studies.claims.findings import claims
-from studies.common.marks import marks
 
 FILE = "claims"
 CAPTION = "What decides the drag, over plausible ranges of values that the paper does not report"
@@ -38,7 +37,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     for number, (name, found) in enumerate(ranked.items()):
         y = 0.24 - 0.24 * number - np.arange(len(order))
         values = [(found[each].growth, found[each].low, found[each].high) for each in order]
-        marks(axes, y, values, across=True, color="0.15", label=name, **LOOKS[name])
+        style.intervals(axes, y, values, across=True, color="0.15", label=name, **LOOKS[name])
     axes.axvline(1.0, color="0.4", linewidth=0.8)
     ranges = [_range(dataset["run_factor"].sel(factor=each).values) for each in order]
     labels = ["\n".join(filter(None, each)) for each in zip(order, ranges, strict=True)]

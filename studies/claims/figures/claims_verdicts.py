@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED
 from dem.figures import style
+from studies.claims.compare import CONTRADICTED, SUPPORTED, UNDECIDED
 from studies.claims.findings import claims
 from studies.claims.verdicts import claimed
 

@@ -38,7 +38,7 @@ def plot(dataset: xr.Dataset) -> Figure:
             shown = case in cases or None in cases
             axes.plot(x, mean, linewidth=2.0 if shown else 1.0, label=str(case), **look)
             if shown:
-                style.band(axes, x, mean, half, look["color"], alpha=0.16)
+                style.band(axes, x, mean, half, color=look["color"], alpha=0.16)
         axes.set_ylabel(LABELS[name])
         found = compared(dataset, name)
         title = (

@@ -15,7 +15,6 @@ from test_damage import ATTRS, COMBINED, FOREIGN, foreign
 from typer.testing import CliRunner
 
 from conftest import CONFIG, make_small_bed
-from dem.analysis.compare import CONTRADICTED, SUPPORTED, UNDECIDED, Comparison
 from dem.base.errors import InputError
 from dem.experiment.kinds.jamming import NOISE, line
 from dem.experiment.observables.alignment import alignment
@@ -25,6 +24,7 @@ from dem.sweep.config import parse
 from dem.sweep.state import SweepState
 from studies.__main__ import app
 from studies.claims import results
+from studies.claims.compare import CONTRADICTED, SUPPORTED, UNDECIDED, Comparison
 from studies.claims.evidence import NOTHING, Evidence, from_study
 from studies.claims.influence import influences
 from studies.claims.irregularity import compared
@@ -77,14 +77,17 @@ def test_intervals_of_ratios_hold_the_truth_as_often_as_they_say(paired):
     for _ in range(2000):
         bed = rng.normal(1.0, 0.1, 20) if paired else 1.0
         a, b = (mean * bed * rng.normal(1.0, 0.1, 20) for mean in (2.0, 1.0))
-        low, high = Comparison("", a, b, 0.0, 1.0, paired).interval()
+        low, high = Comparison(words="", a=a, b=b, paired=paired).interval()
         held += low < 2.0 < high
     assert 0.93 < held / 2000 < 0.97
 
 
 def test_pairing_takes_the_scatter_of_beds_out():
     bed = np.random.default_rng(1).normal(1.0, 0.3, 20)
-    ends = [Comparison("", 1.1 * bed, bed, 0.0, 1.0, paired).interval() for paired in (True, False)]
+    ends = [
+        Comparison(words="", a=1.1 * bed, b=bed, paired=paired).interval()
+        for paired in (True, False)
+    ]
     assert np.ptp(ends[0]) < 1e-6 < np.ptp(ends[1])
 
 
@@ -124,7 +127,7 @@ def test_wrong_verdicts_are_as_rare_as_the_level_says():
 def test_a_claim_of_parts_needs_all_and_falls_with_one():
     rng = np.random.default_rng(0)
     yes, no, open_ = (
-        Comparison("", rng.normal(mean, 1.0, 50), None, 0.0, INFINITE) for mean in (5.0, -5.0, 0.1)
+        Comparison(words="", a=rng.normal(mean, 1.0, 50)) for mean in (5.0, -5.0, 0.1)
     )
     assert together([yes, yes], 0.95) == SUPPORTED
     assert together([yes, open_], 0.95) == UNDECIDED
@@ -133,8 +136,8 @@ def test_a_claim_of_parts_needs_all_and_falls_with_one():
 
 def test_runs_that_failed_are_left_out():
     a = np.array([1.0, np.nan, 1.2, 1.1])
-    assert_allclose(Comparison("", a, None, 0.0, 2.0).estimate, 1.1)
-    assert np.array_equal(np.isnan(Comparison("", a, a, 0.0, 2.0).holds()), np.isnan(a))
+    assert_allclose(Comparison(words="", a=a).estimate, 1.1)
+    assert np.array_equal(np.isnan(Comparison(words="", a=a, b=a).holds()), np.isnan(a))
 
 
 def test_a_claim_has_its_place_and_survives_a_sweep_of_one_case():

@@ -7,7 +7,6 @@ from matplotlib.figure import Figure
 from dem.analysis.drag import window_text, within
 from dem.base.statistics import mean_interval
 from dem.figures import style
-from studies.common.marks import marks
 
 FILE = "solids"
 CAPTION = "Drag and side force of intruders by their outline, and of a plate by its angle"
@@ -38,10 +37,10 @@ def plot(dataset: xr.Dataset) -> Figure:
     )
     for values, look in looks:
         means = [mean_interval(values.sel(intruder=label)) for label in outlines]
-        marks(left, np.arange(len(outlines))[::-1], means, across=True, **look)
+        style.intervals(left, np.arange(len(outlines))[::-1], means, across=True, **look)
         if angles:
             means = [mean_interval(values.sel(intruder=label)) for label in angles]
-            marks(right, [*angles.values()], means, **look)
+            style.intervals(right, [*angles.values()], means, **look)
     left.set_yticks(range(len(outlines)), outlines[::-1])
     left.set(xlabel=f"Mean force from {window_text(dataset)} (N)")
     right.set(xlabel="Angle of the plate (degrees)", ylabel="Mean force (N)")

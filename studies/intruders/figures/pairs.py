@@ -6,7 +6,6 @@ from matplotlib.figure import Figure
 from dem.analysis.drag import window_text
 from dem.base.statistics import mean_interval
 from dem.figures import style
-from studies.common.marks import marks
 from studies.intruders.figures.intruders import force
 
 FILE = "solids"
@@ -33,10 +32,14 @@ def plot(dataset: xr.Dataset) -> Figure:
     for number, (label, values) in enumerate(curves.items()):
         look = {"marker": "os^"[number], "color": style.CASES[number], "label": label}
         means = [mean_interval(values.isel(second_gap=k)) for k in range(len(gaps))]
-        marks(left, gaps + 0.06 * (number - 1), means, linestyle="-", linewidth=0.8, **look)
+        style.intervals(
+            left, gaps + 0.06 * (number - 1), means, linestyle="-", linewidth=0.8, **look
+        )
     between = apart(side.sel(pair="beside"))
     means = [mean_interval(between.isel(second_gap=k)) for k in range(len(gaps))]
-    marks(right, gaps, means, linestyle="-", linewidth=0.8, marker="o", color=style.CASES[0])
+    style.intervals(
+        right, gaps, means, linestyle="-", linewidth=0.8, marker="o", color=style.CASES[0]
+    )
     right.axhline(0.0, **style.REFERENCE)
     left.set(xlabel="Gap (mm)", ylabel=f"Mean drag from {window_text(dataset)} (N)")
     left.set_ylim(bottom=0.0)

@@ -5,18 +5,16 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.compare import Comparison
 from dem.analysis.drag import summarise
-from dem.analysis.values import along
+from dem.analysis.values import along, places_beside
+from dem.base.statistics import log_ratio_interval, mean_interval
 from dem.figures import style
 from dem.figures.sweep import heading
-from studies.common.marks import marks, places
 
 FILE = "drag"
 CAPTION = "Drag of shapes in beds that were made in several ways"
 AXES = {"packing_preparation": 2, "shape": 2, "seed": 2}
 AXIS = "packing_preparation"
-MARKERS = "osD^vPX"
 APART = 0.3  # between the ways, where shapes are 1 apart
 
 
@@ -24,7 +22,7 @@ APART = 0.3  # between the ways, where shapes are 1 apart
 def plot(dataset: xr.Dataset) -> Figure:
     """Means above, ratios of the same seeds below, by shape; one column per place on the other axes."""
     dataset = along(dataset, AXIS)
-    columns, runs = places(dataset, AXES), summarise(dataset)["run_mean"]
+    columns, runs = places_beside(dataset, *AXES), summarise(dataset)["run_mean"]
     shapes, ways = runs["shape"].values.tolist(), runs[AXIS].values.tolist()
     size = {"sharex": True, "sharey": "row"}
     figure, grid = style.panels(2 * len(columns), len(columns), 0.4, 3.0, **size)
@@ -32,13 +30,16 @@ def plot(dataset: xr.Dataset) -> Figure:
         above.set_title(heading(runs, place, len(columns)) or "all runs")
         here = runs.sel(place).squeeze().transpose(AXIS, "shape", "seed").values
         for number, (way, drags) in enumerate(zip(ways, here, strict=True)):
-            look = {"color": style.CASES[number % 7], "marker": MARKERS[number % 7], "label": way}
+            look = style.numbered(number) | {"label": way}
             look["markerfacecolor"] = "white" if number % 2 else None
             x = np.arange(len(shapes)) + APART * (number - 0.5 * (len(ways) - 1))
-            marks(above, x, [_compared(each) for each in drags], **look)
+            style.intervals(above, x, [mean_interval(each) for each in drags], **look)
             if number:
-                ratios = [_compared(*pair) for pair in zip(drags, here[0], strict=True)]
-                marks(below, x, ratios, **look)
+                ratios = [
+                    log_ratio_interval(*pair, paired=True)
+                    for pair in zip(drags, here[0], strict=True)
+                ]
+                style.intervals(below, x, ratios, **look)
         below.axhline(1.0, **style.REFERENCE)
         below.set_xticks(range(len(shapes)), shapes)
         for axes in (above, below):
@@ -49,10 +50,3 @@ def plot(dataset: xr.Dataset) -> Figure:
     count = runs.sizes["seed"]
     figure.suptitle(f"Drag by how the bed was made: {count} runs each\n(bars: 95 % intervals)")
     return figure
-
-
-def _compared(drags, over=None) -> tuple[float, float, float]:
-    """Mean drag of some runs, or its ratio to that of others of the same seeds, with its
-    interval."""
-    found = Comparison("", drags, over, 0.0, np.inf, paired=True)
-    return found.estimate, *found.interval()

@@ -5,9 +5,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from dem.analysis.values import places_beside
 from dem.figures import style
 from dem.figures.sweep import heading
-from studies.common.marks import marks, places
 from studies.pressure.widths import Widths
 
 FILE = "drag"
@@ -15,8 +15,6 @@ CAPTION = (
     "Drag of shapes against the width of the box, at equal pressure and at equal packing fraction"
 )
 AXES = {"box": 3, "shape": 2, "seed": 2}
-MARKERS = "osD^vPX"
-COLORS = style.CASES
 APART = 0.03  # between shapes, of a width
 BEYOND = 2.0  # times the widest box: place of infinite width
 
@@ -24,15 +22,14 @@ BEYOND = 2.0  # times the widest box: place of infinite width
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """Drags above and ratios below against width, one column per place on the other axes."""
-    columns = places(dataset, AXES)
+    columns = places_beside(dataset, *AXES)
     figure, grid = style.panels(2 * len(columns), len(columns), 0.4, 3.5, sharex=True)
     for above, below, place in zip(grid, grid[len(columns) :], columns, strict=False):
         above.set_title(heading(dataset, place, len(columns)) or "all runs")
         found = Widths(dataset.sel(place))
         base = found.line(found.shapes[0])
         for number, shape in enumerate(found.shapes):
-            look = {"color": COLORS[number % len(COLORS)], "marker": MARKERS[number % len(MARKERS)]}
-            look["label"] = shape
+            look = style.numbered(number) | {"label": shape}
             shift, line = 1.0 + APART * (number - 0.5 * (len(found.shapes) - 1)), found.line(shape)
             drags = [found.drag(shape, box) for box in found.series]
             _points(above, found, shift, drags, found.drag_limit(shape), line.drag, look)
@@ -66,10 +63,12 @@ def _points(axes, found, shift, values, limit, curve, look):
     """Means in the boxes that differ in width alone; the line through them and its limit, if the
     drag has one."""
     x = found.width[found.along]
-    marks(axes, x * shift, values, **look)
+    style.intervals(axes, x * shift, values, **look)
     if 0.0 < limit.low <= limit.high < np.inf:
         end = BEYOND * x.max()
-        marks(axes, [end * shift], limit, markerfacecolor="white", **look | {"label": None})
+        style.intervals(
+            axes, [end * shift], limit, markerfacecolor="white", **look | {"label": None}
+        )
         along = np.geomspace(x.min(), x.max(), 50)
         y = [curve(each)[0] for each in along]
         axes.plot(along * shift, y, color=look["color"], linewidth=1.2)

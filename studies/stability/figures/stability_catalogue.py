@@ -10,7 +10,6 @@ from studies.stability.findings import stability
 FILE = "stability"
 CAPTION = "Stiff and extreme cases: worst value over its limit"
 VARIABLES = ("check_value",)
-MARKERS = "osD^vPX"
 LEAST, MOST = 1e-6, 1e4  # values over limits beyond these are drawn at them
 COLUMNS, ROW = 2, 0.3  # ROW in inches
 
@@ -34,7 +33,7 @@ def plot(dataset: xr.Dataset) -> Figure:
                 if np.isfinite(check.value):
                     face = style.CURVE if check.passed else "white"
                     look = {"color": style.CURVE, "markerfacecolor": face, "markersize": 5.5}
-                    axes.plot(check.ratio, place, MARKERS[number], **look)
+                    axes.plot(check.ratio, place, style.MARKERS[number], **look)
                 elif number == min(
                     shapes.index(each) for each in worst[worst.case == name]["shape"]
                 ):
@@ -48,7 +47,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         axes.set_yticks(range(len(here)), [name.replace("_", " ") for name in here])
         axes.grid(axis="x", visible=True)
         axes.set_xlabel("Worst value over its limit")
-    for shape, marker in zip(shapes, MARKERS, strict=False):
+    for shape, marker in zip(shapes, style.MARKERS, strict=False):
         axes.plot([], [], marker, color=style.CURVE, label=shape)
     style.legend(figure, axes, "outside lower center", ncols=len(shapes))
     figure.suptitle(

@@ -43,6 +43,11 @@ def plot(dataset: xr.Dataset) -> Figure:
         above.set_title(title, loc="left")
         below.set_xlabel("Scatter of one run over the mean")
         below.legend()
+    rows = found.rows(target=0.05)
+    figure.suptitle(
+        f"Sweeps keep their promise: at least {100.0 * rows.asked.min():.1f} % of their means are within 5 %\n"
+        f"as asked for, by at most {rows.over.max():.2f} times the runs needed"
+    )
     grid[0].set_ylabel("Means within 5 % (%)")
     grid[2].set_ylabel("Runs over those needed")
     return figure
