@@ -23,7 +23,7 @@ def draw(snapshots: Path, drag: Path, folder: Path) -> list[Path]:
         for axes, (case, title) in zip(beds, CASES.items(), strict=True):
             _bed(axes, bed_of(dataset, case), dataset.sel(case=case))
             axes.set_title(title)
-        stroke = 1e3 * float(dataset["displacement"][SNAPSHOT])
+        stroke = 1e3 * float(dataset["snapshot_displacement"].max())
     beds[1].set_xlabel(f"Layers as they were at the start, after {stroke:.0f} mm")
     with xr.open_dataset(drag) as dataset:
         for case, title in CASES.items():
