@@ -9,6 +9,10 @@ from .dynamics.simulation import simulate as simulate
 from .figures import plot as plot
 from .figures.film import film as film
 from .io.lazily import open_results as open_results
+from .laws.check import check_law as check_law
+from .laws.hertz import Hertz as Hertz
+from .laws.line import Line as Line
+from .laws.linear import Linear as Linear
 from .material import Friction as Friction
 from .material import Material as Material
 from .motion import Drive as Drive

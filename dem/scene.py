@@ -14,6 +14,8 @@ from pydantic import AfterValidator, Field, InstanceOf, PlainValidator, WrapVali
 
 from dem.base.errors import InputError
 from dem.base.types import Acceleration, Length, array, checked, must, parsed
+from dem.laws.hertz import Hertz
+from dem.laws.protocol import is_law
 from dem.material import Friction, Material
 from dem.motion import Held, Kept, finite, fixed, numbered
 from dem.periodic import ROOM, Periods, nearest_image
@@ -41,6 +43,14 @@ def granules(value: Any) -> Any:
 Granules = Annotated[Any, PlainValidator(granules)]
 
 
+def contact_law(value: Any) -> Any:
+    """A law of contacts; raises ValueError."""
+    if not is_law(type(value)):
+        raise ValueError("it must be a law of contacts, such as dem.Hertz()")
+    return value
+
+
+ContactLaw = Annotated[Any, PlainValidator(contact_law)]
 OR_NONE = WrapValidator(lambda value, take: None if value is None else take(value))
 
 
@@ -81,8 +91,9 @@ class Scene(Kept):
     gravity : tuple of float, optional
         Acceleration (x, y) in m/s2.
     thickness : float, optional
-        Thickness of the granules out of the plane (m). It enters only their mass and inertia. None
-        for the mean diameter of discs of the same areas.
+        Thickness of the granules out of the plane (m). It enters their mass and inertia, and the
+        stiffness of laws of discs, not that of Hertz. None for the mean diameter of discs of the
+        same areas.
     boundary : Material, optional
         Material of walls and solids that have none of their own; None for rigid ones.
     periodic : tuple of float or None, optional
@@ -93,6 +104,8 @@ class Scene(Kept):
         Groups of granules that are a boundary.
     species : array_like of int of shape (n,), optional
         Number of the material of each granule, from 0 (without unit); None if there is one.
+    law : Hertz, Linear, Line or a class of your own
+        Law of all contacts.
 
     Raises
     ------
@@ -153,6 +166,7 @@ class Scene(Kept):
         Sequence[InstanceOf[Held]], AfterValidator(tuple), must("be a list of dem.Held")
     ] = ()
     species: Species | None = None
+    law: ContactLaw = field(default_factory=Hertz)
 
     def __post_init__(self) -> None:
         self._check_materials()

@@ -130,11 +130,11 @@ def errors(restitution, depth, properties):
     """Relative errors of speed and overlap within a contact, in ever smaller steps."""
     material = dem.Material(restitution=restitution)
     scene, state = head_on([[1e-3, 1e-3]], [1.0], -depth, material=material, **properties)
-    law, mass = Law(material, material, 0.0), 0.5 * scene.mass[0]
+    law, mass = Law(scene, material, material, 0.0), 0.5 * scene.mass[0]
 
     def motion(t, y):
         new, rate = (0.0, 0.0), (-y[1], 0.0)
-        return y[1], -law.push(new, y[0], 0.5e-3, mass, rate, rate, 0.0)[0] / mass
+        return y[1], -law.push(new, y[0], (1e-3, 1e-3), mass, rate, rate, 0.0)[0] / mass
 
     duration, steps = 6e-5, 2 ** np.arange(6, 11)
     exact = solve_ivp(motion, (0.0, duration), (depth, 1.0), "DOP853", rtol=1e-12, atol=1e-16)
@@ -196,8 +196,8 @@ def test_a_collision_off_the_centre_returns_less_than_restitution(restitution):
     scene = dem.Scene(dem.Dumbbell([a, a]), dem.Material(restitution=restitution), **HEAVY, **LEAST)
     after = dem.simulate(scene, state, 1e-4, step_fraction=0.01).state
     speed = after.velocity[:, 0] - a * after.angular_velocity * [1.0, -1.0]
-    alpha = damping_from_restitution(restitution) * np.sqrt(5.0 / 3.0)
-    assert_allclose(speed[1] - speed[0], restitution_from_damping(alpha), rtol=5e-3)
+    zeta = damping_from_restitution(restitution) * np.sqrt(5.0 / 3.0)
+    assert_allclose(speed[1] - speed[0], restitution_from_damping(zeta), rtol=5e-3)
 
 
 @pytest.mark.parametrize("partner", ["disc", "wall"])

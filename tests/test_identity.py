@@ -24,7 +24,7 @@ LINE = "\nEDITED = True\n"
 USED = "experiment/kinds/drag.py", "experiment/observables/drag.py"  # by the run
 AGAIN = {  # file: what is added, or what is put in place of what
     "contacts/loops.py": LINE,
-    "contacts/force_law.py": ("zeta = alpha / math.sqrt(5.0)", "zeta = alpha / math.sqrt(5.1)"),
+    "contacts/force_law.py": ("if zeta < 1.0:", "if zeta <= 1.0:"),
     "dynamics/skin.py": LINE,
     "jit/compilation.py": ('{"contract", "arcp", "nsz"}', '{"arcp", "nsz"}'),
     "packing/minimise.py": LINE,

@@ -19,7 +19,7 @@ from dem.packing.constant_pressure import pack_under
 from dem.packing.cost import LARGE, expected_iterations, near_jamming
 from dem.packing.job import Job
 from dem.packing.minimise import minimise
-from dem.packing.random import Room, relaxed, unit_of
+from dem.packing.random import Room, relaxed
 from dem.sweep.config import load, parse
 from dem.sweep.estimate import summary, time_of
 from dem.sweep.state import SweepState
@@ -52,9 +52,10 @@ def test_a_large_bed_at_rest_bears_a_two_hundredth_of_its_contact_forces():
     scene = replace(Room(**room(0.86)).scene(shape), friction=dem.Friction(0.0, 0.0, 0.0))
     net_force = np.hypot(*Twin(scene, found.state).force.T).max()
     same = minimise(Room(**room(0.86)).scene(shape), found.state, 0)
+    unit = Room(**room(0.86)).unit(shape)
     contact_force = list_contacts(same.world, same.order).force.mean()
-    assert net_force < min(5.5e-3 * contact_force, 1.1e-6 * unit_of(shape))
-    assert net_force == pytest.approx(found.net_force * unit_of(shape), rel=1e-6)
+    assert net_force < min(5.5e-3 * contact_force, 1.1e-6 * unit)
+    assert net_force == pytest.approx(found.net_force * unit, rel=1e-6)
 
 
 def test_a_large_bed_is_the_same_of_any_number_of_threads():

@@ -128,7 +128,7 @@ def memories(world):
     memories = []
     for contacts in (world.pairs, world.walls.contacts, world.circles.contacts):
         pairs = zip(contacts.constituent, contacts.partner, strict=True)
-        remembered = zip(contacts.tangential_force, contacts.sqrt_overlap, strict=True)
+        remembered = zip(contacts.tangential_force, contacts.measure, strict=True)
         memories.append(
             {pair: row for pair, row in zip(pairs, remembered, strict=True) if any(row)}
         )

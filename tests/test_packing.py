@@ -275,7 +275,7 @@ def test_angles_go_from_stage_to_stage_of_growth_and_into_the_bed(monkeypatch):
     """Each stage turns ellipses that are far apart by 0.1 rad; the bed has the sum."""
     stages = []
 
-    def turned(_, state, threads):
+    def turned(_, shape, state, threads):
         stages.append(replace(state, angle=state.angle + 0.1))
         return stages[-1], 0.0  # net force
 

@@ -9,7 +9,6 @@ from test_collision import APART, ELASTIC, LEAST
 from test_motion import ANCHOR
 
 import dem
-from dem.contacts.force_law import mean_overlap_quarter
 from dem.dynamics.stepping import QUIET
 
 RADIUS, SPEED = 1e-3, 1.0  # m, m/s
@@ -100,18 +99,6 @@ def test_galilean_invariance(speed):
     assert_allclose(moves.state.velocity - [speed, 0.0], still.state.velocity, atol=1e-12)
     assert_allclose(moves.state.position - [1e-3 * speed, 0.0], still.state.position, atol=1e-14)
     assert moves.time_step == still.time_step
-
-
-def test_the_mean_overlap_quarter_of_a_step():
-    """delta^(1/4), averaged over a step, is exact until bodies touch for all of it, and close beyond."""
-    change, middle = 1e-8, 1e-8 * np.linspace(-0.999, 7.999, 500)
-    exact = 0.4 / change * ((middle + change) ** 1.25 - np.maximum(middle - change, 0.0) ** 1.25)
-    found = np.array([mean_overlap_quarter(each, change) for each in middle])
-    whole = middle < change
-    assert_allclose(found[whole], exact[whole], rtol=1e-12)
-    assert_allclose(found, exact, rtol=3.5e-3)
-    assert mean_overlap_quarter(8.0, 1.0) == pytest.approx(8.0**0.25, rel=1e-3)
-    assert mean_overlap_quarter(-2.0, 1.0) == 0.0
 
 
 # Energy

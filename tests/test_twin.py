@@ -50,6 +50,9 @@ def granules(make, columns=5, rows=4):
     return make(sizes), state
 
 
+LAWS = {"linear discs": dem.Linear(), "discs in plane strain": dem.Line()}
+
+
 def scene_of(name):
     """Scenes that together have everything, in as few kernels as can be."""
     rough = dem.Friction(0.3, 0.5, 0.2, stiffness=0.7)
@@ -73,6 +76,12 @@ def scene_of(name):
              dem.Cylinder(6e-4, (4.8e-3, 3.75e-3), (0.5, 0.0), -900.0, friction=0.9, material=elastic)],
             gravity=(3e3, -1e4), thickness=1e-3, boundary=steel, species=np.arange(20) % 2,
             held=[dem.Held([0, 1], (0.5, 1.0)), dem.Held([9, 13, 14], GUIDED)],
+        ), state  # fmt: skip
+    if name in LAWS:
+        shape, state = granules(dem.Disc)
+        return dem.Scene(
+            shape, [damped, steel], table, WALLS, cylinder, boundary=elastic,
+            species=np.arange(20) % 2, law=LAWS[name],
         ), state  # fmt: skip
     if name == "smooth discs":
         shape, state = granules(dem.Disc)
@@ -131,7 +140,7 @@ def scene_of(name):
 
 SCENES = (
     "box of discs", "discs", "smooth discs", "discs around solids", "smooth discs around solids", "dumbbells",
-    "ellipses", "ellipses of local radius", "ellipses by the chord", "ellipses around solids", "superellipses",
+    "ellipses", "ellipses of local radius", "ellipses by the chord", "ellipses around solids", "superellipses", *LAWS,
 )  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from copy import copy, deepcopy
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import lambertw
 
 import dem
 
@@ -214,11 +215,10 @@ class Granules:
 # Forces
 
 
-def dashpot_constant(restitution):
-    """alpha: bisection of e(alpha) of a contact that ends where its force is zero."""
+def damping_ratio(restitution):
+    """zeta: bisection of e(zeta) of a contact that ends where its force is zero, under any law."""
 
-    def bounce(alpha):
-        zeta = alpha / np.sqrt(5.0)
+    def bounce(zeta):
         if zeta < 1.0:
             psi = np.arcsin(zeta)
             return np.exp(-(np.pi - 2.0 * psi) * np.tan(psi))
@@ -245,24 +245,44 @@ def mean_root(overlap, change):
     return np.where(far, np.maximum(overlap, 0.0), near) ** 0.25
 
 
-CONSTANTS = "young", "shear", "alpha", "friction"
+def spring_of(law, overlap, a):
+    """What a law says of an overlap (m), over its constant K: force f = du/d(delta), the measure that the
+    tangential stiffness goes with, y = sqrt(2 u) and dy/d(delta). a: the length of the law of lines (m)."""
+    touch = overlap > 0.0
+    d = np.where(touch, overlap, 1e-9)
+    if isinstance(law, dem.Linear):
+        values = d, 1.0, d, 1.0
+    elif isinstance(law, dem.Line):  # d = p (ln(a/p) - 1), u = p^2/2 (ln(a/p) - 3/2)
+        w = -lambertw(-np.e * d / a, -1).real  # ln(a/p) - 1
+        p = d / w
+        y = p * np.sqrt(w - 0.5)
+        values = p, 1.0 / (w - 1.0), y, p / y
+    else:
+        values = d**1.5, d**0.5, np.sqrt(0.8) * d**1.25, np.sqrt(5.0) / 2.0 * d**0.25
+    return [np.where(touch, value, 0.0) for value in values]
+
+
+CONSTANTS = "young", "shear", "zeta", "friction", "share"
 
 
 class Law:
-    """The force law of one kind of contact: E* and G* (Pa), dashpot constant, coefficient of friction.
+    """The force law of one kind of contact: E* and G* (Pa), damping ratio, coefficient of friction, share of
+    the granule in 1/E*.
 
     other: material of the partner, None if it is rigid; stiffness: of the tangential springs over Mindlin's;
     turns: whether contacts turn anything in the scene.
     """
 
-    def __init__(self, material, other, friction, stiffness=1.0, turns=True):
+    def __init__(self, scene, material, other, friction, stiffness=1.0, turns=True):
+        self.elastic, self.thickness = scene.law, scene.thickness
         meets = [material] if other is None else [material, other]
         self.young = 1.0 / sum((1.0 - m.poisson_ratio**2) / m.young_modulus for m in meets)
         self.shear = stiffness / sum(
             2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.young_modulus for m in meets
         )
         restitution = np.prod([m.restitution for m in meets]) ** (1.0 / len(meets))
-        self.alpha, self.friction, self.turns = dashpot_constant(restitution), friction, turns
+        self.zeta, self.friction, self.turns = damping_ratio(restitution), friction, turns
+        self.share = self.young * (1.0 - material.poisson_ratio**2) / material.young_modulus
 
     def of(self, index):
         """Those of contacts with these numbers."""
@@ -271,25 +291,43 @@ class Law:
             setattr(law, name, getattr(self, name)[index])
         return law
 
-    def push(self, memory, overlap, radius, mass, middle, rate, dt):
+    def constants(self, radii):
+        """K, what k_t is over G*/E* K and the measure, and the length a (m) of the law of lines."""
+        one, two = radii[0], np.where(np.isfinite(radii[1]), radii[1], radii[0])
+        radius = 1.0 / (1.0 / radii[0] + 1.0 / radii[1])
+        a = 4.0 * one ** (2.0 * self.share) * two ** (2.0 - 2.0 * self.share) / radius
+        if isinstance(self.elastic, dem.Linear):
+            return self.elastic.stiffness or np.pi / 4.0 * self.young * self.thickness, 4.0, a
+        if isinstance(self.elastic, dem.Line):
+            return np.pi * self.young * self.thickness, 4.0, a
+        return 4.0 / 3.0 * self.young * np.sqrt(radius), 6.0, a
+
+    def push(self, memory, overlap, radii, mass, middle, rate, dt):
         """N and T (N) on body 2, and the memory afterwards: the spring (N) and the overlap (m).
 
-        radius, mass: R* (m) and m* (kg); middle, rate: v_n and v_t (m/s) in the middle of the step of dt (s), and
+        radii, mass: of both bodies (m) and m* (kg); middle, rate: v_n and v_t (m/s) in the middle of the step of dt (s), and
         at its end. Contacts that do not touch remember nothing.
         """
-        spring, last = memory
+        (spring, last), (k, ratio, a) = memory, self.constants(radii)
         change = 0.5 * dt * np.abs(middle[0] if self.turns else rate[0])
-        root = mean_root(overlap, change)
+        force, measure, _, root = spring_of(self.elastic, overlap, a)
+        if isinstance(self.elastic, dem.Hertz):
+            root = np.sqrt(5.0) / 2.0 * mean_root(overlap, change)
+        else:
+            near = (-change < overlap) & (overlap < 8.0 * change)
+            late, early = (
+                spring_of(self.elastic, end, a)[2] for end in (overlap + change, overlap - change)
+            )
+            root = np.where(near, (late - early) / np.where(near, 2.0 * change, 1.0), root)
+        c = 2.0 * self.zeta * np.sqrt(mass * k)
+        normal = np.maximum(k * force - c * root * rate[0], 0.0)
+        before = spring_of(self.elastic, last, a)[1]
+        kept = np.minimum(measure / np.where(before > 0.0, before, np.inf), 1.0)
+        kept = np.where(before > 0.0, kept, 1.0)
+        limit, stiffness = self.friction * normal, 0.5 * ratio * self.shear / self.young * k
+        slid = stiffness * (kept * before + measure) * middle[1] * dt
+        spring = np.clip(kept * spring - slid, -limit, limit)
         overlap = np.maximum(overlap, 0.0)
-        k = 4.0 / 3.0 * self.young * np.sqrt(radius)
-        c = self.alpha * np.sqrt(mass * k)
-        normal = np.maximum(k * overlap**1.5 - c * root * rate[0], 0.0)
-        kept = np.minimum(np.sqrt(overlap / np.where(last > 0.0, last, np.inf)), 1.0)
-        kept = np.where(last > 0.0, kept, 1.0)
-        before = 8.0 * self.shear * kept * np.sqrt(radius * last)
-        after = 8.0 * self.shear * np.sqrt(radius * overlap)
-        limit = self.friction * normal
-        spring = np.clip(kept * spring - 0.5 * (before + after) * middle[1] * dt, -limit, limit)
         dashpot = 2.0 * c * np.sqrt(self.shear / self.young) * root * rate[1]
         return normal, np.clip(spring - dashpot, -limit, limit), (spring, overlap)
 
@@ -433,7 +471,7 @@ class Twin:
         turns |= not isinstance(scene.shape, dem.Disc) or not all(s.is_round for s in solids)
 
         def law(one, other, mu):
-            return Law(one, other, mu, rough.stiffness, turns)
+            return Law(scene, one, other, mu, rough.stiffness, turns)
 
         free = self.group < 0
         one, two = np.triu_indices(len(owner), 1)
@@ -588,7 +626,7 @@ class Twin:
         memory = [each[may] for each in contacts.memory]
         mass = 1.0 / (contacts.lightness[may] * n**2).sum(axis=1)  # m*, along the normal
         normal, tangential, memory = contacts.law.of(may).push(
-            memory, touch.overlap, 1.0 / (1.0 / radii[0] + 1.0 / radii[1]), mass,
+            memory, touch.overlap, radii, mass,
             (dot(middle, n), dot(middle, t)), (dot(end, n), dot(end, t)), dt,
         )  # fmt: skip
         contacts.memory = np.zeros((2, len(contacts.one)))

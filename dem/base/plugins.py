@@ -1,4 +1,4 @@
-"""Python files of a user beside a sweep file: shapes, observables and kinds of experiment.
+"""Python files of a user beside a sweep file: shapes, laws, observables and kinds of experiment.
 
 `kind: stones.Stone` is the class Stone of stones.py in the folder of the sweep file;
 `experiment: rest.py` and `observables: [drag, rotation.py]` are files there. They are modules like
@@ -17,7 +17,7 @@ from dem.base import sources
 from dem.base.constants import constants, definitions
 from dem.base.errors import InputError
 
-KEYS = "kind", "observables", "experiment"  # of configurations, that may name a file
+KEYS = "kind", "law", "observables", "experiment"  # of configurations, that may name a file
 
 _added: list[str] = []  # the folder of such files that is on Python's path for the last of them
 _imported: dict[Path, dict[str, str]] = {}  # code of the files of users as this process runs them

@@ -27,6 +27,7 @@ KERNELS = (
     "contacts",
     "dynamics",
     "jit",
+    "laws",
     "material.py",
     "motion.py",
     "packing",

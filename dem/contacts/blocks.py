@@ -10,12 +10,9 @@ find_contacts and contact_forces do nearly all arithmetic. They have no branches
 code: a change of their form, also one that computes the same, may make them slower.
 """
 
-import math
-
 import numpy as np
 
-from dem.contacts.force_law import mean_overlap_quarter
-from dem.contacts.response import relative_velocity, respond
+from dem.contacts.response import length_of, measure_of, relative_velocity, respond
 from dem.jit import block_memory as lane
 from dem.jit.block_memory import (
     EIGHT,
@@ -40,6 +37,7 @@ from dem.jit.optional import (
     times,
     unless,
 )
+from dem.laws.protocol import mean_root, root
 from dem.shapes.polygon import polygon_contact
 from dem.shapes.protocol import (
     ContactGeometry,
@@ -381,21 +379,23 @@ NEAR = 8.0  # halves of a step's change; beyond, the mean over the step differs 
 
 
 @optional
-def mean_overlap_quarters(damping, values, count, dt):
-    """delta^(1/4) of all dashpots: of the few that are near touch its mean over the step, one by
-    one."""
-    near = 0
-    for q in range(count):
-        k = np.uint64(q)
+def roots(damping, contacts, start, stop, dt, values):
+    """Roots of the law for all dashpots: of the few that are near touch the mean over the step, one
+    by one."""
+    law, near = contacts.law, 0
+    for q in range(stop - start):
+        k, p = np.uint64(q), np.uint64(start + q)
         overlap, change = values[lane.OVERLAP + k], 0.5 * dt * abs(values[lane.V_NORMAL + k])
-        values[lane.OVERLAP_QUARTER + k] = math.sqrt(math.sqrt(max(overlap, 0.0)))
+        held = max(overlap, 0.0)
+        values[lane.ROOT + k] = root(law, held, measure_of(contacts, p, held))
         near += -change < overlap < NEAR * change
     if near > 0:
-        for q in range(count):
-            k = np.uint64(q)
+        for q in range(stop - start):
+            k, p = np.uint64(q), np.uint64(start + q)
             overlap, change = values[lane.OVERLAP + k], 0.5 * dt * abs(values[lane.V_NORMAL + k])
             if -change < overlap < NEAR * change:
-                values[lane.OVERLAP_QUARTER + k] = mean_overlap_quarter(overlap, change)
+                length = length_of(contacts.length, p)
+                values[lane.ROOT + k] = mean_root(law, overlap, change, length)
 
 
 @rolled_without_first
@@ -405,15 +405,15 @@ def contact_forces(friction, shape, levers, turns, contacts, start, stop, dt, la
     levers: not None where normal forces may exert torques, although granules are discs.
     """
     values = lanes.values
-    mean_overlap_quarters(contacts.damping, values, stop - start, dt)
+    roots(contacts.damping, contacts, start, stop, dt, values)
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         geometry = load_geometry(shape, levers, values, k)
         velocity = values[lane.V_NORMAL + k], values[lane.V_TANGENT + k]
         change = either(change_of_lane(turns, values, k), (None, None))
-        overlap_quarter = take(contacts.damping, values, lane.OVERLAP_QUARTER + k)
+        mean = take(contacts.damping, values, lane.ROOT + k)
         n, t, damped, slid = respond(
-            contacts, p, geometry, velocity, change, overlap_quarter, dt, lanes.account
+            contacts, p, geometry, velocity, change, mean, dt, lanes.account
         )
         put(damped, values, lane.DAMPED + k)
         put(slid, values, lane.SLID + k)

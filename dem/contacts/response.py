@@ -6,15 +6,28 @@ on body 2, n and t as in dem.shapes.protocol; N >= 0 pushes them apart, T oppose
 
 import math
 
-from dem.contacts.force_law import TINY, capped, damped, hertz, mindlin
+from dem.contacts.force_law import TINY, capped, damped, mindlin
 from dem.jit.compilation import inlined
 from dem.jit.optional import either, given, minus, optional, plus, times
+from dem.laws.protocol import force, measure, stiffness
 
 
 @optional
-def local_stiffness(radius, modulus):
-    """4/3 E* sqrt(R) (N m^-1.5) for the radius of curvature at the contact."""
-    return modulus * math.sqrt(radius)
+def _local_stiffness(radius, law, modulus):
+    """K for the effective radius (m) at the contact."""
+    return stiffness(law, modulus, radius)
+
+
+@optional
+def length_of(length, p):
+    """The second constant (m) of contact p, where its law has one."""
+    return length[p]
+
+
+@inlined
+def measure_of(contacts, p, overlap):
+    """Measure of the law for contact p at an overlap (m) of zero or more."""
+    return measure(contacts.law, overlap, length_of(contacts.length, p))
 
 
 @optional
@@ -24,43 +37,41 @@ def _yielding(mass_ratio, damping, p, nx, ny):
 
 @optional
 def dashpot_constant(damping, mass_ratio, p, nx, ny):
-    """alpha sqrt(m* k) of contact p, with the effective mass m* along its normal."""
+    """alpha sqrt(m* K) of contact p, with the effective mass m* along its normal."""
     return either(_yielding(mass_ratio, damping, p, nx, ny), damping[p])
 
 
 @optional
-def damped_force(damping, elastic, overlap_quarter, rate):
-    return damped(elastic, overlap_quarter, damping, rate)
+def damped_force(damping, elastic, root, rate):
+    return damped(elastic, root, damping, rate)
 
 
 @optional
-def dashpot(damping, ratio, overlap_quarter, slip_rate):
-    return ratio * damping * overlap_quarter * slip_rate
+def dashpot(damping, ratio, root, slip_rate):
+    return ratio * damping * root * slip_rate
 
 
 @optional
 def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
     """The spring is capped first, then spring and dashpot, so that friction does no positive work.
 
-    elastic: stiffness (N m^-1.5), sqrt_overlap (m^0.5), constant and overlap_quarter (m^0.25) of
-    the dashpot; slip: in this step (m), and its rate at the full step (m/s). Returns the force (N)
-    and the powers (W) that dashpot and spring take, None without an energy ledger.
+    elastic: constant and measure of the law, constant and root of the dashpot; slip: in this step
+    (m), and its rate at the full step (m/s). Returns the force (N) and the powers (W) that dashpot
+    and spring take, None without an energy ledger.
     """
-    stiffness, sqrt_overlap, damping, overlap_quarter = elastic
+    constant, measured, damping, root = elastic
     distance, rate = slip
     limit = friction[0, p] * normal  # see dem.dynamics.world.COEFFICIENT
-    stiffness = friction[1, p] * stiffness
-    before, last = contacts.tangential_force[p], contacts.sqrt_overlap[p]
-    force = mindlin(before, sqrt_overlap, last, stiffness, distance)
-    force = capped(force, limit)
-    contacts.tangential_force[p] = force
-    contacts.sqrt_overlap[p] = sqrt_overlap
-    dashpot_force = dashpot(damping, friction[2, p], overlap_quarter, rate)
-    total = capped(minus(force, dashpot_force), limit)
+    constant = friction[1, p] * constant
+    before, last = contacts.tangential_force[p], contacts.measure[p]
+    spring = capped(mindlin(before, measured, last, constant, distance), limit)
+    contacts.tangential_force[p], contacts.measure[p] = spring, measured
+    dashpot_force = dashpot(damping, friction[2, p], root, rate)
+    total = capped(minus(spring, dashpot_force), limit)
     return (
         total,
-        dissipated_power(account, total - force, rate),
-        dissipated_power(account, force, rate),
+        dissipated_power(account, total - spring, rate),
+        dissipated_power(account, spring, rate),
     )
 
 
@@ -78,8 +89,9 @@ def dissipated_power(account, force, rate):
 
 @inlined
 def stiffness_of(contacts, p, radius):
-    """4/3 E* sqrt(R*) (N m^-1.5) of contact p; radius: R* (m) there, None where the pair has one."""
-    return either(local_stiffness(radius, contacts.stiffness[p]), contacts.stiffness[p])
+    """K of contact p; radius: R* (m) there, None where the pair has one."""
+    constant = contacts.stiffness[p]
+    return either(_local_stiffness(radius, contacts.law, constant), constant)
 
 
 @inlined
@@ -97,23 +109,22 @@ def relative_velocity(one, two, geometry):
 
 
 @inlined
-def respond(contacts, p, geometry, velocity, change, overlap_quarter, dt, account):
+def respond(contacts, p, geometry, velocity, change, root, dt, account):
     """Forces N and T (N) of contact p, and powers (W) that dashpots and tangential springs take.
 
     T is None without friction, the powers without an energy ledger. velocity, change: from
     relative_velocity, of the half step and to the full step. Where nothing turns change is (None,
-    None): the velocity is that of the full step, and no slip follows from it. overlap_quarter
-    (m^0.25): delta^(1/4) for the dashpot, None without one. Bodies that do not touch remember
-    nothing, and feel nothing but the dashpot if they touch within half a step: their overlap counts
-    as zero in the force law.
+    None): the velocity is that of the full step, and no slip follows from it. root: of the law, for
+    the dashpot, None without one. Bodies that do not touch remember nothing, and feel nothing but
+    the dashpot if they touch within half a step: their overlap counts as zero in the law.
     """
     overlap = max(geometry.overlap, 0.0)
-    sqrt_overlap = math.sqrt(overlap)
-    stiffness = stiffness_of(contacts, p, geometry.radius)
-    elastic = hertz(overlap, sqrt_overlap, stiffness)
+    measured = measure_of(contacts, p, overlap)
+    constant = stiffness_of(contacts, p, geometry.radius)
+    elastic = force(contacts.law, constant, overlap, measured)
     rate = -plus(velocity[0], change[0])
     damping = dashpot_constant(contacts.damping, contacts.mass_ratio, p, geometry.nx, geometry.ny)
-    normal = either(damped_force(damping, elastic, overlap_quarter, rate), elastic)
+    normal = either(damped_force(damping, elastic, root, rate), elastic)
     damped_normal = dissipated_power(given(damping, account), normal - elastic, -rate)
     tangential, damped_tangential, slid = either(
         friction_force(
@@ -121,7 +132,7 @@ def respond(contacts, p, geometry, velocity, change, overlap_quarter, dt, accoun
             contacts,
             p,
             normal,
-            (stiffness, sqrt_overlap, damping, overlap_quarter),
+            (constant, measured, damping, root),
             (velocity[1] * dt, plus(velocity[1], change[1])),
             account,
             dt,

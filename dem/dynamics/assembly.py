@@ -29,6 +29,7 @@ from dem.dynamics.world import (
 )
 from dem.jit.block_memory import make_lanes
 from dem.jit.columns import VX, VY, W, X, Y, rows
+from dem.laws.protocol import length, slope
 from dem.motion import Drive, PrescribedMotion, Turn
 from dem.scene import Scene, State, reach
 from dem.shapes.protocol import resized, sizes_of
@@ -40,6 +41,8 @@ class GranuleTable(NamedTuple):
 
     Attributes
     ----------
+    law : tuple
+        The law of contacts, as kernels take it.
     root_inverse_mass : ndarray of shape (n,)
         1/sqrt(m) (kg^-0.5), zero for held granules.
     root_inverse_inertia : ndarray of shape (n,) or None
@@ -47,7 +50,7 @@ class GranuleTable(NamedTuple):
     per : int
         Constituents per granule.
     radius : ndarray of shape (constituents,)
-        Radius for Hertz's law (m).
+        Radius in the law (m).
     bounding : ndarray of shape (constituents,)
         Radius of the circle that holds the constituent (m).
     mass : ndarray of shape (constituents,)
@@ -55,31 +58,34 @@ class GranuleTable(NamedTuple):
     mobility : float
         Greatest 1/m + arm^2/I of a contact (1/kg).
     bend : ndarray of shape (n,)
-        2/3 normal_bend / I (1/(kg m)): bounds the rotational stiffness that a normal force adds,
-        over k delta.
+        normal_bend / I (1/(kg m)), times bulk: bounds the rotational stiffness that a normal force
+        adds, over k delta.
+    bulk : float
+        Of the law (dem.laws.protocol.Law).
     skin : float
         Skin of the neighbour lists (m).
     fraction : float
         Time step over the critical one, without unit.
     period : tuple of float
         Period along x and y (m), 0 where the scene does not repeat itself.
-    laws : ndarray of shape (s + w + k, s, 5)
+    laws : ndarray of shape (s + w + k, s, 6)
         Constants of contacts of a granule of each of s materials (second axis) with one of each
         material, then with each wall and solid: see dem.dynamics.world.MODULUS.
     species : ndarray of shape (n,)
         Number of the material of each granule.
     solid_radius : ndarray of shape (w + k,)
-        Radius for Hertz's law (m) of solids with the outline of a granule.
+        Radius in the law (m) of solids that have the outline of a granule; zero of others.
     alpha : float
         Dashpot constant of granules, without unit; the greatest.
     modulus : float
-        E* of two granules (Pa); the greatest.
+        Modulus of the law for two granules (Pa or N/m); the greatest.
     mean_radius, mean_mass : float
         Means (m, kg).
     held : ndarray of shape (constituents,) or None
         Which are held.
     """
 
+    law: tuple
     root_inverse_mass: np.ndarray
     root_inverse_inertia: np.ndarray | None
     per: int
@@ -88,6 +94,7 @@ class GranuleTable(NamedTuple):
     mass: np.ndarray
     mobility: float
     bend: np.ndarray
+    bulk: float
     skin: float
     fraction: float
     period: tuple[float, float]
@@ -122,6 +129,7 @@ def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTa
     per = len(bounding) // scene.granules
     x, y = scene.periodic or (None, None)
     return GranuleTable(
+        law=for_kernels(scene.law),
         root_inverse_mass=np.sqrt(inverse_mass),
         root_inverse_inertia=np.sqrt(inverse_inertia) if can_turn(scene, laws) else None,
         per=per,
@@ -129,15 +137,16 @@ def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTa
         bounding=bounding,
         mass=np.repeat(scene.mass, per),
         mobility=float((inverse_mass + shape.bounding_radius**2 * inverse_inertia).max()),
-        bend=2.0 / 3.0 * shape.normal_bend * inverse_inertia,
+        bend=scene.law.bulk * shape.normal_bend * inverse_inertia,
+        bulk=scene.law.bulk,
         skin=min([float(skin * bounding.mean()), *widest_skins(scene)]),
         fraction=float(fraction),
         period=(x or 0.0, y or 0.0),
         laws=laws,
         species=scene.species.copy(),
-        solid_radius=np.array([0.0] * len(scene.walls) + [hertz_radius(s) for s in scene.solids]),
+        solid_radius=np.array([0.0] * len(scene.walls) + [law_radius(s) for s in scene.solids]),
         alpha=float(laws[:count, :, ALPHA].max()),
-        modulus=max(effective_modulus(material, material) for material in scene.materials),
+        modulus=max(modulus(scene, material, material) for material in scene.materials),
         mean_radius=float(shape.constituent_radius.mean()),
         mean_mass=float(scene.mass.mean()),
         held=np.repeat(scene.is_held, per) if scene.held else None,
@@ -153,31 +162,51 @@ def mobilities(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     return inverse_mass, inverse_inertia
 
 
-def hertz_radius(solid) -> float:
-    """Radius for Hertz's law (m) of the outline of a solid; 0 of a polygon."""
+def for_kernels(law):
+    """A law without values that are None, which would be another type: its constants follow from
+    GranuleTable.laws."""
+    return law._replace(**{name: 0.0 for name, value in law._asdict().items() if value is None})
+
+
+def modulus(scene: Scene, *materials) -> float:
+    """Modulus of the law of a scene (Pa or N/m) for the elastic materials that meet."""
+    return float(scene.law.modulus(effective_modulus(*materials), scene.thickness))
+
+
+def law_radius(solid) -> float:
+    """Radius in the law (m) of the outline of a solid; 0 of a polygon."""
     outline = solid.outline
     return 0.0 if isinstance(outline, Polygon) else float(outline.constituent_radius[0])
 
 
-def law(friction: float, stiffness: float, material, partner) -> list[float]:
-    """Row of GranuleTable.laws for a granule of a material and its partner, None if it is rigid."""
+def law(scene: Scene, friction: float, material, partner) -> list[float]:
+    """Row of GranuleTable.laws for a granule of a material and its partner, None if it is rigid.
+
+    Tangential over normal stiffness is that of Mindlin, 4 G*/E*, under every law.
+    """
     materials = (material,) if partner is None else (material, partner)
-    modulus = effective_modulus(*materials)
-    ratio = effective_shear_modulus(*materials) / modulus * stiffness
+    young = effective_modulus(*materials)
+    ratio = effective_shear_modulus(*materials) / young
+    ratio *= scene.friction.stiffness if scene.friction else 1.0
     restitution = material.restitution
     if partner is not None and partner.restitution != restitution:
         restitution = math.sqrt(restitution * partner.restitution)
-    alpha = damping_from_restitution(restitution)
-    return [4.0 / 3.0 * modulus, alpha, friction, 6.0 * ratio, math.sqrt(4.0 * ratio)]
+    return [
+        modulus(scene, *materials),
+        damping_from_restitution(restitution, scene.law.dashpot),
+        young / effective_modulus(material),
+        friction,
+        slope(scene.law, 1.0, 1.0) * (4.0 * ratio),
+        math.sqrt(4.0 * ratio),
+    ]
 
 
 def laws_of(scene: Scene) -> np.ndarray:
     """GranuleTable.laws of a scene."""
     materials, friction = scene.materials, scene.friction
     table = np.zeros((len(materials), len(materials))) + (friction.granule if friction else 0.0)
-    stiffness = friction.stiffness if friction else 1.0
     laws = [
-        [law(float(table[a, b]), stiffness, one, other) for b, one in enumerate(materials)]
+        [law(scene, float(table[a, b]), one, other) for b, one in enumerate(materials)]
         for a, other in enumerate(materials)
     ]
     for bodies, name in ((scene.walls, "wall"), (scene.solids, "solid")):
@@ -185,7 +214,7 @@ def laws_of(scene: Scene) -> np.ndarray:
             coefficient, partner = body.friction, body.material or scene.boundary
             if coefficient is None:
                 coefficient = getattr(friction, name) if friction else 0.0
-            laws.append([law(coefficient, stiffness, one, partner) for one in materials])
+            laws.append([law(scene, coefficient, one, partner) for one in materials])
     return np.array(laws).reshape(-1, len(materials), LAW)
 
 
@@ -296,12 +325,14 @@ def contacts(
         constituent=index,
         partner=index,
         force_row=index,
+        law=table.law,
         stiffness=numbers,
+        length=None if length(table.law, 1.0, 1.0, 1.0, 1.0) is None else numbers,
         damping=numbers if damped else None,
         mass_ratio=np.empty((2, 0)) if damped and yields else None,
         friction=np.empty((3, 0)) if rough else None,
         tangential_force=memory,
-        sqrt_overlap=memory,
+        measure=memory,
         normal_x=guesses,
         normal_y=guesses,
         shift_x=numbers if x else None,

@@ -3,18 +3,18 @@
 Output only: the integrator does not read it.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
-from dem.contacts.blocks import last_normal, shifted
-from dem.contacts.response import respond, stiffness_of
+from dem.contacts.blocks import last_normal, put, shifted
+from dem.contacts.response import measure_of, respond, stiffness_of
 from dem.dynamics.world import Surface
 from dem.jit.address import by_address
 from dem.jit.columns import VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either, given
+from dem.laws.protocol import force, root
 from dem.shapes.polygon import polygon_contact
 from dem.shapes.protocol import (
     ContactGeometry,
@@ -68,7 +68,7 @@ def polygon_contact_of(surface, frames, shape, one, p, dx, dy):
 def geometries(shape, motion, orientation, others, frames, surface):
     """Rows (m, 6), one per listed contact with a surface, or between granules (`pairs_of`), seen
     from its constituent: overlap (m; negative: a gap), normal, arms n1 and t1 (m), and
-    stiffness (N m^-1.5). others: motion of the partners; frames: Boundaries.orientation."""
+    constant K of the law. others: motion of the partners; frames: Boundaries.orientation."""
     contacts, planes, radius = surface.contacts, surface.planes, surface.radius
     outlines, faces = surface.outlines, surface.faces
     rows = np.empty((contacts.constituent.shape[0], 6))
@@ -87,10 +87,10 @@ def geometries(shape, motion, orientation, others, frames, surface):
             contact = polygon_contact_of(surface, frames, shape, one, p, dx, dy)
         else:
             contact = contact_with(outline(shape, j, orientation), shape, one, contacts, p, dx, dy)
-        stiffness = stiffness_of(contacts, p, contact[5])
+        constant = stiffness_of(contacts, p, contact[5])
         # number by number, because a row brings in the text of its error message
         rows[p, 0], rows[p, 1], rows[p, 2] = contact[0], contact[1], contact[2]
-        rows[p, 3], rows[p, 4], rows[p, 5] = contact[3], contact[4], stiffness
+        rows[p, 3], rows[p, 4], rows[p, 5] = contact[3], contact[4], constant
     return rows
 
 
@@ -233,7 +233,7 @@ def _columns(world, names, listed, geometries, partner, second):
     for column, shift in ((X, listed.shift_x), (Y, listed.shift_y)):
         if shift is not None:
             second[:, column] += shift[touch]
-    overlap, nx, ny, n1, t1, stiffness = geometries[touch].T.copy()
+    overlap, nx, ny, n1, t1, constant = geometries[touch].T.copy()
     normal, tangent = np.column_stack([nx, ny]), np.column_stack([-ny, nx])
     point = world.constituents[constituent][:, [X, Y]] + n1[:, None] * normal
     point += t1[:, None] * tangent
@@ -241,8 +241,8 @@ def _columns(world, names, listed, geometries, partner, second):
     branch = np.where(partner[:, None] >= 0, apart, point - first[:, [X, Y]])
     nearing = _velocity(second, point) - _velocity(first, point)
     rates = np.column_stack([(nearing * normal).sum(axis=1), (nearing * tangent).sum(axis=1)])
-    pushed = np.empty_like(rates)
-    _respond_now(_copied(listed, touch, overlap, stiffness), overlap, normal, rates, pushed)
+    pushed = np.empty((len(rates), 3))
+    _respond_now(_copied(listed, touch, constant), overlap, normal, rates, pushed)
     spring = listed.tangential_force
     return (
         names[granule],
@@ -251,9 +251,9 @@ def _columns(world, names, listed, geometries, partner, second):
         normal,
         branch,
         overlap,
-        stiffness * overlap**1.5,
+        pushed[:, 2],
         np.zeros(len(granule)) if spring is None else spring[touch],
-        pushed[:, :1] * normal + pushed[:, 1:] * tangent,
+        pushed[:, :1] * normal + pushed[:, 1:2] * tangent,
     )
 
 
@@ -263,9 +263,11 @@ def _velocity(motion, point):
     return motion[:, [VX, VY]] + spin * np.column_stack([-arm[:, 1], arm[:, 0]])
 
 
-def _copied(listed, touch, overlap, stiffness):
+def _copied(listed, touch, constant):
     """Those that touch, to be written to: a response remembers, and the bed must not see it."""
-    kept = {"stiffness": stiffness} | dict.fromkeys(NOT_OF_RESPONSE)
+    kept = {"stiffness": constant} | dict.fromkeys(NOT_OF_RESPONSE)
+    if listed.length is not None:
+        kept["length"] = listed.length[touch]
     if listed.damping is not None:
         kept["damping"] = listed.damping[touch]
     if listed.mass_ratio is not None:
@@ -273,19 +275,24 @@ def _copied(listed, touch, overlap, stiffness):
     if listed.friction is not None:
         kept["friction"] = np.ascontiguousarray(listed.friction[:, touch])
         kept["tangential_force"] = listed.tangential_force[touch]
-        kept["sqrt_overlap"] = np.sqrt(overlap)
+        kept["measure"] = np.empty(len(constant))
     return listed._replace(**kept)
 
 
 @compiled
 def _respond_now(contacts, overlap, normals, rates, pushed):
-    """Fill pushed (m, 2): forces N and T (N) at relative velocities (m, 2) along n and t (m/s)."""
+    """Fill pushed (m, 3): forces N and T (N) at relative velocities (m, 2) along n and t (m/s), and
+    the elastic part of N (N)."""
+    law = contacts.law
     for p in range(overlap.shape[0]):
         nx, ny = normals[p, 0], normals[p, 1]
         geometry = ContactGeometry(overlap[p], nx, ny, 0.0, None, None, None, None)
         velocity = rates[p, 0], rates[p, 1]
-        overlap_quarter = given(contacts.damping, math.sqrt(math.sqrt(overlap[p])))
+        measured = measure_of(contacts, p, overlap[p])
+        put(given(contacts.friction, measured), contacts.measure, p)
+        now = given(contacts.damping, root(law, overlap[p], measured))
         normal, tangential, _, _ = respond(
-            contacts, p, geometry, velocity, (0.0, 0.0), overlap_quarter, 0.0, None
+            contacts, p, geometry, velocity, (0.0, 0.0), now, 0.0, None
         )
         pushed[p, 0], pushed[p, 1] = normal, either(tangential, 0.0)
+        pushed[p, 2] = force(law, contacts.stiffness[p], overlap[p], measured)

@@ -28,6 +28,7 @@ import numpy as np
 
 from dem.jit.compilation import inlined
 from dem.jit.optional import times
+from dem.laws.protocol import slope
 
 # Columns of `rows` (bodies, 12): xx, xy, yy, xr, yr, rr of stiffness (1/s2), then of damping (1/s)
 STIFFNESS, DAMPING, COLUMNS = 0, 6, 12
@@ -103,17 +104,18 @@ def add_pair(rows, pair, k, c, direction, weights):
 
 
 @inlined
-def add_contact(rows, pair, friction, spring, normal, along, across):
+def add_contact(law, rows, pair, friction, spring, normal, along, across):
     """Stiffness and damping of a contact; returns its normal stiffness (N/m).
 
-    friction: tangential over normal stiffness and damping, or None; spring: stiffness (N m^-1.5),
-    sqrt_overlap (m^0.5), normal damping (N s/m, or None); along, across: weights of both bodies for the normal and for the tangential force.
+    friction: tangential over normal stiffness and damping, or None; spring: constant and measure of
+    the law, normal damping (N s/m, or None); along, across: weights of both bodies for the normal
+    and for the tangential force.
     """
-    stiffness, sqrt_overlap, damping = spring
-    k = 1.5 * stiffness * sqrt_overlap
+    constant, measured, damping = spring
+    k = slope(law, constant, measured)
     add_pair(rows, pair, k, damping, normal, along)
     if friction is not None:
-        k_t = friction[0] * stiffness * sqrt_overlap
+        k_t = friction[0] * constant * measured
         c_t = times(friction[1], damping)
         add_pair(rows, pair, k_t, c_t, (-normal[1], normal[0]), across)
     return k

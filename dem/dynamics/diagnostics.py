@@ -6,8 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.contacts.blocks import last_normal, shifted
-from dem.contacts.force_law import damping_ratio, impact_overlap
-from dem.contacts.response import dashpot_constant, stiffness_of
+from dem.contacts.response import dashpot_constant, measure_of, stiffness_of
 from dem.dynamics.boundaries import boundary_weight, driven_acceleration, fastest
 from dem.dynamics.contact_list import deeper, geometries
 from dem.dynamics.critical_step import (
@@ -26,6 +25,7 @@ from dem.jit.address import by_address, local
 from dem.jit.columns import FX, FY, TAU, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either, optional, times
+from dem.laws.protocol import impact_overlap, length, measure, root, slope, stiffest
 from dem.shapes.protocol import collect, outline, solve_contact
 
 
@@ -117,22 +117,22 @@ def scan_pairs(world, table, bounds, begin, end, spare):
                 touching += 1
                 worst = deeper(worst, overlap, i, min(radius[i], radius[j]))
             # Stiffness and damping, from the surfaces of both bodies, not the middle of a gap
-            stiffness = stiffness_of(contacts, p, rho)
-            sqrt_overlap, g, h = math.sqrt(max(overlap, least)), i // table.per, j // table.per
+            law, held, constant = contacts.law, max(overlap, least), stiffness_of(contacts, p, rho)
+            measured, g, h = measure_of(contacts, p, held), i // table.per, j // table.per
             apart = 0.5 * min(overlap, 0.0)
             point_1, point_2 = (n1 + apart, either(t1, 0.0)), (-n2 - apart, either(t2, 0.0))
             arms_1 = moment_arms(granules, motion, g, i, (nx, ny), point_1)
             arms_2 = moment_arms(granules, motion, h, j, (nx, ny), point_2)
             damping = times(
                 dashpot_constant(contacts.damping, contacts.mass_ratio, p, nx, ny),
-                math.sqrt(sqrt_overlap),
+                root(law, held, measured),
             )
-            spring = stiffness, sqrt_overlap, damping
+            spring = constant, measured, damping
             body_1, body_2 = body_of(view, table, g, arms_1), body_of(view, table, h, arms_2)
             pair = body_1[0] if i >= low else spare, body_2[0] if j < high else spare
             along, across = (body_1[1], body_2[1]), (body_1[2], body_2[2])
             friction = friction_of(contacts.friction, p)
-            k = add_contact(rows, pair, friction, spring, (nx, ny), along, across)
+            k = add_contact(law, rows, pair, friction, spring, (nx, ny), along, across)
             add_force_stiffness(rows, pair[0], k, overlap, table.bend[g])
             add_force_stiffness(rows, pair[1], k, overlap, table.bend[h])
     return touching, worst
@@ -167,17 +167,18 @@ def scan_contacts(surface, world, table, bounds, worst):
         i, b = np.int64(contacts.constituent[p]), np.int64(contacts.partner[p])
         g = i // constants.per
         overlap, nx, ny = contact[p, 0], contact[p, 1], contact[p, 2]
-        n1, t1, stiffness = contact[p, 3], contact[p, 4], contact[p, 5]
+        n1, t1, constant = contact[p, 3], contact[p, 4], contact[p, 5]
         if not overlap <= 0.0:
             worst = deeper(worst, overlap, i, constants.radius[i])
-        sqrt_overlap = math.sqrt(max(overlap, bounds.least))
+        law, held = contacts.law, max(overlap, bounds.least)
+        measured = measure_of(contacts, p, held)
         n1 += 0.5 * min(overlap, 0.0)
         arms = moment_arms(granules, motion, g, i, (nx, ny), (n1, t1))
         damping = times(
             dashpot_constant(contacts.damping, contacts.mass_ratio, p, nx, ny),
-            math.sqrt(sqrt_overlap),
+            root(law, held, measured),
         )
-        spring = stiffness, sqrt_overlap, damping
+        spring = constant, measured, damping
         row, along, across = body_of(world, constants, g, arms)
         pair, far = (row, granules.shape[0] + b), (0.0, 0.0)
         if surface.planes is None:
@@ -187,10 +188,10 @@ def scan_contacts(surface, world, table, bounds, worst):
         along = along, boundary_weight(boundaries, b, far[0])
         across = across, boundary_weight(boundaries, b, far[1])
         friction = friction_of(contacts.friction, p)
-        k = add_contact(rows, pair, friction, spring, (nx, ny), along, across)
+        k = add_contact(law, rows, pair, friction, spring, (nx, ny), along, across)
         add_force_stiffness(rows, g, k, overlap, constants.bend[g])
         if boundaries.reach[b] > 0.0:  # a flat side has no curvature: its size bounds the arm
-            bend = 2.0 / 3.0 * boundaries.reach[b] * boundaries.drive[b, INVERSE_MASS + 2]
+            bend = constants.bulk * boundaries.reach[b] * boundaries.drive[b, INVERSE_MASS + 2]
             add_force_stiffness(rows, pair[1], k, overlap, bend)
     return worst
 
@@ -221,8 +222,11 @@ def expected_speed(world, skin, speed_bound):
 @inlined
 def step_alone(table, least, fraction):
     """Time step (s) for a granule that collides with one of its own size, up to an overlap (m)."""
-    stiffness = 4.0 * table.modulus * math.sqrt(table.radius.max() * least) * table.mobility
-    damping = 2.0 * damping_ratio(table.alpha) * math.sqrt(2.0 * stiffness)
+    law, r = table.law, table.radius[0]
+    stiffness = 2.0 * stiffest(law, table.modulus, table.radius, least) * table.mobility
+    measured = measure(law, least, length(law, 1.0, r, r, r))
+    ratio = 0.5 * table.alpha * root(law, least, measured) / math.sqrt(slope(law, 1.0, measured))
+    damping = 2.0 * ratio * math.sqrt(2.0 * stiffness)
     return stable_step(stiffness, damping, fraction)
 
 
@@ -269,7 +273,8 @@ def begin_scan(world, table, later, frame, spare):
     energy, speed_bound = kinetic(view, later, frame)
     speed = expected_speed(view, constants.skin, speed_bound)
     radius, mass = 0.5 * constants.mean_radius, 0.5 * constants.mean_mass
-    least = max(impact_overlap(mass, radius, constants.modulus, speed), 1e-8 * radius)
+    least = impact_overlap(constants.law, constants.modulus, radius, mass, speed)
+    least = max(least, 1e-8 * radius)
     return energy, speed, empty_bounds(view, least, spare)
 
 

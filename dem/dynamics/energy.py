@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.contacts.force_law import TINY
+from dem.contacts.response import measure_of
 from dem.dynamics.contact_list import measured
 from dem.dynamics.forces import greater
 from dem.dynamics.world import STIFFNESS_RATIO, at_full_steps
@@ -20,6 +21,7 @@ from dem.jit.block_memory import ACCOUNTS, WORK
 from dem.jit.columns import DVX, FX, TAU, VX, W
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import given, minus
+from dem.laws.protocol import energy
 
 
 class Ledger(NamedTuple):
@@ -88,23 +90,17 @@ def kinetic(world, later, frame):
     later (s): kicks that velocities lack; frame: velocity (m/s) that is added to all for the
     energy.
     """
-    energy, speed_bound, inverse_inertia = 0.0, 0.0, world.inverse_inertia
+    total, speed_bound, inverse_inertia = 0.0, 0.0, world.inverse_inertia
     for i in range(world.bodies.shape[0]):
         vx, vy = velocity_later(world, i, 0, later), velocity_later(world, i, 1, later)
         if world.inverse_mass[i] > 0.0:
             squared = (vx + frame[0]) ** 2 + (vy + frame[1]) ** 2
-            energy += 0.5 * squared / world.inverse_mass[i]
+            total += 0.5 * squared / world.inverse_mass[i]
             if inverse_inertia is not None:
                 spin = world.bodies[i, W] + later * inverse_inertia[i] * world.force[i, TAU]
-                energy += 0.5 * spin * spin / inverse_inertia[i]
+                total += 0.5 * spin * spin / inverse_inertia[i]
         speed_bound = greater(speed_bound, vx * vx + vy * vy)
-    return energy, math.sqrt(speed_bound)
-
-
-@compiled
-def stored_normal(overlap, stiffness):
-    """Elastic energy (J) of Hertz's law, 2/5 k delta^2.5."""
-    return 0.4 * stiffness * overlap**2 * math.sqrt(overlap) if overlap > 0.0 else 0.0
+    return total, math.sqrt(speed_bound)
 
 
 @compiled(allocates=True)
@@ -112,11 +108,11 @@ def elastic(geometries, contacts):
     """Normal and tangential elastic energy (J) of contacts; a spring stores T^2 / (2 k_t)."""
     normal, tangential, friction = 0.0, 0.0, contacts.friction
     for p in range(geometries.shape[0]):
-        overlap, stiffness = geometries[p, 0], geometries[p, 5]
-        normal += stored_normal(overlap, stiffness)
+        overlap, constant = max(geometries[p, 0], 0.0), geometries[p, 5]
+        normal += energy(contacts.law, constant, overlap, measure_of(contacts, p, overlap))
         if friction is not None:
             force = contacts.tangential_force[p]
-            stiffness = friction[STIFFNESS_RATIO, p] * stiffness * contacts.sqrt_overlap[p]
+            stiffness = friction[STIFFNESS_RATIO, p] * constant * contacts.measure[p]
             tangential += 0.5 * force * force / max(stiffness, TINY)
     return normal, tangential
 

@@ -13,6 +13,7 @@ from dem.dynamics.world import (
     LAW,
     MODULUS,
     PATCH,
+    SHARE,
     Contacts,
     Patches,
     number_of_patches,
@@ -20,6 +21,7 @@ from dem.dynamics.world import (
 from dem.jit.address import as_before, by_address, changeable
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
+from dem.laws.protocol import length, stiffness
 from dem.shapes.protocol import circle, local_radius, outline, place
 from dem.shapes.rotation import set_orientation
 
@@ -88,12 +90,14 @@ def renewed(old, first, constituent, partner, force_row, shape):
         constituent=constituent,
         partner=partner,
         force_row=force_row,
+        law=old.law,
         stiffness=np.empty(count),
+        length=zeros_like(old.length, count),
         damping=zeros_like(old.damping, count),
         mass_ratio=zeros_like(old.mass_ratio, (2, count)),
         friction=zeros_like(old.friction, (3, count)),
         tangential_force=carried(old.tangential_force, source),
-        sqrt_overlap=carried(old.sqrt_overlap, source),
+        measure=carried(old.measure, source),
         normal_x=carried(old.normal_x, source),
         normal_y=carried(old.normal_y, source),
         shift_x=zeros_like(old.shift_x, count),
@@ -112,16 +116,23 @@ def inverse_mass_along(world, g, c):
 
 
 @inlined
-def set_constants(contacts, p, law, shape, radius, mass, inverse_masses):
-    """Constants of contact p from its row of GranuleTable.laws, its effective radius R* (m) and
-    mass m* (kg).
+def set_constants(contacts, p, law, shape, radii, mass, inverse_masses):
+    """Constants of contact p from its row of GranuleTable.laws, the radii of both bodies (m; zero of
+    a flat one) and its effective mass m* (kg).
 
     inverse_masses: sums of those of both bodies along x and y (1/kg).
     """
-    stiffness = law[MODULUS] * math.sqrt(radius)
-    contacts.stiffness[p] = stiffness if local_radius(shape) is None else law[MODULUS]
+    one, two = radii
+    radius = one
+    if two > 0.0:
+        radius = one * two / (one + two)
+    constant = stiffness(contacts.law, law[MODULUS], radius)
+    contacts.stiffness[p] = constant if local_radius(shape) is None else law[MODULUS]
+    if contacts.length is not None:
+        other = two if two > 0.0 else one
+        contacts.length[p] = length(contacts.law, law[SHARE], one, other, radius)
     if contacts.damping is not None:
-        contacts.damping[p] = law[ALPHA] * math.sqrt(mass * stiffness)
+        contacts.damping[p] = law[ALPHA] * math.sqrt(mass * constant)
     if contacts.friction is not None:
         for c in range(LAW - FRICTION):
             contacts.friction[c, p] = law[FRICTION + c]
@@ -224,10 +235,9 @@ def list_pairs(world, table):
             inverse_mass_along(world, g, 0) + inverse_mass_along(world, h, 0),
             inverse_mass_along(world, g, 1) + inverse_mass_along(world, h, 1),
         )
-        reduced_radius = radius[i] * radius[j] / (radius[i] + radius[j])
         mass = effective_mass(held, table.mass, i, j)
         law = table.laws[table.species[h], table.species[g]]
-        set_constants(new, p, law, shape, reduced_radius, mass, inverse_masses)
+        set_constants(new, p, law, shape, (radius[i], radius[j]), mass, inverse_masses)
         set_image(new, p, rows[j, X] - rows[i, X], rows[j, Y] - rows[i, Y], period)
         put_sizes(new.sizes, p, shape, orientation, i, j)
     world.pairs, world.patches = new, patches
@@ -252,13 +262,9 @@ def list_surface(surface, world, table):
             inverse_mass_along(world, i // per, 0) + drive[b, INVERSE_MASS],
             inverse_mass_along(world, i // per, 1) + drive[b, INVERSE_MASS + 1],
         )
-        reduced = table.radius[i]
-        if surface.radius is not None:
-            reduced = reduced * surface.radius[b] / (reduced + surface.radius[b])
-        elif surface.outlines is not None:
-            reduced = reduced * table.solid_radius[b] / (reduced + table.solid_radius[b])
+        radii = table.radius[i], table.solid_radius[b]
         law = table.laws[materials + b, table.species[i // per]]
-        set_constants(new, p, law, world.shape, reduced, table.mass[i], inverse_masses)
+        set_constants(new, p, law, world.shape, radii, table.mass[i], inverse_masses)
         set_image(new, p, motion[b, X] - rows[i, X], motion[b, Y] - rows[i, Y], period)
     reach_patches(world.patches, constituent, per)
     surface.contacts = new

@@ -10,12 +10,12 @@ from dem.jit.compilation import inlined
 PATCH = 1024  # granules: what a patch needs fits into the second-level cache
 
 
-# Rows of Contacts.friction: Coulomb's mu; 8 G* over 4/3 E*, times Friction.stiffness; tangential over
-# normal damping, sqrt(k_t / k_n)
+# Rows of Contacts.friction: Coulomb's mu; tangential stiffness over K times the measure of the law;
+# tangential over normal damping, sqrt(k_t / k_n)
 COEFFICIENT, STIFFNESS_RATIO, DAMPING_RATIO = 0, 1, 2
-# Columns of GranuleTable.laws: 4/3 E* (Pa); dashpot constant without unit; from there on the rows
-# of Contacts.friction
-MODULUS, ALPHA, FRICTION, LAW = 0, 1, 2, 5
+# Columns of GranuleTable.laws: modulus of the law (Pa or N/m); dashpot constant without unit; share
+# of the granule in 1/E*; from there on the rows of Contacts.friction
+MODULUS, ALPHA, SHARE, FRICTION, LAW = 0, 1, 2, 3, 6
 
 
 class Contacts(NamedTuple):
@@ -29,11 +29,15 @@ class Contacts(NamedTuple):
         The constituent and its partner: one with a higher index, or a boundary.
     force_row : ndarray of shape (m,)
         Row of World.constituent_force for the force on the partner, see Patches.
+    law : tuple
+        The law of all contacts (dem.laws.protocol).
     stiffness : ndarray of shape (m,)
-        4/3 E* sqrt(R*) (N m^-1.5); 4/3 E* (Pa) where R* is found at the contact
-        (dem.shapes.protocol.local_radius).
+        Its constant K of each pair; the modulus that K follows from where R* is found at the
+        contact (dem.shapes.protocol.local_radius).
+    length : ndarray of shape (m,) or None
+        Its second constant (m), of laws that have one.
     damping : ndarray of shape (m,) or None
-        Dashpot constant alpha sqrt(m* k).
+        Dashpot constant alpha sqrt(m* K).
     mass_ratio : ndarray of shape (2, m) or None
         m/m* for a normal along x and along y, where a driven boundary yields; the dashpot constant
         is then that of the mass m. None where none yields.
@@ -41,8 +45,8 @@ class Contacts(NamedTuple):
         Friction of each contact, see COEFFICIENT.
     tangential_force : ndarray of shape (m,) or None
         Contact history: force of the tangential spring (N).
-    sqrt_overlap : ndarray of shape (m,) or None
-        Contact history: root of the overlap in the last step (m^0.5).
+    measure : ndarray of shape (m,) or None
+        Contact history: measure of the law in the last step.
     normal_x, normal_y : ndarray of shape (m,) or None
         Normal in the last step, of granules that are not round.
     shift_x, shift_y : ndarray of shape (m,) or None
@@ -55,12 +59,14 @@ class Contacts(NamedTuple):
     constituent: np.ndarray
     partner: np.ndarray
     force_row: np.ndarray
+    law: tuple
     stiffness: np.ndarray
+    length: np.ndarray | None
     damping: np.ndarray | None
     mass_ratio: np.ndarray | None
     friction: np.ndarray | None
     tangential_force: np.ndarray | None
-    sqrt_overlap: np.ndarray | None
+    measure: np.ndarray | None
     normal_x: np.ndarray | None
     normal_y: np.ndarray | None
     shift_x: np.ndarray | None

@@ -62,12 +62,19 @@ def thickness(replicate: Replicate) -> float:
     return replicate.configuration.material.thickness or replicate.shape.diameter
 
 
+def modulus(replicate: Replicate) -> float:
+    """Modulus of the law of contacts (Pa or N/m) for two granules; over the thickness (m), the
+    pressure (Pa) in a run whose Bed has a pressure of one."""
+    young = effective_modulus(*2 * [replicate.configuration.material])
+    return float(replicate.law.modulus(young, thickness(replicate)))
+
+
 def room_of(replicate: Replicate) -> tuple:
     """The granules of a bed, and the room in which they are packed."""
     own, sizes = replicate.configuration, diameters(replicate)
     height = height_of_box(own, sizes)
     drawn = solids(replicate, height)
-    room = Room(own.box_width, height, drawn, replicate.seed, own.periodic)
+    room = Room(own.box_width, height, drawn, replicate.seed, own.periodic, replicate.law_class())
     return shaped(replicate, sizes), room
 
 
@@ -102,11 +109,19 @@ def make_bed(replicate: Replicate, checkpoint: Path | None = None, report=ignore
     job.begin(replicate.bed_id)
     if own.packing.preparation == "settled":
         material, friction = material_of_granules(replicate), own.packing.friction
-        return settle(shape, room, material, friction, own.gravity, thickness(replicate), job)
+        return settle(
+            shape,
+            room._replace(law=replicate.law),
+            material,
+            friction,
+            own.gravity,
+            thickness(replicate),
+            job,
+        )
     if own.packing.pressure is None:
         return packed(own, shape, room, job)
     loose = room._replace(height=room.height * NOMINAL / START)
-    load = own.packing.pressure * thickness(replicate) / effective_modulus(*2 * [own.material])
+    load = own.packing.pressure * thickness(replicate) / modulus(replicate)
     bed = pack_under(shape, loose, load, job)
     rise = max(ahead_of(own.cylinder)[1], 0.0) * own.cylinder.stroke
     top = max(solid.position[1] + solid.radius for solid in room.solids) + rise

@@ -35,6 +35,7 @@ from dem.base.types import (
 from dem.experiment.box import check_room
 from dem.experiment.kinds import EXPERIMENTS, Experiment
 from dem.experiment.sections import (
+    ContactSection,
     CylinderSection,
     EllipseSection,
     FrictionSection,
@@ -49,9 +50,12 @@ from dem.experiment.sections import (
     WallsSection,
     or_file,
 )
+from dem.laws import file_of as law_file
+from dem.laws import law_of
 from dem.periodic import Sides
 from dem.shapes import Kind, kind_of
 
+HERTZ = "hertz"  # the law of contacts where none is named
 LAYOUT = 1  # of the files of runs: raise it where a variable comes, goes or has another meaning
 # sections that only some experiments read, by these
 SECTIONS = {
@@ -75,14 +79,16 @@ BED_KEYS = (
     "second.bearing",
     "packing.size_spread",
     "packing.preparation",
+    "contact.law",
 )
 PACKED = "packing.fraction", "packing.friction"
-SETTLED_BY = *PACKED, "gravity", "material"
+SETTLED_BY = *PACKED, "gravity", "material", "contact"
 PRESSED_BY = (
     "packing.pressure",
     "material.young_modulus",
     "material.poisson_ratio",
     "material.thickness",
+    "contact.stiffness",
 )
 
 
@@ -103,6 +109,7 @@ class Configuration(Section):
     packing: PackingSection
     material: MaterialSection
     friction: FrictionSection
+    contact: ContactSection = ContactSection()
     walls: WallsSection | None = None
     """friction and material of single walls"""
     gravity: Annotated[NotNegative, Unit("m s-2")] = 0.0
@@ -214,12 +221,19 @@ class Configuration(Section):
         except InputError as error:
             raise InputError(f"shapes.{shape}.{error}") from None
 
+    @property
+    def law_name(self) -> str:
+        """Name of the law of contacts."""
+        return self.contact.law or HERTZ
+
     @cached_property
     def known(self) -> dict[str, dict[str, Any]]:
         """The values that a run of each shape is known by, by path, but for density and seed."""
         values = self.values()
         shapes, known = values.pop("shapes"), {}
         paths = {path: v for path, v in by_path(values).items() if path not in UNHASHED_KEYS}
+        if paths.get("contact.law") == HERTZ:  # is what runs are without it
+            del paths["contact.law"]
         for label, shape in self.shapes.items():
             section = shapes[label] | {"aspect_ratio": shape.ratio}
             known[label] = paths | by_path({"shape": section})
@@ -258,6 +272,7 @@ class Configuration(Section):
         """Raise InputError where the values name a file that cannot be used."""
         for label in self.shapes:
             self.kind_of(label)
+        law_file(self.law_name, self.beside)
         self.module.check(self)
 
     def changed(self, changes: dict[str, Any], shape: str) -> "Configuration":
@@ -302,6 +317,17 @@ class Replicate:
     def kind(self) -> Kind:
         """The kind of its granules; raises InputError where its file cannot be used."""
         return self.configuration.kind_of(self.label)
+
+    @property
+    def law_class(self) -> type:
+        """The class of the law of contacts, under which the bed is packed."""
+        return law_of(self.configuration.law_name, self.configuration.beside)
+
+    @property
+    def law(self):
+        """The law of contacts."""
+        stiffness = self.configuration.contact.stiffness
+        return self.law_class() if stiffness is None else self.law_class(stiffness)
 
     @property
     def coordinates(self) -> dict:
@@ -351,6 +377,7 @@ class Replicate:
         values = (
             kind,
             c.ellipse if kind == "ellipse" else None,
+            c.law_name,
             c.experiment,
             c.periodic,
             c.packing.preparation,
@@ -396,9 +423,9 @@ class Replicate:
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """The files of its experiment, observables and shape."""
+        """The files of its experiment, observables, shape and law."""
         c = self.configuration
-        return *c.module.files(c), self.kind.file
+        return *c.module.files(c), self.kind.file, law_file(c.law_name, c.beside)
 
     @property
     def source_hash(self) -> str:
@@ -413,7 +440,7 @@ class Replicate:
     @property
     def bed_id(self) -> str:
         """Identity of the bed of the run."""
-        return digest(self.bed_key(), compilers(), run_hash(self.kind.file))
+        return digest(self.bed_key(), compilers(), run_hash(*self.files[-2:]))
 
 
 def by_path(values: dict, head: str = "") -> dict[str, Any]:

@@ -38,6 +38,7 @@ def make_scene(replicate: Replicate, bed: Bed) -> Scene:
         gravity=(0.0, -own.gravity) if own.gravity > 0.0 else None,
         thickness=thickness(replicate),
         periodic=bed.periodic,
+        law=replicate.law,
     )
 
 

@@ -21,6 +21,7 @@ from dem.base.types import (
     Section,
     Seed,
     Speed,
+    Stiffness,
     Time,
     Unit,
     must,
@@ -33,6 +34,7 @@ from dem.dynamics.numerics import (
     check_stable,
 )
 from dem.experiment.observables import OBSERVABLES
+from dem.laws import LAWS
 from dem.material import Friction
 from dem.shapes import KINDS
 
@@ -183,6 +185,22 @@ class FrictionSection(Section):
     """friction at the cylinder"""
     stiffness: Ratio = Friction.stiffness
     """stiffness of tangential springs relative to Mindlin's"""
+
+
+class ContactSection(Section):
+    law: Annotated[str, or_file(LAWS)] | None = None
+    """law of contacts, or a class in a file of your own; none: hertz"""
+    stiffness: Stiffness | None = None
+    """normal stiffness of linear contacts; none: pi/4 E* times thickness"""
+
+    @model_validator(mode="after")
+    def _check(self):
+        if self.stiffness is not None and self.law != "linear":
+            raise ValueError(
+                f"stiffness is {self.stiffness:g} N/m and law {self.law or 'hertz'}; leave it out, or "
+                "let law be linear"
+            )
+        return self
 
 
 class ShearSection(Section):

@@ -32,7 +32,9 @@ def compile_kernels(replicate: Replicate) -> None:
             size += own.second.gap + own.second.diameter
         height = 4.0 * size / min(drawn.start, 1.0 - drawn.start)
         solids = solids_of(replicate, height, thickness(replicate))
-    bed = packed(own, shape, Room(own.box_width, height, solids, 0, own.periodic))
+    bed = packed(
+        own, shape, Room(own.box_width, height, solids, 0, own.periodic, replicate.law_class())
+    )
     if not own.module.observed:  # the bed is packed, and no more
         return
     ledger = "ledger" in own.record.observables

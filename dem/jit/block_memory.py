@@ -48,10 +48,10 @@ def _offsets(count, step, group=1):
 # fmt: on
 ZERO, ONE, TWO, THREE, FOUR, FIVE, SIX, EIGHT = map(np.uint64, (0, 1, 2, 3, 4, 5, 6, 8))
 
-# values[offset + k]: geometry, velocities and their changes, delta^(1/4), forces, powers, outlines
+# values[offset + k]: geometry, velocities and their changes, root of the law, forces, powers, outlines
 # fmt: off
 (OVERLAP, NX, NY, N1, T1, N2, T2, RADIUS, UNCONVERGED,
- V_NORMAL, V_TANGENT, DV_NORMAL, DV_TANGENT, OVERLAP_QUARTER, FORCE_X, FORCE_Y, TORQUE_1, TORQUE_2,
+ V_NORMAL, V_TANGENT, DV_NORMAL, DV_TANGENT, ROOT, FORCE_X, FORCE_Y, TORQUE_1, TORQUE_2,
  DAMPED, SLID, OUTLINE_1) = _offsets(21, BLOCK + LINE)
 # fmt: on
 ROW = np.uint64(BLOCK + LINE)  # from one number of an outline to the next

@@ -17,7 +17,7 @@ from dem.dynamics.simulation import Simulation
 from dem.material import Friction
 from dem.packing.job import Job
 from dem.packing.minimise import Minimum, minimise
-from dem.packing.random import Bed, Room, finished, pressure_of, relaxed, unit_of
+from dem.packing.random import Bed, Room, finished, pressure_of, relaxed
 from dem.packing.swelling import COARSE_STEP, DAMPED, greatest_force
 from dem.scene import State
 
@@ -73,7 +73,7 @@ class Press:
         self.shape, self.room, self.friction = shape, room, friction
         self.full = float(shape.area.sum() / room.area)
         self.fraction = min(START, self.full)
-        self.unit = unit_of(shape)  # N
+        self.unit = room.unit(shape)  # N
         bed = prepare(self.granules(), room, job)
         self.state, self.pressure, self.net_force = bed.state, bed.pressure, bed.net_force
 
@@ -88,7 +88,7 @@ class Press:
 
     def press(self, fraction: float, resting: float = RESTING, patience: int = PATIENCE) -> float:
         """Grow the granules to a packing fraction; returns `pressure`, the mean normal stress on
-        the walls, or of the contacts without walls, over E* (unit thickness, m).
+        the walls, or of the contacts without walls, as Bed.pressure.
 
         resting: greatest net force (E* R^2) of a bed at rest; patience: iterations of FIRE, at
         most.

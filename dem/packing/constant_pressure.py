@@ -2,8 +2,8 @@
 
 The granules keep their size, so the height of the box is a result. After every step down the
 elastic energy is minimised without friction, as in dem.packing.random. Above jamming the pressure
-to the power of 2/3 is nearly linear in the height (see dem.experiment.kinds.jamming), so a secant
-finds the height.
+to the power of 2/3 is nearly linear in the height under Hertz's law (see
+dem.experiment.kinds.jamming), so a secant finds the height.
 """
 
 from typing import Any
@@ -11,12 +11,11 @@ from typing import Any
 import numpy as np
 
 from dem.base.errors import PackingError
-from dem.contacts.force_law import effective_modulus
 from dem.dynamics.world import PATCH
 from dem.packing.cost import LONGEST
 from dem.packing.job import Job
 from dem.packing.minimise import minimise
-from dem.packing.random import SOFT, Bed, Room, finished, relaxed
+from dem.packing.random import Bed, Room, finished, relaxed
 from dem.scene import State
 
 STEP = 0.01  # of the height, at most, between two rests
@@ -32,14 +31,14 @@ def pack_under(shape: Any, room: Room, pressure: float, job: Job | None = None) 
     """A bed at rest whose top wall bears a pressure, to one part in a thousand.
 
     The height of the room is that of the box in which the bed is loose, before its top wall comes
-    down; pressure (m): normal force on the top wall over width and E*. Solids stay where they
+    down; pressure: that force on the top wall over width and Room.modulus. Solids stay where they
     are; otherwise as dem.pack. Raises PackingError as dem.pack does, and where no height is found.
     """
     job = job or Job()
-    modulus = effective_modulus(SOFT, SOFT)
+    power = 1.0 / room.law.power
     resting = RESTING if len(shape.area) <= PATCH else RESTING_OF_LARGE
-    near = resting * pressure * modulus * 2.0 * shape.constituent_radius.mean()
-    seen: list[tuple[float, float]] = []  # heights (m), pressure^(2/3) over what is asked
+    near = resting * pressure * room.modulus * 2.0 * shape.constituent_radius.mean()
+    seen: list[tuple[float, float]] = []  # heights (m), pressure over what is asked, to the power
     met = False
     if "height" in job.stage:  # of a bed that was stopped; the job has the places of its granules
         seen, met = [(h, p) for h, p in job.stage["seen"]], bool(job.stage["met"])
@@ -52,14 +51,14 @@ def pack_under(shape: Any, room: Room, pressure: float, job: Job | None = None) 
         iterations, enough = (LONGEST, None) if met else (PATIENCE, near)
         bed = minimise(room.scene(shape), state, iterations, enough, job)
         borne = float(bed.world.boundaries.contact_forces[len(bed.world.walls.boundary) - 1, 0]) / (
-            modulus * room.width * pressure
+            room.modulus * room.width * pressure
         )
         polished, met = met, abs(borne - 1.0) < NEAR
         if polished and met:
             if not bed.net_force <= bed.enough:
                 break
             return finished(shape, room, bed)
-        seen.append((room.height, borne ** (2.0 / 3.0)))
+        seen.append((room.height, borne**power))
         # once more, until it is at rest as any other bed
         lower = room.height if met else _next(seen)
         state = bed.state

@@ -40,6 +40,7 @@ from dem.jit.block_memory import make_lanes
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y, rows
 from dem.jit.compilation import compiled, inlined
 from dem.jit.interrupts import signals_deferred
+from dem.laws.protocol import stiffest
 from dem.packing.job import Job
 from dem.scene import Scene, State
 from dem.shapes.protocol import collect, place
@@ -49,7 +50,8 @@ ALPHA_START = 0.25  # share of the turn towards the forces, at first
 N_MIN = 20.0  # steps downhill before the time step grows
 PIECE = 1000  # iterations in one call, between which Python answers Ctrl-C
 STEP, LONGER_STEP = 0.5, 0.75  # of the bound on the critical step; in beds of several patches
-REST = 1e-9  # E* R^2: a bed is at rest when no granule feels a greater net force
+# E* R^2, or under a law with a thickness K R: a bed is at rest when no granule feels a greater net force
+REST = 1e-9
 # of the mean contact force: at rest too, in beds of several patches, up to MOST_REST (E* R^2)
 SHARE_OF_CONTACT, MOST_REST = 5e-3, 1e-6
 
@@ -372,10 +374,10 @@ def minimise(
     table = granule_table(scene, SKIN_OF_PACKING)
     world, memory, left = job.take_up(assemble(scene, state, table), np.zeros(4), iterations)
     radius, modulus = table.radius.mean(), table.modulus
-    unit, large = modulus * radius**2, scene.granules > PATCH
+    unit, large = scene.law.scale(modulus, radius) * radius, scene.granules > PATCH
     least = 0.02 * radius
     light = np.max(1.0 / scene.mass + scene.shape.normal_lever**2 / scene.inertia)
-    squared_rate = 8.0 * modulus * math.sqrt(radius * least) * light
+    squared_rate = 4.0 * stiffest(table.law, modulus, radius, least) * light
     fraction = LONGER_STEP if large else STEP
     goal = Goal(
         enough=REST * unit if enough is None else enough,

@@ -3,7 +3,7 @@
 Granules start at random places and angles, so small that no two bounding circles overlap. They
 then grow in small steps, and after each step the elastic energy is minimised without friction
 (dem.packing.minimise). Dumbbells do not interlock, because they start apart. The bed depends only
-on the geometry and the seed: moduli and masses cancel.
+on the geometry, the law of contacts and the seed: moduli and masses cancel.
 """
 
 import math
@@ -19,12 +19,13 @@ from dem.dynamics.contact_list import list_contacts
 from dem.dynamics.numerics import ThreadCount
 from dem.dynamics.world import World
 from dem.jit.columns import X, Y
+from dem.laws.hertz import Hertz
 from dem.material import Friction, Material
 from dem.packing.cost import most_iterations, near_jamming
 from dem.packing.job import Job
 from dem.packing.minimise import Minimum, minimise
 from dem.periodic import SIDES, Periods, Sides, nearest_image, periods_of, wrapped
-from dem.scene import Granules, Scene, State
+from dem.scene import ContactLaw, Granules, Scene, State
 from dem.solids import Solid, Solids, walls_of
 
 LOOSE = 0.3  # area fraction of the bounding circles at the start
@@ -32,6 +33,7 @@ GROWTH = 1.02  # of all lengths, in one step
 SETTLED = 1e-5  # E* R^2: enough between two steps of growth
 PATIENCE = 400  # iterations between two steps of growth
 DEEPEST = 0.2  # greatest overlap over the smaller radius in a finished bed
+HERTZ = Hertz()
 SOFT = Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=1.0)
 
 
@@ -49,10 +51,11 @@ class Bed(NamedTuple):
     height : float
         Height of the box (m).
     net_force : float
-        Largest net force on a granule over E* R^2, without unit.
+        Largest net force on a granule over E* R^2, without unit; over K R under a law whose
+        constant K of two granules is a stiffness (N/m).
     pressure : float
-        Mean normal force on the walls per length, over E* and a thickness of one metre, without
-        unit. Without walls, the mean normal stress of the contacts over E*.
+        Mean normal force on the walls per length, over E* and a thickness of one metre or over K,
+        without unit. Without walls, the mean normal stress of the contacts over the same.
     coordination_number : float
         Contacts per granule, without unit; contacts with walls and solids do not count.
     max_overlap : float
@@ -101,14 +104,25 @@ class Bed(NamedTuple):
 
 
 class Room(NamedTuple):
-    """Where a bed is packed, and the seed of its random places and angles: what `pack` takes beside
-    the granules, in the same order."""
+    """Where a bed is packed, the seed of its random places and angles, and the law of contacts: what
+    `pack` takes beside the granules, in the same order."""
 
     width: float
     height: float
     solids: tuple[Solid, ...]
     seed: int
     periodic: str = "none"
+    law: Any = HERTZ
+
+    @property
+    def modulus(self) -> float:
+        """Modulus of the law (Pa or N/m) for two soft granules."""
+        return float(self.law.modulus(effective_modulus(SOFT, SOFT), 1.0))
+
+    def unit(self, shape: Any) -> float:
+        """The unit of forces (N) in a soft scene: E* R^2, or K R."""
+        radius = shape.constituent_radius.mean()
+        return float(self.law.scale(self.modulus, radius) * radius)
 
     @property
     def size(self) -> np.ndarray:
@@ -130,8 +144,17 @@ class Room(NamedTuple):
     ) -> Scene:
         """The box with granules one metre thick and the solids at rest."""
         still = [Solid(s.outline, s.position, s.angle, friction=None) for s in self.solids]
-        walls = walls_of(self.width, self.height, self.periods)
-        return Scene(shape, material, friction, walls, still, thickness=1.0, periodic=self.periods)
+        walls, periods = walls_of(self.width, self.height, self.periods), self.periods
+        return Scene(
+            shape,
+            material,
+            friction,
+            walls,
+            still,
+            thickness=1.0,
+            periodic=periods,
+            law=self.law,
+        )
 
     def depth(self, solid: Solid, position: np.ndarray) -> np.ndarray:
         """How far points (n, 2) in m are inside a solid (m; negative outside)."""
@@ -201,6 +224,7 @@ def pack(
     solids: Solids,
     seed: BedSeed,
     periodic: Sides = "none",
+    law: ContactLaw = HERTZ,
     threads: ThreadCount = 1,
     checkpoint: Any = None,
 ) -> Bed:
@@ -223,6 +247,8 @@ def pack(
     periodic : str
         Along which sides the box repeats itself: "none", "x", "y" or "xy". There are no walls
         across these.
+    law : Hertz, Linear, Line or a class of your own
+        Law of contacts, as `Scene` takes it.
     threads : int
         Number of threads, without unit, for beds of thousands of granules. The bed does not depend
         on it. A small bed uses fewer.
@@ -273,7 +299,7 @@ def pack(
     >>> scene.periodic
     (0.008, None)
     """
-    room, job = Room(width, height, solids, seed, periodic), Job(threads, checkpoint)
+    room, job = Room(width, height, solids, seed, periodic, law), Job(threads, checkpoint)
     job.begin(shape, room)
     return relaxed(shape, room, job)
 
@@ -285,7 +311,7 @@ def relaxed(shape: Any, room: Room, job: Job) -> Bed:
     while factor < 1.0:
         job.stage["factor"] = factor
         scene = room.scene(shape.scaled(factor))
-        state = minimise(scene, state, PATIENCE, SETTLED * unit_of(scene.shape), job).state
+        state = minimise(scene, state, PATIENCE, SETTLED * room.unit(scene.shape), job).state
         factor = min(factor * GROWTH, 1.0)
     return at_rest(shape, room, state, job)
 
@@ -307,11 +333,6 @@ def dilute_start(shape: Any, room: Room) -> tuple[float, State]:
     return factor, State(position, angle=rng.uniform(0.0, 2.0 * np.pi, len(position)))
 
 
-def unit_of(shape: Any) -> float:
-    """The unit E* R^2 (N) of forces in a soft scene."""
-    return float(effective_modulus(SOFT, SOFT) * shape.constituent_radius.mean() ** 2)
-
-
 def at_rest(shape: Any, room: Room, state: State, job: Job) -> Bed:
     """The bed of full-sized granules, brought to rest; raises PackingError if it finds none."""
     job.stage["factor"] = 1.0
@@ -320,7 +341,7 @@ def at_rest(shape: Any, room: Room, state: State, job: Job) -> Bed:
     bed = minimise(room.scene(shape), state, limit, None, job)
     if not bed.net_force <= bed.enough:
         job.save(left=limit)  # whoever tries again goes on
-        unit = unit_of(shape)
+        unit = room.unit(shape)
         hint = None if shape.needs_angle else near_jamming(len(shape.area), fraction)
         raise PackingError(
             f"{room.name(shape)} is not at rest after {limit} iterations: net force "
@@ -356,7 +377,7 @@ def finished(shape: Any, room: Room, bed: Minimum, net_force: float | None = Non
         angle=np.mod(state.angle, 2.0 * np.pi),
         width=room.width,
         height=room.height,
-        net_force=bed.net_force / unit_of(shape) if net_force is None else net_force,
+        net_force=bed.net_force / room.unit(shape) if net_force is None else net_force,
         pressure=pressure_of(bed.world, room),
         coordination_number=2.0 * bed.touching / len(position),
         max_overlap=bed.max_overlap,
@@ -373,7 +394,7 @@ def pressure_of(world: World, room: Room) -> float:
         x, y = SIDES[room.periodic]
         length = 2.0 * ((0.0 if y else room.width) + (0.0 if x else room.height))
         stress = float(world.boundaries.contact_forces[:walls, 0].sum()) / length
-    return float(stress / effective_modulus(SOFT, SOFT))
+    return float(stress / room.modulus)
 
 
 def mean_stress(world: World, periodic: Periods, area: float) -> float:

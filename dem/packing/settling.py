@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from dem.base.errors import OverlapError, PackingError, StateError
-from dem.contacts.force_law import effective_modulus
+from dem.dynamics.assembly import modulus
 from dem.dynamics.simulation import Simulation
 from dem.material import Friction, Material
 from dem.packing.job import Job
@@ -61,7 +61,8 @@ def settle(
             f"{room.name(shape)} cannot be made: while it settled, {error}"
         ) from None
     end, world = run.state, run.world
-    modulus, walls = effective_modulus(material, material), len(scene.walls)
+    stiffness, walls = modulus(scene, material, material), len(scene.walls)
+    unit = scene.law.scale(stiffness, 0.5 * diameter) * 0.5 * diameter
     net_force = world.force[:, :2] + np.array(scene.gravity) / world.inverse_mass[:, None]
     pushed = float(world.boundaries.contact_forces[:walls, 0].sum())
     return Bed(
@@ -69,8 +70,8 @@ def settle(
         angle=np.mod(end.angle, 2.0 * np.pi),
         width=room.width,
         height=room.height,
-        net_force=float(np.hypot(*net_force.T).max() / (0.25 * modulus * diameter**2)),
-        pressure=pushed / (2.0 * (room.width + room.height) * modulus),
+        net_force=float(np.hypot(*net_force.T).max() / unit),
+        pressure=pushed / (2.0 * (room.width + room.height) * stiffness),
         coordination_number=now.coordination_number,
         max_overlap=now.max_overlap,
         periodic=room.periods,

@@ -14,15 +14,23 @@ import numpy as np
 
 from dem.base.errors import OverlapError, PackingError, StateError
 from dem.base.types import Length, checked
-from dem.contacts.force_law import effective_modulus
 from dem.dynamics.numerics import ThreadCount
 from dem.dynamics.simulation import Simulation
 from dem.dynamics.world import World
 from dem.material import Material
 from dem.packing.job import Job
-from dem.packing.random import GROWTH, SETTLED, Bed, BedSeed, Room, at_rest, dilute_start, unit_of
+from dem.packing.random import (
+    GROWTH,
+    HERTZ,
+    SETTLED,
+    Bed,
+    BedSeed,
+    Room,
+    at_rest,
+    dilute_start,
+)
 from dem.periodic import Sides
-from dem.scene import Granules, Scene, State
+from dem.scene import ContactLaw, Granules, State
 from dem.solids import Solids
 
 DAMPED = Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=0.5)
@@ -40,6 +48,7 @@ def grow(
     solids: Solids,
     seed: BedSeed,
     periodic: Sides = "none",
+    law: ContactLaw = HERTZ,
     threads: ThreadCount = 1,
     checkpoint: Any = None,
 ) -> Bed:
@@ -64,6 +73,8 @@ def grow(
     periodic : str
         Along which sides the box repeats itself: "none", "x", "y" or "xy". There are no walls
         across these.
+    law : Hertz, Linear, Line or a class of your own
+        Law of contacts, as `Scene` takes it.
     threads : int
         Number of threads, as of `pack` (without unit).
     checkpoint : path, optional
@@ -103,7 +114,7 @@ def grow(
     >>> bool(bed.coordination_number < dem.pack(shape, **room).coordination_number)
     True
     """
-    room, job = Room(width, height, solids, seed, periodic), Job(threads, checkpoint)
+    room, job = Room(width, height, solids, seed, periodic, law), Job(threads, checkpoint)
     job.begin("grow", shape, room)
     return grown(shape, room, job)
 
@@ -113,13 +124,13 @@ def grown(shape: Any, room: Room, job: Job) -> Bed:
     factor, state = dilute_start(shape, room)
     if "factor" in job.stage:
         return at_rest(shape, room, state, job)
-    unit = unit_of(shape)
+    unit = room.unit(shape)
     try:
         while factor < 1.0:
-            state, _ = _moved(room.scene(shape.scaled(factor), DAMPED), state, job.threads)
+            state, _ = _moved(room, shape.scaled(factor), state, job.threads)
             factor = min(factor * GROWTH, 1.0)
         for _ in range(STAGES):
-            state, net_force = _moved(room.scene(shape, DAMPED), state, job.threads)
+            state, net_force = _moved(room, shape, state, job.threads)
             if net_force <= SETTLED * unit:
                 break
     except (OverlapError, StateError) as error:
@@ -132,12 +143,12 @@ def greatest_force(world: World) -> float:
     return float(np.linalg.norm(world.force[:, :2], axis=1).max())
 
 
-def _moved(scene: Scene, state: State, threads: int = 1) -> tuple[State, float]:
+def _moved(room: Room, shape: Any, state: State, threads: int) -> tuple[State, float]:
     """The State after one stage, with velocities reduced, and the largest net force (N)."""
+    scene = room.scene(shape, DAMPED)
     run = Simulation(scene, state, step_fraction=COARSE_STEP, threads=threads)
-    radius = scene.shape.constituent_radius.mean()
-    modulus = effective_modulus(DAMPED, DAMPED)
-    run.advance(STAGE * math.sqrt(scene.mass.mean() / (modulus * radius)))
+    stiffness = room.law.scale(room.modulus, shape.constituent_radius.mean())  # as if SOFT
+    run.advance(STAGE * math.sqrt(scene.mass.mean() / stiffness))
     end = run.state
     slower = State(end.position, KEPT * end.velocity, end.angle, KEPT * end.angular_velocity)
     return slower, greatest_force(run.world)

@@ -17,9 +17,9 @@ from typing import NamedTuple, Protocol, Self
 import numpy as np
 from numba.extending import overload
 
-from dem.base.errors import InputError
 from dem.base.types import Ratio, checked
-from dem.jit.compilation import INLINED, inlined, remember
+from dem.jit.compilation import INLINED, inlined
+from dem.jit.questions import question, register
 
 SEPARATED = -1.0  # overlap of constituents that do not touch
 
@@ -154,35 +154,19 @@ DEFAULTS = {
 MEMBERS = *Shape.__annotations__, "scaled", "polygons"
 
 
-def _question(stub):
-    """Turn a stub into a function whose compiled body is chosen by the class of its first argument.
-
-    The body of the stub is the answer of a class that has none; a stub that raises has no default.
-    """
-    answers = {}
-
-    def choose(first, *rest):
-        return answers.get(getattr(first, "instance_class", None), stub if default else None)
-
-    default = "NotImplementedError" not in stub.__code__.co_names
-    overload(stub, strict=False, jit_options=INLINED)(choose)
-    stub.answers, stub.has_default = answers, default
-    return stub
-
-
-@_question
+@question
 def outline(shape, constituent, orientation):
     """Numbers (a tuple, at most 8) that describe a constituent in its present orientation."""
     raise NotImplementedError
 
 
-@_question
+@question
 def circle(shape, radius):
     """The outline, in this shape's terms, of a circle, such as a round solid."""
     raise NotImplementedError
 
 
-@_question
+@question
 def support(shape, outline_1, nx, ny):
     """Where a constituent touches a straight line with outward normal n: (h, q, radius).
 
@@ -192,7 +176,7 @@ def support(shape, outline_1, nx, ny):
     raise NotImplementedError
 
 
-@_question
+@question
 def find_contact(shape, dx, dy, outline_1, outline_2, guess):
     """Contact of two constituents, without a branch: (ContactGeometry, converged).
 
@@ -203,25 +187,25 @@ def find_contact(shape, dx, dy, outline_1, outline_2, guess):
     raise NotImplementedError
 
 
-@_question
+@question
 def refine_normal(shape, dx, dy, outline_1, outline_2, guess):
     """A guess near enough for find_contact, from any other."""
     return guess
 
 
-@_question
+@question
 def tangential_lever(shape):
     """True if normal forces can exert a torque about a centre; None for discs."""
     return True
 
 
-@_question
+@question
 def local_radius(shape):
     """Not None if R* is computed at each contact; None: one R* per pair."""
     return
 
 
-@_question
+@question
 def place(shape, bodies, orientation, constituents, low, high):
     """Motion of the constituents of granules low to high from the motion of the granules.
 
@@ -230,20 +214,20 @@ def place(shape, bodies, orientation, constituents, low, high):
     return
 
 
-@_question
+@question
 def collect(shape, constituent_force, orientation, force, low, high):
     """Forces (N) and torques (N m) on granules low to high from those on their constituents."""
     return
 
 
-@_question
+@question
 def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
     """Contact of two ellipses by a method: (overlap, nx, ny, n1, t1, n2, t2), (rho1, rho2),
     converged, with rho the radii of curvature (m) there."""
     raise NotImplementedError
 
 
-@_question
+@question
 def ellipse_normal(method, dx, dy, outline_1, outline_2, guess):
     """A guess near enough for ellipse_contact, from any other."""
     return guess
@@ -301,7 +285,7 @@ def is_shape(cls: type) -> bool:
 
 def is_of_discs(shape) -> bool:
     """Whether all constituents of a shape are discs."""
-    return tangential_lever.answers.get(type(shape), lambda shape: True)(shape) is None
+    return tangential_lever(shape) is None
 
 
 def sizes_of(shape) -> dict[str, np.ndarray]:
@@ -316,35 +300,7 @@ def resized(shape, change):
 
 def answer(cls, *functions, questions=SHAPE_QUESTIONS, **renamed):
     """Make a class known to the kernels: each function answers the question of its name, or of
-    the keyword that it is given for.
-
-    Raises InputError for an unknown question, an unanswered one without a default, a missing member
-    of Shape, or a class with the name of another shape.
-    """
-    if any(other is not cls and other.__name__ == cls.__name__ for other in questions[0].answers):
-        raise InputError(
-            f"{cls.__name__} is the name of a class that the kernels know already, and Numba tells "
-            "classes apart by their names; choose another name, or start Python, or the workers, "
-            "again."
-        )
+    the keyword that it is given for. Raises InputError as dem.jit.questions.register."""
     named = {function.__name__: function for function in functions} | renamed
-    known = {question.__name__: question for question in questions}
-    for name in named.keys() - known.keys():
-        raise InputError(f"{cls.__name__} answers {name}, which is no question of the kernels.")
-    for name, question in known.items():
-        if name not in named and not question.has_default:
-            raise InputError(f"{cls.__name__} does not answer the question {name} of the kernels.")
-    if questions is SHAPE_QUESTIONS:
-        _complete(cls)
-    for name, function in named.items():
-        known[name].answers[cls] = function
-    remember(cls)
-
-
-def _complete(cls):
-    """Give a shape the members with a default that it lacks; raises InputError for another one."""
-    for name in MEMBERS:
-        if not hasattr(cls, name):
-            if name not in DEFAULTS:
-                raise InputError(f"{cls.__name__} has no {name}; see dem.shapes.protocol.Shape.")
-            setattr(cls, name, DEFAULTS[name])
+    members = MEMBERS if questions is SHAPE_QUESTIONS else ()
+    register(cls, questions, named, members, DEFAULTS, "dem.shapes.protocol.Shape")

@@ -47,14 +47,14 @@ class Nudged:
         self._lists = [
             contacts for contacts in self._lists if contacts.tangential_force is not None
         ]
-        self._memory = [(c.tangential_force.copy(), c.sqrt_overlap.copy()) for c in self._lists]
+        self._memory = [(c.tangential_force.copy(), c.measure.copy()) for c in self._lists]
         self._place, self._angle = world.bodies.copy(), world.angle.copy()
 
     def push(self, moved, velocity, dt):
         """Forces and torques (n, 3) on granules moved so far (m, rad), at such velocities."""
         world, bodies = self.world, self.world.bodies
-        for contacts, (spring, sqrt_overlap) in zip(self._lists, self._memory, strict=True):
-            contacts.tangential_force[:], contacts.sqrt_overlap[:] = spring, sqrt_overlap
+        for contacts, (spring, measure) in zip(self._lists, self._memory, strict=True):
+            contacts.tangential_force[:], contacts.measure[:] = spring, measure
         bodies[:] = self._place
         bodies[:, :2] += moved[:, :2]
         bodies[:, 2:5] = velocity

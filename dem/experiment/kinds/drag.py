@@ -6,9 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.contacts.force_law import effective_modulus
 from dem.dynamics.result import Record
-from dem.experiment.bed import diameters, make_bed, solids, thickness
+from dem.experiment.bed import diameters, make_bed, modulus, solids, thickness
 from dem.experiment.box import ahead_of
 from dem.experiment.config import Configuration, Replicate
 from dem.experiment.observables import module_of
@@ -116,10 +115,9 @@ def run(
     for module in observables:
         if hasattr(module, "measure"):
             values |= module.measure(data)
-    modulus = effective_modulus(c.material, c.material)
     return values | {
         "box_height": bed.height,
-        "packing_pressure": bed.pressure * modulus / thickness(replicate),
+        "packing_pressure": bed.pressure * modulus(replicate) / thickness(replicate),
         "packing_coordination_number": bed.coordination_number,
         "packing_net_force": bed.net_force,
         "packing_max_overlap": bed.max_overlap,

@@ -2,8 +2,8 @@
 
 Above jamming the pressure of a Hertzian bed goes as the distance to the power of 3/2 (O'Hern et al.
 2003, Phys. Rev. E 68, 011306), so the line of pressure^(2/3) against packing fraction meets zero
-where the bed jams. Pressure is taken as load: force on the walls per length, the stress of two
-dimensions. Friction while the granules grow is packing.friction.
+where the bed jams; of a linear one as the distance itself. Pressure is taken as load: force on the
+walls per length, the stress of two dimensions. Friction while the granules grow is packing.friction.
 """
 
 import numpy as np
@@ -15,11 +15,15 @@ from dem.packing.compaction import START, Press
 
 VARIABLES = {
     "jam_fraction": ((), "1", "packing fraction at which the bed jams"),
-    "jam_slope": ((), "1", "slope of load^(2/3) against packing fraction"),
+    "jam_slope": (
+        (),
+        "1",
+        "slope of load^(1/n) against packing fraction, n = 3/2 under Hertz's law",
+    ),
     "jam_load": (
         ("jam_at",),
         "1",
-        "load: mean normal force on the walls per length, over E* and the mean diameter",
+        "load: mean normal force on the walls per length, over E* and the mean diameter, or over K",
     ),
     "jam_friction": ((), "1", "coefficient of friction while the granules grow"),
 }
@@ -35,14 +39,14 @@ NOISE = 5e-5  # a bed under less load may be at rest without being jammed
 ENOUGH = 1.1e-3  # here the line is long enough
 
 
-def line(fraction: np.ndarray, load: np.ndarray) -> tuple[float, float]:
-    """Packing fraction where a bed jams, and slope of load^(2/3) there; NaN where fewer than three
+def line(fraction: np.ndarray, load: np.ndarray, power: float = 1.5) -> tuple[float, float]:
+    """Packing fraction where a bed jams, and slope of load^(1/power) there; NaN where fewer than three
     points are above the noise."""
     quiet = np.flatnonzero(load <= NOISE)
     start = quiet[-1] + 1 if len(quiet) else 0
     if len(fraction) - start < 3:
         return np.nan, np.nan
-    slope, height = np.polyfit(fraction[start:], load[start:] ** (2.0 / 3.0), 1)
+    slope, height = np.polyfit(fraction[start:], load[start:] ** (1.0 / power), 1)
     return -height / slope, slope
 
 
@@ -55,12 +59,13 @@ def run(replicate: Replicate, bed=None, progress=lambda done: None) -> dict:
     """Grow the granules of a run until the bed is well above jamming; returns the variables of a run by
     name, NaN where no bed is found."""
     packing, loads = replicate.configuration.packing, []
-    fractions = START + STEP * np.arange(STEPS)
+    fractions, law = START + STEP * np.arange(STEPS), replicate.law
+    unit = law.scale(1.0, replicate.shape.diameter)
     try:
         press = Press(*room_of(replicate), packing.friction, PREPARATIONS[packing.preparation])
         while len(loads) < STEPS and (not loads or loads[-1] <= ENOUGH):
-            loads.append(press.press(fractions[len(loads)]) / replicate.shape.diameter)
-        jamming, slope = line(fractions[: len(loads)], np.array(loads))
+            loads.append(press.press(fractions[len(loads)]) / unit)
+        jamming, slope = line(fractions[: len(loads)], np.array(loads), law.power)
     except PackingError:
         jamming = slope = np.nan
     return {

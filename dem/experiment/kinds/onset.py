@@ -3,7 +3,7 @@
 The granules grow until the bed is jammed, and shrink again until it just is. Pressure of a Hertzian
 bed goes as the distance from the onset to the power of 3/2 (O'Hern et al. 2003, Phys. Rev. E 68,
 011306), so the line of load^(2/3) through the last two beds tells where the load vanishes, and each
-bed is chosen nearer to that by the same factor.
+bed is chosen nearer to that by the same factor. Of a linear bed it is the load itself.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ VARIABLES = {
     "onset_load": (
         (),
         "1",
-        "load of the bed whose contacts are counted, over E* and the mean diameter",
+        "load of the bed whose contacts are counted, over E* and the mean diameter, or over K",
     ),
     "onset_contacts": ((), "1", "contacts between granules that are no rattlers"),
     "onset_rattlers": (
@@ -51,10 +51,11 @@ HOLDING = 3  # contacts that hold a granule of two dimensions, round or not, wit
 def run(replicate: Replicate, bed=None, progress=lambda done: None) -> dict:
     """Find the onset of jamming of a run; returns the variables of a run by name. Raises PackingError
     where there is none."""
-    press, unit = Press(*room_of(replicate)), replicate.shape.diameter
+    press, law = Press(*room_of(replicate)), replicate.law
+    unit = law.scale(1.0, replicate.shape.diameter)
     for _ in range(STEPS):
         load = press.press(press.fraction + STEP, GROWN, PATIENCE) / unit
-        if load > JAMMED and (fraction := _loosen(press, load, unit)):
+        if load > JAMMED and (fraction := _loosen(press, load, unit, law.power)):
             break  # a bed that comes loose had not come to rest: it grows on
     else:
         raise PackingError(
@@ -73,16 +74,16 @@ def run(replicate: Replicate, bed=None, progress=lambda done: None) -> dict:
     }
 
 
-def _loosen(press: Press, load: float, unit: float) -> float | None:
+def _loosen(press: Press, load: float, unit: float, power: float) -> float | None:
     """Shrink the granules of a jammed bed until it just is; the packing fraction at the onset, or
     None where contact is lost, or where the bed gives way to another."""
     fraction, goal = press.fraction, press.fraction - BACK
     while True:
-        before = fraction, load ** (2.0 / 3.0)
+        before = fraction, load ** (1.0 / power)
         last, load = load, press.press(goal, STILL * load, PATIENCE) / unit
         if not LOOSE * last < load < last:
             return None
-        fraction, height = press.fraction, load ** (2.0 / 3.0)
+        fraction, height = press.fraction, load ** (1.0 / power)
         onset = fraction - height * (fraction - before[0]) / (height - before[1])
         if load < MARGINAL:
             return onset

@@ -172,8 +172,8 @@ def worst(name: str, least: float = 0.0) -> float:
 def off_centre(restitution: float) -> str:
     """What two dumbbells return at right angles to their axes, by the law of
     docs/explanation/contact.md."""
-    alpha = damping_from_restitution(restitution) * DUMBBELLS**0.5
-    return f"{restitution_from_damping(alpha):.{2 if restitution >= 0.2 else 3}f}"
+    zeta = damping_from_restitution(restitution) * DUMBBELLS**0.5
+    return f"{restitution_from_damping(zeta):.{2 if restitution >= 0.2 else 3}f}"
 
 
 # written by hand, with command, revision and date

@@ -66,22 +66,22 @@ LAWS = (
     Mutant(
         LAW,
         "a contact that pulls at its end",
-        "return max(elastic + damping * overlap_quarter * rate, 0.0)",
-        "return elastic + damping * overlap_quarter * rate",
+        "return max(elastic + damping * root * rate, 0.0)",
+        "return elastic + damping * root * rate",
         "restitution",
     ),
     Mutant(
         LISTS,
         "mean of the radii for R*",
-        "radius[i] * radius[j] / (radius[i] + radius[j])",
-        "0.5 * (radius[i] + radius[j])",
+        "radius = one * two / (one + two)",
+        "radius = 0.5 * (one + two)",
         "normal_impact",
     ),
     Mutant(
         LISTS,
         "radius of the granule for R* at the cylinder",
-        "reduced = reduced * surface.radius[b] / (reduced + surface.radius[b])",
-        "reduced = reduced",
+        "radii = table.radius[i], table.solid_radius[b]",
+        "radii = table.radius[i], 0.0",
         "spinning",
     ),
     Mutant(

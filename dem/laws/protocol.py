@@ -1,0 +1,173 @@
+"""What the kernels and Python ask of a law of contacts, answered by the file of that law.
+
+A law is an elastic energy U = K u(delta) of the overlap delta (m); the normal force is F = K f(delta),
+f = du/d delta. K is the constant of a pair. All else follows: in y = sqrt(2 u) a collision with
+the dashpot 2 zeta sqrt(m* K) y' d(delta)/dt, y' = dy/d delta, is that of a linear oscillator of
+damping ratio zeta, for any law and at any speed (dem.contacts.force_law). Mindlin's spring,
+Coulomb's cap, the bound of the time step and the energy ledger are written once, for all laws.
+
+A law is a NamedTuple. Its class selects, at compile time, the answers to the questions of the
+kernels, and has the members of `Law` for Python. `dem.check_law` tests both. Answers have no
+branches, so that they become vector code. Where an answer is passed `measured`, that is what
+`measure` has answered for the same overlap.
+"""
+
+import math
+from typing import Protocol
+
+from dem.jit.compilation import inlined
+from dem.jit.questions import question, register
+
+TINY = 1e-300
+
+
+class Law(Protocol):
+    """What Python asks of a law; DEFAULTS has what most have in common."""
+
+    # Power of the overlap that the force nearly is. Read by packing and by the fits of jamming.
+    # Wrong: a bed under a pressure takes longer, and the onset of jamming is less exact.
+    power: float
+
+    # Greatest force over normal stiffness and overlap, without unit. Read by the bound of the time
+    # step. Too small: a granule that turns in a deep contact gains energy.
+    bulk: float
+
+    # Constant of the dashpot over the damping ratio: 2 y' over what `root` answers, without unit.
+    dashpot: float
+
+    def modulus(self, young: float, thickness: float) -> float:
+        """Constant of two materials: their E* (Pa), or for granules of a thickness (m) a stiffness
+        (N/m)."""
+
+    def scale(self, modulus: float, radius: float) -> float:
+        """Stiffness (N/m) of granules of a radius (m) in which forces are measured."""
+
+
+DEFAULTS = {
+    "power": 1.0,
+    "bulk": 1.0,
+    "dashpot": 2.0,
+    "scale": lambda law, modulus, radius: modulus,
+}
+
+
+@question
+def stiffness(law, modulus, radius):
+    """K of a pair; modulus: of Law; radius: R* (m)."""
+    return modulus
+
+
+@question
+def length(law, share, one, two, radius):
+    """A second constant of a pair (m), None if the law has none.
+
+    share: of the elastic compliance 1/E* that the granule has, 1 with a rigid partner; one, two:
+    radii (m) of the granule and its partner, that of the granule for a flat one; radius: R* (m).
+    """
+    return
+
+
+@question
+def measure(law, overlap, length):
+    """What a stiffness grows with: the tangential stiffness is K times that, times a number of the
+    materials. A contact remembers it.
+
+    overlap (m): zero or more; measure(0) is 0, so that an open contact keeps no spring. length: of
+    the pair, or None.
+    """
+    raise NotImplementedError
+
+
+@question
+def force(law, stiffness, overlap, measured):
+    """Elastic normal force (N) for K and an overlap (m)."""
+    raise NotImplementedError
+
+
+@question
+def energy(law, stiffness, overlap, measured):
+    """Elastic energy (J)."""
+    raise NotImplementedError
+
+
+@question
+def slope(law, stiffness, measured):
+    """Normal stiffness dF/d(delta) (N/m): a number times K times the measure."""
+    return stiffness * measured
+
+
+@question
+def root(law, overlap, measured):
+    """dy/d(delta) of y = sqrt(2 u), with a number of the law's in front, see Law.dashpot."""
+    squared = max(2.0 * energy(law, 1.0, overlap, measured), TINY)
+    return force(law, 1.0, overlap, measured) / math.sqrt(squared)
+
+
+@inlined
+def path(law, overlap, length):
+    """y = sqrt(2 u); zero before touch."""
+    overlap = max(overlap, 0.0)
+    return math.sqrt(2.0 * energy(law, 1.0, overlap, measure(law, overlap, length)))
+
+
+@question
+def mean_root(law, overlap, change, length):
+    """Mean of `root` over a step at whose middle the overlap is as given, negative before touch.
+
+    change (m): what the overlap changes in half a step. A dashpot that acts at once where two
+    bodies touch would otherwise depend on when within a step they do.
+    """
+    rise = path(law, overlap + change, length) - path(law, overlap - change, length)
+    return rise / (2.0 * change)
+
+
+@question
+def stiffest(law, modulus, radius, overlap):
+    """Greatest normal stiffness (N/m) of granules of some radii (n,) in m at an overlap (m)."""
+    low, high = radius.min(), radius.max()
+    pair = measure(law, overlap, length(law, 0.5, low, low, 0.5 * low))
+    flat = measure(law, overlap, length(law, 1.0, high, high, high))
+    stiff = slope(law, stiffness(law, modulus, 0.5 * low), pair)
+    return max(stiff, slope(law, stiffness(law, modulus, high), flat))
+
+
+@question
+def impact_overlap(law, modulus, radius, mass, speed):
+    """Greatest overlap (m) of an elastic collision of two like granules at a speed (m/s); radius,
+    mass: R* (m) and m* (kg)."""
+    constant, second = stiffness(law, modulus, radius), length(law, 0.5, radius, radius, radius)
+    low, high, met = 0.0, radius, 0.5 * mass * speed * speed
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        if energy(law, constant, middle, measure(law, middle, second)) < met:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+QUESTIONS = (
+    measure,
+    force,
+    energy,
+    stiffness,
+    length,
+    slope,
+    root,
+    mean_root,
+    stiffest,
+    impact_overlap,
+)
+MEMBERS = *Law.__annotations__, "modulus", "scale"
+
+
+def answer(cls, *functions):
+    """Make a class known to the kernels as a law: each function answers the question of its name.
+    Raises InputError as dem.jit.questions.register."""
+    named = {function.__name__: function for function in functions}
+    register(cls, QUESTIONS, named, MEMBERS, DEFAULTS, "dem.laws.protocol.Law")
+
+
+def is_law(cls: type) -> bool:
+    """Whether the kernels know a class as a law."""
+    return cls in measure.answers
