@@ -24,8 +24,7 @@ def draw(snapshots: Path, drag: Path, folder: Path) -> list[Path]:
             _bed(axes, bed_of(dataset, case), dataset.sel(case=case))
             axes.set_title(title)
         stroke = 1e3 * float(dataset["snapshot_displacement"].max())
-    words = f"After {stroke:.0f} mm; granules are coloured in layers as they began"
-    beds[1].annotate(words, (0.5, -0.04), xycoords="axes fraction", ha="center", va="top")
+    beds[1].set_xlabel(f"Layers as they were at the start, after {stroke:.0f} mm")
     with xr.open_dataset(drag) as dataset:
         for case, title in CASES.items():
             one = dataset.sel(case=case)
@@ -50,5 +49,5 @@ def _bed(axes, found, case: xr.Dataset) -> None:
     x, y = 1e3 * found.axis[SNAPSHOT]
     arrow = {"arrowstyle": "-|>", "linewidth": 2.0, "color": "black"}
     axes.annotate("", (x, y + 1.4e3 * found.cylinder), (x, y), arrowprops=arrow)
-    ground = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
-    axes.annotate("cylinder", (x, y - 0.6e3 * found.cylinder), ha="center", va="top", bbox=ground)
+    words = {"ha": "center", "va": "top", "fontsize": "small"}
+    axes.annotate("cylinder", (x, y - 0.5e3 * found.cylinder), **words)
