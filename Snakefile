@@ -38,7 +38,6 @@ rule all:
         COMBINED,
         PICTURES,
         to_make,
-    default_target: True
 
 
 rule figures:
@@ -53,9 +52,7 @@ include: "rules/figures.smk"
 include: "rules/report.smk"
 
 
-if REPORTED:
-
-    include: "rules/studies.smk"
+include: "rules/studies.smk"
 
 
 onstart:
@@ -71,4 +68,4 @@ onsuccess:
 
 
 onerror:
-    say(on_failure(SWEEP.results, interrupted(SWEEP)))
+    say(f"{SWEEP.results}: {interrupted(SWEEP)}")

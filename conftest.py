@@ -153,10 +153,14 @@ FRACTIONS = {"ellipse": 0.88, "superellipse": 0.88}  # at which beds are stiff; 
 STIFF = [(kind, FRACTIONS.get(kind, 0.84)) for kind in shapes.KINDS]
 
 
+ROD = [(-0.8, 0.0, 0.8), (0.0, 0.0, 1.0), (0.8, 0.0, 0.8)]  # x, y, radius of the discs of clumps
+
+
 def section_of(kind):
     """The granules of the small beds, as in config/smoke.yaml."""
     ratio = None if shapes.KINDS[kind].aspect_ratio else 1.375
-    return ShapeSection(kind=kind, diameter=1092e-6, granules=60, aspect_ratio=ratio)
+    form = {"discs": ROD} if kind == "clump" else {"aspect_ratio": ratio}
+    return ShapeSection(kind=kind, diameter=1092e-6, granules=60, **form)
 
 
 class Small(NamedTuple):
@@ -191,7 +195,7 @@ def make_small_bed(kind, seed=1, fraction=0.84, aspect_ratio=None):
     )
     diameters = sample_diameters(section, sweep.packing.size_spread, seed)
     height = height_of_box(sweep, diameters)
-    shape = shapes.KINDS[kind].shape.of_size(diameters, aspect_ratio or section.ratio)
+    shape = shapes.KINDS[kind].shape.of_size(diameters, aspect_ratio or section.form)
     axis = 0.5 * sweep.box_width, sweep.cylinder.start * height
     cylinder = dem.Cylinder(sweep.cylinder.diameter, axis, (0.0, sweep.cylinder.velocity))
     return Small(diameters, shape, cylinder, dem.pack(shape, 8e-3, height, cylinder, seed))

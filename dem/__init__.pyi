@@ -25,6 +25,7 @@ from .packing.swelling import grow as grow
 from .scene import Scene as Scene
 from .scene import State as State
 from .shapes.check import check_shape as check_shape
+from .shapes.clump import Clump as Clump
 from .shapes.common_normal import CommonNormal as CommonNormal
 from .shapes.disc import Disc as Disc
 from .shapes.dumbbell import Dumbbell as Dumbbell

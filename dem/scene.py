@@ -19,7 +19,7 @@ from dem.laws.protocol import is_law
 from dem.material import Friction, Material
 from dem.motion import Held, Kept, finite, fixed, numbered
 from dem.periodic import ROOM, Periods, nearest_image
-from dem.shapes.protocol import is_of_discs, is_shape, resized, sizes_of
+from dem.shapes.protocol import is_alone, is_of_discs, is_shape, resized, sizes_of
 from dem.solids import Polygon, Solid, Solids, Walls
 
 THINNEST = 0.2  # of the radius of a granule: more than its overlap can exceed it
@@ -32,7 +32,7 @@ def granules(value: Any) -> Any:
         raise ValueError("it must be granules of a shape, such as dem.Disc")
     value = resized(type(value)(*value), fixed)  # its own checks, also after _replace
     counts = {k: len(size) for k, size in sizes_of(value).items()}
-    if len(set(counts.values())) > 1:
+    if is_alone(value) and len(set(counts.values())) > 1:
         words = " and ".join(f"{count} of {k}" for k, count in counts.items())
         raise ValueError(f"it has {words} and must have one of each a granule")
     if value.fault:
@@ -77,7 +77,7 @@ class Scene(Kept):
 
     Parameters
     ----------
-    shape : Disc, Dumbbell, Ellipse or Superellipse
+    shape : Disc, Dumbbell, Clump, Ellipse or Superellipse
         Shape and sizes (m) of all n granules.
     material : Material or sequence of Material
         Material of all granules, or the s materials that `species` numbers.
@@ -265,7 +265,7 @@ class Scene(Kept):
     @property
     def granules(self) -> int:
         """Number of granules n."""
-        return np.size(self.shape[0])
+        return int(self.shape.owner[-1]) + 1
 
     @property
     def is_held(self) -> np.ndarray:

@@ -23,7 +23,7 @@ from dem.base.types import (
 from dem.material import Material
 from dem.motion import Kept, Motion, PrescribedMotion, Sliding, Turn, finite, fixed
 from dem.periodic import Periods, walled
-from dem.shapes.protocol import is_shape, resized, sizes_of
+from dem.shapes.protocol import is_alone, is_shape, resized
 
 ROUNDED, EXACT = 1e-3, 1e-8  # off 1: the length of a normal that is rounded, and of a unit vector
 DIGITS = 12  # in which two walls are one
@@ -287,10 +287,12 @@ def outline(value: Any) -> Any:
     """A Polygon, or one granule of a shape, as a copy that cannot be written; raises ValueError."""
     if isinstance(value, Polygon):
         return value
-    if not is_shape(type(value)) or {len(size) for size in sizes_of(value).values()} != {1}:
+    if not is_shape(type(value)) or value.owner[-1] > 0:
         raise ValueError("it must be a dem.Polygon, or one granule of a shape, as dem.Disc([1e-3])")
-    if len(value.constituent_radius) > 1:
-        raise ValueError("it must be one convex outline, and a granule of this shape has several")
+    if not is_alone(value):
+        raise ValueError(
+            "it must be one convex outline, and granules of this shape may have several"
+        )
     value = resized(type(value)(*value), fixed)
     if value.fault:
         raise InputError(value.fault)

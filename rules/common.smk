@@ -14,16 +14,15 @@ from dem.base.sources import code_hash, codes, files_of, run_codes, with_imports
 from dem.experiment.config import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
 from dem.figures.catalogue import FIGURES, wanted
-from dem.sweep.restart import on_failure, prepare
+from dem.sweep.restart import prepare
 from dem.sweep.estimate import interrupted, outcome
 from dem.sweep.state import SweepState
 
 HERE = Path(str(workflow.current_basedir)).parent
-STUDIES = HERE / "studies"  # may be absent, and each study
 KNOWN_FIGURES, REPORTED = FIGURES, {}
-if STUDIES.is_dir():
+if (HERE / "studies").is_dir():  # it may be absent, and each study
     sys.path.insert(0, str(HERE))
-    from studies import FOLDERS, has_sweep, package_of
+    from studies import FOLDERS, has_sweep
     from studies.catalogue import figures, reported
 
     KNOWN_FIGURES, REPORTED = figures(), reported()
@@ -34,8 +33,10 @@ RESULTS = SWEEP.sweep.results
 WARNINGS = SWEEP.check()
 
 # Jobs run the Python that runs Snakemake, for any PATH, and this package, for any working folder.
-for name, folder in {"PATH": Path(sys.executable).parent, "PYTHONPATH": HERE}.items():
-    os.environ[name] = f"{folder}:{os.environ.get(name, '')}"
+os.environ.update(
+    PATH=f"{Path(sys.executable).parent}:{os.environ.get('PATH', '')}",
+    PYTHONPATH=f"{HERE}:{os.environ.get('PYTHONPATH', '')}",
+)
 
 
 @cache
@@ -58,8 +59,7 @@ def block_of(folder):
 
 def values_of(w):
     """What combining the runs of a folder reads in its configuration."""
-    sweep, block = block_of(w.folder)
-    return sweep.text(block)
+    return SweepState.text(*block_of(w.folder))
 
 
 def config_of(sweep):
@@ -90,7 +90,7 @@ POSITION = {}  # of a batch in the plan of its block, where the first of each ki
 def names_of(sweep, block, rounds=None):
     """The files of the batches of a block, below the root; rounds: after a number of these, or all that are known."""
     batches = [batch.id for batch in sweep.batches(block, rounds)]
-    POSITION.update({batch: number for number, batch in enumerate(batches)})
+    POSITION.update(map(reversed, enumerate(batches)))
     return [f"results/store/batches/{batch}.nc" for batch in batches]
 
 
@@ -107,8 +107,7 @@ def to_make(wildcards):
         if batches := missing(SWEEP, block):
             rounds = list(SWEEP.rounds(block))
             targets += [f"{SWEEP.folder_of(block)}/rounds/{rounds[-1]}"] if rounds else batches
-    if targets:
-        config_of(SWEEP)
+    config_of(SWEEP)
     return targets
 
 
@@ -122,9 +121,9 @@ def code_of(*names, runs=False):
 
 def code_of_figure(figure):
     """The same of a figure, and of what all figures share; no other figure but that whose headings some have."""
-    figures = {f"dem/figures/{name}.py" for name in FIGURES} - {"dem/figures/sweep.py"}
-    shared = {file.relative_to(HERE).as_posix() for file in files_of(["dem/figures"], HERE)} - figures
-    return code_of(f"{figure.module.replace('.', '/')}.py", *sorted(shared), "dem/analysis")
+    others = {HERE / f"dem/figures/{name}.py" for name in FIGURES if name != "sweep"}
+    shared = {*files_of(["dem/figures"], HERE)} - others
+    return code_of(f"{figure.module.replace('.', '/')}.py", *shared, "dem/analysis")
 
 
 NOT_READ = "record", "sweep", "title", "failures"  # by a study without runs
@@ -134,11 +133,6 @@ def read_by(name):
     """The files that a study reads: those that it names, and the batches of its runs."""
     batches = [path for folder in study(name).folders for path in batches_in(folder)] if has_sweep(name) else []
     return [*map(os.path.relpath, map(HERE.joinpath, REPORTED[name].get("READS", ()))), *dict.fromkeys(batches)]
-
-
-def code_of_study(name, file, *names, **options):
-    """Hash of the code of a file of a study, and of others."""
-    return code_of(f"{package_of(name).replace('.', '/')}/{file}", *names, **options)
 
 
 def pictures(names, folder=RESULTS):

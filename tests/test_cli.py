@@ -4,8 +4,6 @@ import importlib.metadata
 import os
 import re
 import shlex
-import shutil
-import signal
 import subprocess
 import sys
 import tomllib
@@ -63,27 +61,6 @@ def test_a_person_has_at_most_ten_verbs_to_learn():
     assert len(VERBS) <= 10
 
 
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (("--shape", "x9"), "shape is 'x9'"),
-        (("--density", "-1"), "density is -1.0"),
-        (("--seed", "-4"), "seed is -4"),
-        (("--seed", str(2**31)), f"seed is {2**31}"),
-        (("--seed", str(2**63)), f"seed is {2**63}"),
-        (("--config", "config/none.yaml"), "config/none.yaml"),
-    ],
-)
-def test_bad_input_is_one_sentence_and_status_2(tmp_path, monkeypatch, arguments, sentence):
-    """A wrong value is named, the exit status is 2 and no file appears."""
-    monkeypatch.chdir(ROOT)
-    run = CliRunner().invoke(app, [*RUN, *arguments, "-o", str(tmp_path / "run.nc")])
-    assert run.exit_code == 2, (run.output, run.exception)
-    assert sentence in run.stderr
-    assert len(run.stderr.strip().splitlines()) == 1
-    assert not list(tmp_path.iterdir())
-
-
 def test_a_failed_run_says_what_where_and_when(tmp_path):
     """A run that overlaps too much stops with status 1, naming granule, step and time."""
     text = (ROOT / "config/smoke.yaml").read_text() + "\nnumerics: {max_overlap: 0.08}\n"
@@ -97,22 +74,17 @@ def test_a_failed_run_says_what_where_and_when(tmp_path):
     assert not output.exists() and not list(tmp_path.glob(".*"))
 
 
-@pytest.mark.parametrize("verb", [("info",), ("figure", "figure13")], ids=" ".join)
-def test_a_foreign_file_is_refused(monkeypatch, verb):
-    """A file that is not netCDF is named, not read."""
-    monkeypatch.chdir(ROOT)
-    run = CliRunner().invoke(app, [*verb, "pyproject.toml"])
-    assert run.exit_code == 2 and "pyproject.toml" in run.stderr
-    assert len(run.stderr.splitlines()) == 1
-
-
 COMBINE = ("combine", "--config", "config/smoke.yaml", "-o", "OUT")
 
 
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
+        ((*RUN, "--density", "-1", "-o", "OUT"), "density is -1.0"),
+        ((*RUN, "--seed", "-4", "-o", "OUT"), "seed is -4"),
+        ((*RUN, "--seed", str(2**31), "-o", "OUT"), f"seed is {2**31}"),
         ((*RUN, "--seed", str(2**63), "-o", "OUT"), f"seed is {2**63}"),
+        ((*RUN, "--config", "config/none.yaml", "-o", "OUT"), "config/none.yaml"),
         ((*RUN, "gravity=x", "-o", "OUT"), "gravity"),
         ((*RUN, "gravity", "-o", "OUT"), "'gravity' is no value; write PATH=VALUE"),
         ((*RUN, "gravty=1", "-o", "OUT"), "the nearest is gravity"),
@@ -126,6 +98,8 @@ COMBINE = ("combine", "--config", "config/smoke.yaml", "-o", "OUT")
         ),
         ((*RUN, "record.window=[1,2]", "-o", "OUT"), "record.window is no value that can vary"),
         ((*RUN, "-o", "OUT.txt"), "it must be the path of a file that ends in .nc"),
+        (("info", "pyproject.toml"), "pyproject.toml"),
+        (("figure", "figure13", "pyproject.toml"), "pyproject.toml"),
         ((*COMBINE, "--block", "zz"), "block is 'zz'"),
         ((*COMBINE, "--block", "drg"), "the nearest is drag"),
         ((*COMBINE, "--observable", "zz"), "observable is 'zz'"),
@@ -204,15 +178,6 @@ def test_a_file_that_is_cut_off_is_said_to_be(tmp_path):
     assert "dem info" not in result.stderr
 
 
-def test_a_report_without_figures_names_the_command_that_draws_them(tmp_path, monkeypatch):
-    monkeypatch.chdir(ROOT)
-    data, page = tmp_path / "drag.nc", tmp_path / "page.html"
-    shutil.copy("docs/data/drag.nc", data)
-    result = CliRunner().invoke(app, ["report", str(data), "-o", str(page)])
-    assert result.exit_code == 2 and not page.exists()
-    assert result.stderr.endswith(f"draw them first: dem figure all {data}.\n")
-
-
 @pytest.mark.parametrize(
     ("value", "text", "same"),
     [
@@ -262,49 +227,25 @@ def test_a_log_has_a_line_of_progress_now_and_then(capsys, monkeypatch):
     assert capsys.readouterr() == ("", f"runs: 25% done{left}runs, 1 failed: 50% done{left}")
 
 
-def faked(monkeypatch, folder, make):
-    """Let a sweep of the smoke test in a folder make its runs by a function of SweepState."""
-    monkeypatch.chdir(folder)
-    monkeypatch.setattr("dem.sweep.state.SweepState.make", make)
-    return CliRunner().invoke(app, ["sweep", str(ROOT / "config/smoke.yaml")])
-
-
-def kept(work, count):
-    """Keep some runs of a work, as if they were made."""
-    for run in list(work.block("drag").points)[:count]:
-        work.store.keep(run, {"failure": 0})
-
-
 def test_a_sweep_ends_with_the_file_of_its_runs_and_what_to_do_next(tmp_path, monkeypatch):
     """A sweep with nothing to make says so; what was asked for is on stdout, and nothing was."""
     (tmp_path / "results/store").mkdir(parents=True)  # a new one is said
 
     def make(work, jobs, progress):
         work.begin("drag")
-        kept(work, 10)
+        for run in work.block("drag").points:
+            work.store.keep(run, {"failure": 0})
 
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("dem.sweep.state.SweepState.make", make)
     after = r"dem info results/smoke/drag.nc or dem figure all results/smoke/drag.nc\n"
     for words in (
         r"results/smoke holds 10 runs, 10 of them new\. ",
         r"results/smoke holds 10 runs, 0 of them new\. ",
     ):
-        result = faked(monkeypatch, tmp_path, make)
+        result = CliRunner().invoke(app, ["sweep", str(ROOT / "config/smoke.yaml")])
         assert result.exit_code == 0 and result.stdout == ""
         assert re.fullmatch(f"{words}Next: {after}", result.stderr), result.stderr
-
-
-@pytest.mark.skipif(os.name != "posix", reason="Windows ends a process at once")
-def test_a_sweep_that_is_stopped_says_what_is_kept_and_how_it_goes_on(tmp_path, monkeypatch):
-    (tmp_path / "results/store").mkdir(parents=True)
-
-    def make(work, jobs, progress):
-        work.begin("drag")
-        kept(work, 7)
-        signal.raise_signal(signal.SIGINT)
-
-    result = faked(monkeypatch, tmp_path, make)
-    assert result.exit_code == 130 and result.stdout == ""
-    assert result.stderr == ("Interrupted; 7 of 10 runs are kept; run the same command to go on\n")
 
 
 @pytest.mark.parametrize(

@@ -221,7 +221,7 @@ def test_inclined_ellipse_at_a_wall(small_bed, angle):
 @pytest.mark.parametrize("kind", KINDS)
 def test_area_and_inertia_are_those_of_the_outline(kind):
     """Area and radius of gyration are integrals over the outline that is drawn."""
-    shape = KINDS[kind].shape.of_size(np.array([1.3]), section_of(kind).ratio)
+    shape = KINDS[kind].shape.of_size(np.array([1.3]), section_of(kind).form)
     area = moment = 0.0
     for ring in shape.polygons(20_001)[0]:
         (x, y), (p, q) = ring[:-1].T, ring[1:].T
@@ -237,7 +237,7 @@ def test_area_and_inertia_are_those_of_the_outline(kind):
 def test_granules_of_one_volume_diameter_have_one_area(kind):
     """Shapes of equal volume diameter have the area of the disc of that diameter."""
     diameter = np.array([1.0, 1.7])
-    made = KINDS[kind].shape.of_size(diameter, section_of(kind).ratio)
+    made = KINDS[kind].shape.of_size(diameter, section_of(kind).form)
     assert_allclose(made.area, 0.25 * np.pi * diameter**2)
 
 

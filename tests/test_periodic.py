@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
-from test_neighbors import FORMS, parts, solid
+from test_neighbors import FORMS, owned, parts, solid
 
 import dem
 from dem.dynamics.cell_list import near_pairs, near_solids
@@ -130,19 +130,21 @@ def repeated(draw):
     return rows, radius, skin, (draw(period), draw(period))
 
 
-@given(repeated(), st.sampled_from([1, 2]))
-def test_pairs_are_those_of_an_all_images_search(bed, per):
+@given(repeated(), st.sampled_from([dem.Disc, dem.Clump]))
+def test_pairs_are_those_of_an_all_images_search(bed, kind):
     """Every pair whose nearest images are closer than the skin is listed once, and no other."""
     rows, radius, skin, period = bed
     n = len(rows)
-    first, part, other = near_pairs(rows, radius, skin, per, tuple(each or 0.0 for each in period))
+    shape, owner = owned(kind, n)
+    sides = tuple(each or 0.0 for each in period)
+    first, part, other = near_pairs(shape, rows, radius, skin, sides)
     away = np.array(least_image(rows[:, None, :2] - rows[None, :, :2], period))
     distance = np.hypot(*away.transpose(2, 0, 1))
     expected = [
         (i, j)
         for i in range(n)
         for j in range(i + 1, n)
-        if i // per != j // per and distance[i, j] < radius[i] + radius[j] + skin
+        if owner[i] != owner[j] and distance[i, j] < radius[i] + radius[j] + skin
     ]
     assert list(zip(part.tolist(), other.tolist(), strict=True)) == expected
     assert_array_equal(first, np.searchsorted(part, np.arange(n + 1)))

@@ -366,4 +366,4 @@ def test_a_partial_file_holds_what_is_there_and_says_so(sweep):
 def test_a_sweep_that_varies_seeds_alone_has_one_point():
     """Of one shape, whose point has no axis beside that of the seeds."""
     until, sample = precision.Until(until="1 %"), np.random.default_rng(1).normal(100.0, 10.0, 10)
-    assert precision.counts(until, {(): sample}, {(): None}, 1) == {(): 20}
+    assert precision.counts(until, {(): sample}, {(): None}) == {(): 20}

@@ -20,7 +20,7 @@ SIZES = 1e-3 * np.array([0.5, 0.7, 1.0])
 
 
 def granules(kind, diameters=SIZES):
-    return KINDS[kind].shape.of_size(diameters, section_of(kind).ratio)
+    return KINDS[kind].shape.of_size(diameters, section_of(kind).form)
 
 
 RIGHT = {kind: lambda kind=kind: granules(kind) for kind in KINDS} | {

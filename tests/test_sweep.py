@@ -602,32 +602,6 @@ def test_two_sweeps_at_once_make_a_run_once(tmp_path):
     assert len(spent) == 4 and all(len(times) == 1 for times in spent.values())
 
 
-def test_a_failed_run_is_a_row_with_its_reason(tmp_path):
-    """The others are made; combining ends in a sentence unless failures allows it; tried again if asked."""
-    sweep = {"shape": "c1", "numerics.max_overlap": [1.2, 1e-6], "seed": [1, 2]}
-    work = done(small(sweep), tmp_path)
-    with pytest.raises(RunError, match="2 of 4 runs could not be made; failures allows 0"):
-        combined(work, tmp_path)
-    allowed = combined(SweepState(small(sweep, failures=0.5), work.store), tmp_path)
-    assert allowed["failure"].values.tolist() == [[[0, 0], [2, 2]]]
-    assert (
-        np.isnan(allowed["drag"].values[0, 1]).all()
-        and np.isfinite(allowed["drag"].values[0, 0]).all()
-    )
-    path = work.files("drag")[0]
-    with xr.open_dataset(path) as dataset:
-        reasons = dataset["failure_reason"].values.tolist()
-    assert sum(bool(re.match("granule .* overlaps by", reason)) for reason in reasons) == 2
-    before = {run: work.store.kept(run) for run in work.batches("drag")[0].runs}
-    assert not any(before.values())
-    runs = work.store.replicates(path.stem)
-    assert making.retry(work.store, path.stem, runs) == 2 and not path.exists()
-    assert sum(work.store.kept(run) is not None for run in before) == 2
-    making.make(work.store, path.stem)
-    again = combined(SweepState(small(sweep, failures=0.5), work.store), tmp_path)
-    xr.testing.assert_identical(again["drag"], allowed["drag"])
-
-
 def test_failed_runs_have_the_same_gaps_whichever_chunk_comes_first(tmp_path):
     """NaN, and -1 for the number of steps; where too many failed, the first is named by its place."""
     sweep = {"shape": "c1", "numerics.max_overlap": [1e-6, 1.2], "seed": [1, 2]}
@@ -827,24 +801,6 @@ def test_a_plan_that_was_changed_is_written_again(pruned):
         pruned.store.replicates(batch)
     SweepState(pruned.sweep).begin("drag")
     assert path.read_text() == before and len(pruned.store.replicates(batch)) == 1
-
-
-@pytest.mark.parametrize("through", ["", "a link", "dots", "hole"])
-def test_no_command_writes_into_the_store(pruned, through):
-    """The runs would be gone."""
-    Path("link").symlink_to("results/store/batches")
-    one = pruned.files("drag")[0]
-    place = {
-        "": one,
-        "a link": Path("link") / one.name,
-        "dots": Path("results/../results/store/batches") / one.name,
-        "hole": one.with_name("new.nc"),
-    }[through]
-    Path("small.yaml").write_text(yaml.safe_dump(pruned.sweep.dump()))
-    before = listed("results")
-    found = CliRunner().invoke(app, ["combine", "--config", "small.yaml", "-o", str(place)])
-    assert found.exit_code == 2 and "the store is there" in found.stderr, found.output
-    assert listed("results") == before
 
 
 def test_a_sweep_says_where_a_new_store_begins(tmp_path, monkeypatch):

@@ -123,6 +123,16 @@ def scene_of(name):
             shape, damped, rough, solids=dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), turning),
             periodic=(WIDTH, HEIGHT),
         ), state  # fmt: skip
+    if name == "clumps":
+        forms = [
+            [(0, 0, 1)],
+            [(0, 0, 0.7), (0.9, 0.3, 0.4)],
+            [(-0.7, 0, 0.6), (0.5, 0, 0.5), (0, 0.6, 0.4)],
+        ]
+        shape, state = granules(
+            lambda r: dem.Clump([size * np.array(forms[k % 3]) for k, size in enumerate(r)])
+        )
+        return dem.Scene(shape, damped, rough, WALLS, cylinder), state
     if name == "ellipses":
         shape, state = granules(ellipses())
         return dem.Scene(shape, damped, rough, WALLS, cylinder), state
@@ -140,7 +150,8 @@ def scene_of(name):
 
 SCENES = (
     "box of discs", "discs", "smooth discs", "discs around solids", "smooth discs around solids", "dumbbells",
-    "ellipses", "ellipses of local radius", "ellipses by the chord", "ellipses around solids", "superellipses", *LAWS,
+    "clumps", "ellipses", "ellipses of local radius", "ellipses by the chord", "ellipses around solids", "superellipses",
+    *LAWS,
 )  # fmt: skip
 
 

@@ -5,8 +5,8 @@ Written from docs/explanation and from the docstrings of `dem.Scene`, `dem.Solid
 threads. Of `dem` it uses public names, to read a scene. SI units, angles anticlockwise; n leads from body 1
 to body 2 and t = (-ny, nx).
 
-Every contact is one of two *constituents*, convex outlines about a centre: both discs of a dumbbell, or
-the granule itself. All outlines are given by their support function.
+Every contact is one of two *constituents*, convex outlines about a centre: the discs of a dumbbell or a
+clump, or the granule itself. All outlines are given by their support function.
 """
 
 from copy import copy, deepcopy
@@ -173,23 +173,27 @@ def search_of(shape):
 
 
 class Granules:
-    """What the granules of a scene are: constituents (p,) with their owner, offset from its centre (m, along
-    its axis) and radius R (m) in Hertz's law; mass (kg), inertia (kg m2) and reach (m) of each granule."""
+    """What the granules of a scene are: constituents (p,) with their owner, offset from its centre (m, at
+    angle zero) and radius R (m) in Hertz's law; mass (kg), inertia (kg m2) and reach (m) of each granule."""
 
     def __init__(self, scene):
         shape, self.local = scene.shape, False
         self.search = search_of(shape)
         self.owner, self.exponent = np.arange(scene.granules), 2.0
-        self.offset, self.c = np.zeros(scene.granules), None
+        self.offset, self.c = np.zeros((scene.granules, 2)), None
         if isinstance(shape, dem.Disc):
             self.a = self.b = self.radius = shape.radius
             area, gyration_squared, self.reach = np.pi * self.a**2, 0.5 * self.a**2, self.a
         elif isinstance(shape, dem.Dumbbell):
             self.owner = np.repeat(self.owner, 2)
             self.a = self.b = self.radius = shape.radius[self.owner]
-            self.offset = self.a * np.tile([1.0, -1.0], scene.granules)
+            self.offset = self.a[:, None] * np.tile([[1.0, 0.0], [-1.0, 0.0]], (scene.granules, 1))
             area, gyration_squared = 2.0 * np.pi * shape.radius**2, 1.5 * shape.radius**2
             self.reach = self.a
+        elif isinstance(shape, dem.Clump):
+            self.owner, self.offset = shape.owner, shape.discs[:, :2]
+            self.a = self.b = self.radius = self.reach = shape.discs[:, 2]
+            area, gyration_squared = shape.area, shape.gyration_squared
         elif isinstance(shape, dem.Ellipse):
             self.a, self.b = shape.semi_major, shape.semi_minor
             self.radius, self.local = np.sqrt(self.a * self.b), shape.local_curvature
@@ -206,6 +210,11 @@ class Granules:
         density = np.array([material.density for material in scene.materials])
         self.mass = density[scene.species] * area * scene.thickness
         self.inertia = self.mass * gyration_squared
+
+    def offsets(self, angle):
+        """Of all constituents from the centres (m), for the angles of the granules."""
+        axis = unit(angle)[self.owner]
+        return self.offset[:, :1] * axis + self.offset[:, 1:] * turned(axis)
 
     def outline(self, angle):
         """Outlines of all constituents, for the angles of the granules."""
@@ -530,7 +539,7 @@ class Twin:
         """Forces and torques on all granules at the end of a step of dt (s)."""
         self.force[:], self.torque[:] = 0.0, 0.0
         granules, owner = self.granules, self.granules.owner
-        offset = granules.offset[:, None] * unit(self.bodies.angle)[owner]
+        offset = granules.offsets(self.bodies.angle)
         centre, outline = self.bodies.position[owner] + offset, granules.outline(self.bodies.angle)
 
         def pair(one, two):
@@ -618,7 +627,7 @@ class Twin:
         radii = touch.curvature if self.granules.local else radii
         g = owner[one]
         h = owner[two] if partners is self.bodies else two
-        offset = self.granules.offset[one][:, None] * unit(self.bodies.angle[g])
+        offset = self.granules.offsets(self.bodies.angle)[one]
         arm = offset + touch.point  # from the centre of granule 1
         other = arm - away  # from that of body 2
         mine, theirs = self.bodies.velocity_at(g, arm), partners.velocity_at(h, other)

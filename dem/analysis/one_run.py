@@ -54,7 +54,7 @@ def batch_of(path: Path, run: str) -> Path:
     none."""
     for folder in Path(path).resolve().parents:
         store = Store(folder / "store")
-        for batch in store.complete().values():
+        for batch in store.batches():
             if run in batch.runs:
                 return store.file_of(batch.id)
     raise InputError(

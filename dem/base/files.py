@@ -73,6 +73,13 @@ def atomic(path: Path) -> Iterator[Path]:
         part.unlink(missing_ok=True)
 
 
+def write_changed(path: Path, text: str) -> None:
+    """Write a text, unless the file has it already: what is made of the file stays newer."""
+    if not path.is_file() or path.read_bytes() != text.encode():  # a pipe has no end
+        with atomic(path) as part:
+            part.write_bytes(text.encode())
+
+
 # Only half-written files of ours have such names, so that what killed processes left can be removed.
 PART = re.compile(r"\.(.+\..+)\.(\d+)\.dem\.part")  # file and host, process
 

@@ -4,9 +4,8 @@ import importlib.metadata
 import platform
 import subprocess
 from functools import cache
-from pathlib import Path
 
-PACKAGE = Path(__file__).parent.parent
+from dem.base.sources import ROOT
 
 
 @cache
@@ -35,9 +34,9 @@ def processor() -> str:
 def git_revision() -> str:
     """Revision of the checkout, "-dirty" if edited, "unknown" outside a repository."""
     # a parent folder may be another project's repository
-    if not (PACKAGE.parent / ".git").exists():
+    if not (ROOT / ".git").exists():
         return "unknown"
-    command = ["git", "-C", str(PACKAGE), "describe", "--always", "--dirty", "--abbrev=12"]
+    command = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=12"]
     try:
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
     except (OSError, subprocess.CalledProcessError):

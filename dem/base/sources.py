@@ -102,8 +102,8 @@ def run_hash(*plugins: Path) -> str:
 @cache
 def kernel_hash() -> str:
     """Hash of the code that is compiled."""
-    names = {file.relative_to(ROOT).as_posix() for file in files_of(KERNELS)}
-    return code_hash({name: code for name, code in _codes_of_all_runs().items() if name in names})
+    kernels = tuple(f"dem/{name}" for name in KERNELS)
+    return code_hash({n: code for n, code in _codes_of_all_runs().items() if n.startswith(kernels)})
 
 
 def plugin_codes(plugin: Path) -> dict[str, str]:

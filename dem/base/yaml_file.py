@@ -4,7 +4,6 @@ Values are judged by their types (dem.base.types). Only what YAML reads as anoth
 looks is refused here.
 """
 
-import json
 import re
 from pathlib import Path
 
@@ -21,9 +20,6 @@ def read(path: Path) -> dict:
     """Keys and values of a YAML file; raises InputError with the line of what is wrong."""
     try:
         data = yaml.load(Path(path).read_text(encoding="utf-8"), _Loader)
-        json.dumps(
-            data, default=str, skipkeys=True, check_circular=False
-        )  # an alias may contain itself
     except RecursionError:
         raise InputError(f"{path}: values are nested too deep.") from None
     except yaml.reader.ReaderError as error:

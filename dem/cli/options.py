@@ -10,28 +10,22 @@ class Writes(str):
     """Marks a path that a verb writes: how it must end, or "". A verb only reads all others."""
 
 
-def argument(kind, about: str, writes: str | None = None, **more):
-    """Annotation of an argument of a verb. writes: how a path must end that the verb writes;
-    more: as of typer.Argument."""
-    return _marked(kind, typer.Argument(help=about, **more), writes)
+def argument(kind, about: str, **more):
+    """Annotation of an argument of a verb; more: as of typer.Argument."""
+    return Annotated[kind, typer.Argument(help=about, **more)]
 
 
-def option(kind, about: str, *names: str, writes: str | None = None, **more):
+def option(kind, about: str, *names: str, **more):
     """The same of an option. names: in place of --parameter, and for a flag without its --no-."""
-    return _marked(kind, typer.Option(*names, help=about, **more), writes)
+    return Annotated[kind, typer.Option(*names, help=about, **more)]
 
 
-def _marked(kind, parameter, writes: str | None):
-    return (
-        Annotated[kind, parameter] if writes is None else Annotated[kind, parameter, Writes(writes)]
-    )
-
-
+NetcdfPath = Annotated[Path, Writes(".nc")]
 OUTPUT = "-o", "--output"
 ConfigOption = option(Path, "Configuration file (YAML).")
-OutputOption = option(Path, "netCDF file to write.", *OUTPUT, writes=".nc")
+OutputOption = option(NetcdfPath, "netCDF file to write.", *OUTPUT)
 FolderOption = option(Path | None, "Folder; figures/ next to the data if absent.", *OUTPUT)
 TextOption = option(
-    Path | None, "Text file (.txt); the terminal if absent.", *OUTPUT, writes=".txt"
+    Annotated[Path | None, Writes(".txt")], "Text file (.txt); the terminal if absent.", *OUTPUT
 )
 PAPER = Path("config/paper.yaml")

@@ -1,8 +1,9 @@
 """Command line, results: `dem info`, `means`, `figure`, `draw`, `report`."""
 
 from pathlib import Path
+from typing import Annotated
 
-from dem.cli.options import OUTPUT, FolderOption, TextOption, argument, option
+from dem.cli.options import OUTPUT, FolderOption, TextOption, Writes, argument, option
 from dem.cli.show import draw_figure, print_or_write
 from dem.cli.terminal import start_lean
 from dem.io.progress import bar
@@ -28,7 +29,9 @@ def means(
     other: argument(Path | None, "Another one, to set the means of both side by side.") = None,
     quantity: option(str, "What is shown, or compared with the other file.", "--of") = "drag",
     output: option(
-        Path | None, "Table to write (.csv or .nc); the terminal if absent.", *OUTPUT, writes=""
+        Annotated[Path | None, Writes()],
+        "Table to write (.csv or .nc); the terminal if absent.",
+        *OUTPUT,
     ) = None,
 ):
     """Means of the runs of a file, one row a point; or of two files, with their ratio.
@@ -69,7 +72,7 @@ def figure(
 
 def draw(
     run: argument(Path, "drag.nc, or a file of runs.", metavar="RUN"),
-    output: option(Path, "File; its end says what it will be.", *OUTPUT, writes=""),
+    output: option(Annotated[Path, Writes()], "File; its end says what it will be.", *OUTPUT),
     select: argument(
         list[str] | None,
         "Which run, by values that differ between runs, such as case=c1 seed=1.",
@@ -112,7 +115,7 @@ def draw(
 
 def report(
     data: argument(Path, "drag.nc; the page shows the files next to it."),
-    output: option(Path, "HTML file to write.", *OUTPUT, writes=".html"),
+    output: option(Annotated[Path, Writes(".html")], "HTML file to write.", *OUTPUT),
 ):
     """Write all results as one HTML page, which opens without a network.
 

@@ -2,9 +2,10 @@
 
 from contextlib import nullcontext
 from pathlib import Path
+from typing import Annotated
 
 from dem.base.messages import say
-from dem.cli.options import PAPER, ConfigOption, OutputOption, argument, option
+from dem.cli.options import PAPER, ConfigOption, OutputOption, Writes, argument, option
 from dem.cli.show import print_or_write, watched
 from dem.cli.terminal import show, start_lean
 from dem.io.progress import bar
@@ -115,10 +116,8 @@ def combine(
     """
     from dem.sweep.combine import combine_block
     from dem.sweep.state import SweepState
-    from dem.sweep.store import check_place
 
     state = SweepState.of(config)
-    check_place(output, state.store.folder)
     with bar("combining", 1.0) as update:
         name = block or next(iter(state.sweep.blocks))
         combine_block(state, name, observable, output, update, partial)
@@ -171,9 +170,8 @@ def simulate(
         min=1,
     ) = None,
     checkpoint: option(
-        Path | None,
+        Annotated[Path | None, Writes()],
         "File that saves the run every minute; a stopped run resumes from it.",
-        writes="",
     ) = None,
 ):
     """Make one run: draw the cylinder through one bed and record the forces on it.

@@ -40,24 +40,23 @@ class Verbs(typer.Typer):
 
 def _verb(function):
     hints = get_type_hints(function, include_extras=True)
+    written = {
+        name: mark
+        for name, hint in hints.items()
+        for mark in getattr(hint, "__metadata__", ())
+        if isinstance(mark, Writes)
+    }
 
     @functools.wraps(function)
     def run(**values):
         with reported():
-            check_outputs(hints, values)
+            paths = {name: value for name, value in values.items() if isinstance(value, Path)}
+            for name in paths.keys() & written.keys():
+                others = [path for other, path in paths.items() if other != name]
+                check_output(name, paths[name], tuple(filter(None, [written[name]])), others)
             return function(**values)
 
     return run
-
-
-def check_outputs(hints: dict, values: dict) -> None:
-    """Check the paths that a verb writes, by its annotations and values."""
-    paths = {name: value for name, value in values.items() if isinstance(value, Path)}
-    for name, path in paths.items():
-        for mark in getattr(hints[name], "__metadata__", ()):
-            if isinstance(mark, Writes):
-                others = [path for other, path in paths.items() if other != name]
-                check_output(name, path, (mark,) if mark else (), others)
 
 
 @contextmanager

@@ -32,7 +32,7 @@ from dem.jit.columns import VX, VY, W, X, Y, rows
 from dem.laws.protocol import length, slope
 from dem.motion import Drive, PrescribedMotion, Turn
 from dem.scene import Scene, State, reach
-from dem.shapes.protocol import resized, sizes_of
+from dem.shapes.protocol import is_alone, resized, sizes_of
 from dem.solids import Polygon
 
 
@@ -47,8 +47,10 @@ class GranuleTable(NamedTuple):
         1/sqrt(m) (kg^-0.5), zero for held granules.
     root_inverse_inertia : ndarray of shape (n,) or None
         1/sqrt(I) (kg^-0.5 m^-1), zero for held granules; None where nothing turns.
-    per : int
-        Constituents per granule.
+    alone : bool
+        Whether each granule is its own only constituent.
+    arm : ndarray of shape (n,)
+        Bound of the distances of centres of constituents from that of the granule (m).
     radius : ndarray of shape (constituents,)
         Radius in the law (m).
     bounding : ndarray of shape (constituents,)
@@ -88,7 +90,8 @@ class GranuleTable(NamedTuple):
     law: tuple
     root_inverse_mass: np.ndarray
     root_inverse_inertia: np.ndarray | None
-    per: int
+    alone: bool
+    arm: np.ndarray
     radius: np.ndarray
     bounding: np.ndarray
     mass: np.ndarray
@@ -125,17 +128,18 @@ def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTa
     critical step."""
     shape, (inverse_mass, inverse_inertia) = writable(scene.shape), mobilities(scene)
     laws, count = laws_of(scene), len(scene.materials)
-    bounding = shape.constituent_bounding_radius
-    per = len(bounding) // scene.granules
+    bounding, owner, arm = shape.constituent_bounding_radius, shape.owner, np.zeros(scene.granules)
+    np.maximum.at(arm, owner, shape.bounding_radius[owner] - bounding)
     x, y = scene.periodic or (None, None)
     return GranuleTable(
         law=for_kernels(scene.law),
         root_inverse_mass=np.sqrt(inverse_mass),
         root_inverse_inertia=np.sqrt(inverse_inertia) if can_turn(scene, laws) else None,
-        per=per,
+        alone=is_alone(shape),
+        arm=arm,
         radius=shape.constituent_radius,
         bounding=bounding,
-        mass=np.repeat(scene.mass, per),
+        mass=scene.mass[owner],
         mobility=float((inverse_mass + shape.bounding_radius**2 * inverse_inertia).max()),
         bend=scene.law.bulk * shape.normal_bend * inverse_inertia,
         bulk=scene.law.bulk,
@@ -149,7 +153,7 @@ def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTa
         modulus=max(modulus(scene, material, material) for material in scene.materials),
         mean_radius=float(shape.constituent_radius.mean()),
         mean_mass=float(scene.mass.mean()),
-        held=np.repeat(scene.is_held, per) if scene.held else None,
+        held=scene.is_held[owner] if scene.held else None,
     )
 
 
@@ -383,7 +387,7 @@ def surfaces(scene: Scene, table: GranuleTable, drive: np.ndarray) -> dict[str, 
 
 def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = False) -> World:
     """All arrays of the kernels, with empty neighbour lists; accounted: keep an energy ledger."""
-    n, index, alone = scene.granules, np.empty(0, np.uint32), table.per == 1
+    n, index, count = scene.granules, np.empty(0, np.uint32), len(table.radius)
     bodies, force = rows(n, 8), rows(n, 4)
     bodies[:, [X, Y]], bodies[:, [VX, VY]] = state.position, state.velocity
     bodies[:, W] = state.angular_velocity
@@ -399,9 +403,9 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
         inverse_mass=inverse_mass,
         inverse_inertia=None if table.root_inverse_inertia is None else inverse_inertia,
         force=force,
-        constituents=bodies if alone else rows(n * table.per, 8),
-        constituent_force=force if alone else rows(n * table.per, 4),
-        reference=np.zeros((n * table.per, 2)),
+        constituents=bodies if table.alone else rows(count, 8),
+        constituent_force=force if table.alone else rows(count, 4),
+        reference=np.zeros((count, 2)),
         previous_acceleration=rows(n, 4) if table.laws[..., ALPHA].any() else None,
         pairs=contacts(scene, table, held_drive),
         boundaries=moving,

@@ -9,6 +9,7 @@ import numpy as np
 
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
+from dem.shapes.protocol import owner_of
 
 
 @inlined
@@ -96,7 +97,7 @@ def sort_few(values, start, stop):
 
 
 @compiled(allocates=True)
-def near_pairs(constituents, radius, skin, per_granule, period):
+def near_pairs(shape, constituents, radius, skin, period):
     """Pairs of constituents of different granules closer than skin (m).
 
     Returns (first, constituent, partner) of Contacts.
@@ -126,7 +127,7 @@ def near_pairs(constituents, radius, skin, per_granule, period):
                 cell = r % rows * columns + c % columns
                 for m in range(start[cell], start[cell + run]):
                     j = members[m]
-                    if j <= i or j // per_granule == i // per_granule:
+                    if j <= i or owner_of(shape, j) == owner_of(shape, i):
                         continue
                     dx = nearest(period[0], constituents[j, X] - constituents[i, X])
                     dy = nearest(period[1], constituents[j, Y] - constituents[i, Y])

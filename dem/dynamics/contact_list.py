@@ -208,14 +208,14 @@ class ContactList(NamedTuple):
 
 def list_contacts(world, names: np.ndarray) -> ContactList:
     """All contacts of a bed; names (n,): the number of each granule of the World."""
-    parts, per = [], len(world.constituents) // len(world.bodies)
+    parts, owner = [], world.shape.owner
     solids = [world.circles, world.outlines, world.polygons]
     numbers = sum(len(surface.boundary) for surface in solids if surface is not None)
     walls = len(world.walls.boundary)
     for surface, motion, rows in measured(world):
         partner = surface.contacts.partner.astype(np.int64)
         if surface.contacts is world.pairs:
-            partner = partner // per
+            partner = owner[partner]
             second, partner = world.bodies[partner], names[partner]
         else:
             second = motion[partner]
@@ -228,7 +228,7 @@ def _columns(world, names, listed, geometries, partner, second):
     """Columns of ContactList for the listed contacts that touch; second: motion of the partners."""
     touch = geometries[:, 0] > 0.0
     constituent = listed.constituent[touch].astype(np.int64)
-    granule = constituent // (len(world.constituents) // len(world.bodies))
+    granule = world.shape.owner[constituent]
     partner, first, second = partner[touch], world.bodies[granule], second[touch]
     for column, shift in ((X, listed.shift_x), (Y, listed.shift_y)):
         if shift is not None:

@@ -26,7 +26,7 @@ from dem.jit.columns import FX, FY, TAU, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either, optional, times
 from dem.laws.protocol import impact_overlap, length, measure, root, slope, stiffest
-from dem.shapes.protocol import collect, outline, solve_contact
+from dem.shapes.protocol import collect, first_of, outline, owner_of, solve_contact
 
 
 class Diagnostics(NamedTuple):
@@ -100,7 +100,7 @@ def scan_pairs(world, table, bounds, begin, end, spare):
     rows, least, radius = bounds.rows, bounds.least, table.radius
     touching, worst = 0, (0.0, 0)
     clear(rows, begin, end)
-    low, high = table.per * begin, table.per * end
+    low, high = first_of(shape, begin), first_of(shape, end)
     for i in range(high):
         one = outline(shape, i, orientation)
         for p in range(contacts.first[i], contacts.first[i + 1]):
@@ -118,7 +118,7 @@ def scan_pairs(world, table, bounds, begin, end, spare):
                 worst = deeper(worst, overlap, i, min(radius[i], radius[j]))
             # Stiffness and damping, from the surfaces of both bodies, not the middle of a gap
             law, held, constant = contacts.law, max(overlap, least), stiffness_of(contacts, p, rho)
-            measured, g, h = measure_of(contacts, p, held), i // table.per, j // table.per
+            measured, g, h = measure_of(contacts, p, held), owner_of(shape, i), owner_of(shape, j)
             apart = 0.5 * min(overlap, 0.0)
             point_1, point_2 = (n1 + apart, either(t1, 0.0)), (-n2 - apart, either(t2, 0.0))
             arms_1 = moment_arms(granules, motion, g, i, (nx, ny), point_1)
@@ -165,7 +165,7 @@ def scan_contacts(surface, world, table, bounds, worst):
     contacts, constants = local(surface.contacts), local(table)
     for p in range(contacts.constituent.shape[0]):
         i, b = np.int64(contacts.constituent[p]), np.int64(contacts.partner[p])
-        g = i // constants.per
+        g = owner_of(world.shape, i)
         overlap, nx, ny = contact[p, 0], contact[p, 1], contact[p, 2]
         n1, t1, constant = contact[p, 3], contact[p, 4], contact[p, 5]
         if not overlap <= 0.0:
@@ -202,9 +202,8 @@ def greatest_acceleration(force, inverse_mass, inverse_inertia, table):
     greatest = 0.0
     for i in range(inverse_mass.shape[0]):
         acceleration = math.sqrt(force[i, FX] ** 2 + force[i, FY] ** 2) * inverse_mass[i]
-        arm = table.radius[i * table.per] if table.per > 1 else 0.0
         if inverse_inertia is not None:
-            acceleration += abs(force[i, TAU]) * inverse_inertia[i] * arm
+            acceleration += abs(force[i, TAU]) * inverse_inertia[i] * table.arm[i]
         greatest = greater(greatest, acceleration)
     return greatest
 
@@ -293,7 +292,7 @@ def end_scan(world, table, begun, pairs):
         speed_bound=math.sqrt(speed * speed + 2.0 * constants.skin * push),
         coordination_number=2.0 * touching / granules,
         max_overlap=overlap,
-        deepest=deepest // constants.per,
+        deepest=owner_of(view.shape, deepest),
         critical_time_step=min(critical, step_alone(constants, bounds.least, 1.0)),
         longest_time_step=min(chosen, step_alone(constants, bounds.least, constants.fraction)),
     )

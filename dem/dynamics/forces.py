@@ -8,7 +8,7 @@ from dem.jit.address import by_address
 from dem.jit.block_memory import ACCOUNTS, FOUR, ONE, TWO, ZERO
 from dem.jit.columns import FX, FY, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.shapes.protocol import collect, place
+from dem.shapes.protocol import collect, first_of, place
 
 
 @inlined
@@ -23,10 +23,8 @@ def integrate_account(account, kick):
 @inlined
 def constituents_of(world, patch):
     """First and last (excluded) constituent of a patch."""
-    granules = world.bodies.shape[0]
-    per = world.constituents.shape[0] // granules
-    low, high = granules_of(granules, patch)
-    return per * low, per * high
+    low, high = granules_of(world.bodies.shape[0], patch)
+    return first_of(world.shape, low), first_of(world.shape, high)
 
 
 @inlined
@@ -75,11 +73,10 @@ def sum_held_forces(world):
     held, force, on = world.held, world.constituent_force, world.boundaries.force
     if held is not None:
         contact_forces, member = world.boundaries.contact_forces, held.member
-        per = world.constituents.shape[0] // held.group.shape[0]
+        shape = world.shape
         for q in range(member.shape[0]):
             b = held.group[member[q]]
-            for c in range(per):
-                row = per * member[q] + c
+            for row in range(first_of(shape, member[q]), first_of(shape, member[q] + 1)):
                 on[b, FX] += force[row, FX]
                 on[b, FY] += force[row, FY]
         for b in range(held.first, on.shape[0]):

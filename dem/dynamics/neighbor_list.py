@@ -22,7 +22,7 @@ from dem.jit.address import as_before, by_address, changeable
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.laws.protocol import length, stiffness
-from dem.shapes.protocol import circle, local_radius, outline, place
+from dem.shapes.protocol import circle, first_of, local_radius, outline, owner_of, place
 from dem.shapes.rotation import set_orientation
 
 
@@ -169,17 +169,18 @@ def effective_mass(held, mass, i, j):
 
 
 @inlined
-def share_out(old, constituent, partner, granules, per):
+def share_out(old, shape, constituent, partner, granules):
     """Rows for the forces of pairs of two patches: force_row (m,) of Contacts, and Patches."""
     if old is None:
         return partner, None
-    constituents, patches, size = granules * per, number_of_patches(granules), PATCH * per
+    constituents, patches = first_of(shape, granules), number_of_patches(granules)
     force_row = partner.copy()
     target = np.empty(force_row.shape[0], np.uint32)
     first, lowest = np.zeros(patches + 1, np.int64), np.arange(patches)
     count = 0
     for p in range(force_row.shape[0]):
-        home, other = partner[p] // size, constituent[p] // size
+        home = owner_of(shape, partner[p]) // PATCH
+        other = owner_of(shape, constituent[p]) // PATCH
         if home != other:
             lowest[home] = min(lowest[home], other)
             force_row[p], target[count] = constituents + count, partner[p]
@@ -189,7 +190,7 @@ def share_out(old, constituent, partner, granules, per):
         first[c + 1] += first[c]
     incoming, filled = np.empty(count, np.uint32), first[:-1].copy()
     for s in range(count):
-        home = target[s] // size
+        home = owner_of(shape, target[s]) // PATCH
         incoming[filled[home]] = s
         filled[home] += 1
     return force_row, Patches(target[:count].copy(), incoming, first, lowest)
@@ -211,26 +212,25 @@ def room_for_forces(patches, force, constituents):
 
 
 @inlined
-def reach_patches(patches, constituents, per):
-    """Note in Patches.lowest that a boundary exerts forces on some constituents."""
+def reach_patch(patches, granule):
+    """Note in Patches.lowest that a boundary exerts forces on a granule."""
     if patches is not None:
-        for q in range(constituents.shape[0]):
-            patches.lowest[constituents[q] // (PATCH * per)] = -1
+        patches.lowest[granule // PATCH] = -1
 
 
 @compiled(allocates=True)
 def list_pairs(world, table):
     """Renew the pairs for the present positions, with their constants and history, and Patches."""
     old, rows, shape, orientation = world.pairs, world.constituents, world.shape, world.orientation
-    radius, period, per, held = table.radius, table.period, table.per, table.held
-    near = near_pairs(rows, table.bounding, table.skin, per, period)
+    radius, period, held = table.radius, table.period, table.held
+    near = near_pairs(shape, rows, table.bounding, table.skin, period)
     first, constituent, partner = without_held(held, near[0], near[1], near[2])
     granules = world.bodies.shape[0]
-    force_row, patches = share_out(world.patches, constituent, partner, granules, per)
+    force_row, patches = share_out(world.patches, shape, constituent, partner, granules)
     new = renewed(old, first, constituent, partner, force_row, shape)
     for p in range(constituent.shape[0]):
         i, j = constituent[p], partner[p]
-        g, h = i // per, j // per
+        g, h = owner_of(shape, i), owner_of(shape, j)
         inverse_masses = (
             inverse_mass_along(world, g, 0) + inverse_mass_along(world, h, 0),
             inverse_mass_along(world, g, 1) + inverse_mass_along(world, h, 1),
@@ -248,7 +248,7 @@ def list_surface(surface, world, table):
     """Renew the list of contacts of walls, or of solids."""
     if surface is None:
         return
-    boundaries, rows, per = world.boundaries, world.constituents, table.per
+    boundaries, rows = world.boundaries, world.constituents
     motion, drive, materials = boundaries.motion, boundaries.drive, table.laws.shape[1]
     bounding, skin, period = table.bounding, table.skin, table.period
     if surface.planes is not None:
@@ -258,15 +258,16 @@ def list_surface(surface, world, table):
     new = renewed(surface.contacts, None, constituent, partner, partner, None)
     for p in range(constituent.shape[0]):
         i, b = constituent[p], partner[p]
+        g = owner_of(world.shape, i)
         inverse_masses = (
-            inverse_mass_along(world, i // per, 0) + drive[b, INVERSE_MASS],
-            inverse_mass_along(world, i // per, 1) + drive[b, INVERSE_MASS + 1],
+            inverse_mass_along(world, g, 0) + drive[b, INVERSE_MASS],
+            inverse_mass_along(world, g, 1) + drive[b, INVERSE_MASS + 1],
         )
         radii = table.radius[i], table.solid_radius[b]
-        law = table.laws[materials + b, table.species[i // per]]
+        law = table.laws[materials + b, table.species[g]]
         set_constants(new, p, law, world.shape, radii, table.mass[i], inverse_masses)
         set_image(new, p, motion[b, X] - rows[i, X], motion[b, Y] - rows[i, Y], period)
-    reach_patches(world.patches, constituent, per)
+        reach_patch(world.patches, g)
     surface.contacts = new
 
 
@@ -298,8 +299,9 @@ def rebuild_neighbor_list(world, table):
     list_surface(view.outlines, view, constants)
     list_surface(view.polygons, view, constants)
     if held is not None:
-        reach_patches(view.patches, held.member, 1)
+        for q in range(held.member.shape[0]):
+            reach_patch(view.patches, held.member[q])
     view.constituent_force = room_for_forces(view.patches, view.constituent_force, rows.shape[0])
-    if constants.per == 1:  # one array where a granule is its own only constituent
+    if constants.alone:  # one array where a granule is its own only constituent
         view.force = view.constituent_force
     return as_before(view, world)

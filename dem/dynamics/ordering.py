@@ -11,7 +11,6 @@ import numpy as np
 from dem.dynamics.world import PATCH
 from dem.periodic import wrapped
 from dem.scene import ARRAYS, Scene, State
-from dem.shapes.protocol import resized
 
 
 def _spread(number):
@@ -33,8 +32,9 @@ def order_of(scene: Scene, state: State) -> np.ndarray:
 
 def ordered(scene: Scene, state: State, order) -> tuple[Scene, State]:
     """The same scene and state with granules in another order."""
-    shape = resized(scene.shape, lambda size: size[order])
     state = State(*(getattr(state, name)[order] for name in ARRAYS))
     places = np.argsort(order)
     held = tuple(replace(group, granules=places[group.granules]) for group in scene.held)
-    return replace(scene, shape=shape, held=held, species=scene.species[order]), state
+    return replace(
+        scene, shape=scene.shape.take(order), held=held, species=scene.species[order]
+    ), state

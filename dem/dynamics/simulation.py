@@ -554,7 +554,7 @@ class Simulation:
             raise InputError("saved is no checkpoint of this simulation; it is of another scene.")
         report = self._progress_now()
         world = replaced(writable(self._world), saved)
-        if self._table.per == 1:  # a granule is its own only constituent: one array for both
+        if self._table.alone:  # a granule is its own only constituent: one array for both
             world = world._replace(force=world.constituent_force)
         self._world, self._progress = world, with_numbers(report, saved["progress"])
 
@@ -774,8 +774,8 @@ class Simulation:
             )
             with signals_deferred():
                 seen, observed = self._call(report, schedule, np.zeros((0, 0)))
-            alone = self._table.per == 1  # one array for granules and constituents
-            for rows in (seen.bodies,) if alone else (seen.bodies, seen.constituents):
+            # one array for granules and constituents where they are alone
+            for rows in (seen.bodies,) if self._table.alone else (seen.bodies, seen.constituents):
                 rows[:, [X, Y]] += np.multiply(self._rules.frame, report.seen)
                 rows[:, [VX, VY]] += self._rules.frame
             self._view = report, seen, observed.diagnostics
@@ -886,7 +886,7 @@ class Simulation:
             )
         if outcome == LOST:
             moved = np.linalg.norm(self._world.constituents[:, :2] - self._world.reference, axis=1)
-            farthest = int(moved.argmax()) // self._table.per
+            farthest = int(self._world.shape.owner[moved.argmax()])
             what = f"granule {self._order[farthest]}" if moved.max() >= value else "a boundary"
             raise StateError(
                 f"{what} moved {value:.3g} m before its contacts were listed again {when}; it may "

@@ -6,7 +6,13 @@ import numpy as np
 
 from dem.base.errors import InputError, PackingError
 from dem.contacts.force_law import effective_modulus
-from dem.experiment.box import NOMINAL, ahead_of, height_of_box, sample_diameters
+from dem.experiment.box import (
+    NOMINAL,
+    ahead_of,
+    diameters_of,
+    height_of_box,
+    sample_parts,
+)
 from dem.experiment.config import Replicate
 from dem.experiment.solids import solids_of
 from dem.material import Material
@@ -26,17 +32,20 @@ PREPARATIONS = {"relaxed": relaxed, "grown": grown, "settled": relaxed}
 
 def shaped(replicate: Replicate, diameters: np.ndarray, *options):
     """Granules with the area of discs of these diameters (m); raises InputError with the shape."""
-    shape = replicate.shape
+    own, cls = replicate.configuration, replicate.kind.shape
+    part, parts = sample_parts(own, replicate.label, replicate.seed), own.parts_of(replicate.label)
     try:
-        return of_size(replicate.kind.shape, diameters, shape.ratio, *options)
+        first, *others = (
+            of_size(cls, diameters[part == k], parts[k].form, *options) for k in np.unique(part)
+        )
     except InputError as error:
-        raise InputError(f"shapes.{replicate.label} ({shape.kind}): {error}") from None
+        raise InputError(f"shapes.{replicate.label} ({parts[0].kind}): {error}") from None
+    return first.appended(*others).take(np.argsort(np.argsort(part, kind="stable")))
 
 
 def diameters(replicate: Replicate) -> np.ndarray:
     """Volume diameters (n,) in m of the granules of this seed."""
-    spread = replicate.configuration.packing.size_spread
-    return sample_diameters(replicate.shape, spread, replicate.seed)
+    return diameters_of(replicate.configuration, replicate.label, replicate.seed)
 
 
 def solids(replicate: Replicate, height: float) -> tuple[Solid, ...]:

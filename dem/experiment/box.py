@@ -12,10 +12,26 @@ ROUNDED = 1.0 / 12.0  # of the diameter: radius of the corners of a square or a 
 NOMINAL = 0.84  # packing fraction that tells where a bed under a pressure has its cylinder
 
 
-def sample_diameters(shape, spread: float, seed: int) -> np.ndarray:
-    """Volume diameters (n,) in m: uniform within +- spread of the mean."""
+def sample_parts(configuration, label: str, seed: int) -> np.ndarray:
+    """Of which shape of a mixture (n,) each granule is, in the numbers nearest to their shares."""
+    shape = configuration.shapes[label]
+    ends = np.cumsum([0.0, *(shape.mixture or {label: 1.0}).values()])
+    counts = np.diff(np.rint(ends * shape.granules).astype(int))
+    return np.random.default_rng([seed, 2]).permutation(np.repeat(np.arange(len(counts)), counts))
+
+
+def sample_diameters(shape, spread: float, seed: int, mean=None) -> np.ndarray:
+    """Volume diameters (n,) in m: uniform within +- spread of the mean, of a shape if absent."""
     rng = np.random.default_rng([seed, 0])
-    return shape.diameter * rng.uniform(1.0 - spread, 1.0 + spread, shape.granules)
+    mean = shape.diameter if mean is None else mean
+    return mean * rng.uniform(1.0 - spread, 1.0 + spread, shape.granules)
+
+
+def diameters_of(configuration, label: str, seed: int) -> np.ndarray:
+    """Volume diameters (n,) in m, of a mixture each about the mean of its shape."""
+    shape, spread = configuration.shapes[label], configuration.packing.size_spread
+    means = np.array([part.diameter for part in configuration.parts_of(label)])
+    return sample_diameters(shape, spread, seed, means[sample_parts(configuration, label, seed)])
 
 
 def height_of_box(configuration, diameters: np.ndarray | float, count: int = 1) -> float:
@@ -107,19 +123,20 @@ def check_room(configuration, label: str, *seeds: int) -> None:
     where it does not are the boxes of the seeds looked at.
     """
     shape, spread = configuration.shapes[label], configuration.packing.size_spread
-    least, most = (shape.diameter * (1.0 + sign * spread) for sign in (-1.0, 1.0))
+    sizes = [part.diameter for part in configuration.parts_of(label)]
+    least, most = min(sizes) * (1.0 - spread), max(sizes) * (1.0 + spread)
     try:
         _check_box(configuration, label, height_of_box(configuration, least, shape.granules), most)
     except InputError:
         for seed in seeds:
-            sizes = sample_diameters(shape, spread, seed)
-            _check_box(configuration, label, height_of_box(configuration, sizes), sizes.max())
+            drawn = diameters_of(configuration, label, seed)
+            _check_box(configuration, label, height_of_box(configuration, drawn), drawn.max())
 
 
 def _check_box(configuration, label: str, height: float, largest: float) -> None:
     """Raise InputError where cylinder or the largest granule (m) do not fit into a box (m)."""
     shape, cylinder, width = (
-        configuration.shapes[label],
+        configuration.shape_of(label),
         configuration.cylinder,
         configuration.box_width,
     )
@@ -127,7 +144,7 @@ def _check_box(configuration, label: str, height: float, largest: float) -> None
     if cylinder is not None:
         turns = "x" in configuration.periodic, "y" in configuration.periodic
         _check_cylinder(configuration, height, where, turns)
-    length = largest * math.sqrt(shape.ratio)
+    length = largest * math.sqrt(max(part.ratio for part in configuration.parts_of(label)))
     if length > min(width, height):
         raise InputError(
             f"shapes.{label}.diameter is {shape.diameter:g} m: {where}, and a granule of length "

@@ -64,6 +64,7 @@ SECTIONS = {
 }
 UNHASHED_KEYS = "beside", "record.window", "threads"  # that no number depends on
 FIXED_KEYS = *UNHASHED_KEYS, "record.observables"  # that cannot vary in a sweep
+FORMS = "discs", "mixture"  # of a shape, nor these
 # what a bed depends on, beside its shape and how densely it is packed
 BED_KEYS = (
     "box_width",
@@ -138,13 +139,32 @@ class Configuration(Section):
                     f"{name} is no section of the experiment {self.experiment}; leave it out"
                 )
         for pattern, (wanted, why) in header.get("ASKS", {}).items():
-            for path in {pattern.replace("*", label) for label in self.shapes}:
+            plain = (label for label, shape in self.shapes.items() if not shape.mixture)
+            for path in {pattern.replace("*", label) for label in plain}:
                 if (value := self.at(path)) != wanted:
                     must = "takes none" if wanted is None else f"needs {wanted}"
                     words = value if isinstance(value, str) else f"{value:g}"
                     raise ValueError(
                         f"{path} is {words}; the experiment {self.experiment} {must}, because {why}"
                     )
+        return self
+
+    @model_validator(mode="after")
+    def _check_mixtures(self):
+        for label in self.shapes:
+            path = f"shapes.{label}.mixture"
+            for name in self.shapes[label].mixture or ():
+                if name not in self.shapes:
+                    hint = did_you_mean(name, self.shapes)
+                    raise ValueError(f"{path} has {name!r}, which is not one of shapes{hint}")
+                if self.shapes[name].mixture:
+                    raise ValueError(
+                        f"{path} has {name}, a mixture itself; name its shapes instead"
+                    )
+            kinds = {part.kind for part in self.parts_of(label)}
+            if len(kinds) > 1:
+                words = " and ".join(sorted(kinds))
+                raise ValueError(f"{path} has the kinds {words}; its shapes must be of one kind")
         return self
 
     @model_validator(mode="after")
@@ -214,10 +234,28 @@ class Configuration(Section):
         """The values of a run as plain groups, but for those that are null."""
         return self.model_dump(mode="json", include=set(self.read), exclude_none=True)
 
+    def parts_of(self, label: str) -> list[ShapeSection]:
+        """The shapes of a mixture; of another shape, itself."""
+        return [self.shapes[name] for name in self.shapes[label].mixture or (label,)]
+
+    def with_parts(self, label: str, shapes: dict) -> dict:
+        """What shapes have of one of them, and of the shapes of a mixture."""
+        return {name: shapes[name] for name in (label, *(self.shapes[label].mixture or ()))}
+
+    def shape_of(self, label: str) -> ShapeSection:
+        """A shape; a mixture with the kind of its shapes, and the means of their sizes."""
+        shape, parts = self.shapes[label], self.parts_of(label)
+        if not shape.mixture:
+            return shape
+        shares = [*shape.mixture.values()]
+        diameter, ratio = np.dot(shares, [[part.diameter, part.ratio] for part in parts]).tolist()
+        means = {"kind": parts[0].kind, "diameter": diameter, "aspect_ratio": ratio}
+        return shape.model_copy(update=means)
+
     def kind_of(self, shape: str) -> Kind:
         """The kind of granules of a shape; raises InputError where its file cannot be used."""
         try:
-            return kind_of(self.shapes[shape].kind, self.beside)
+            return kind_of(self.shape_of(shape).kind, self.beside)
         except InputError as error:
             raise InputError(f"shapes.{shape}.{error}") from None
 
@@ -235,9 +273,13 @@ class Configuration(Section):
         if paths.get("contact.law") == HERTZ:  # is what runs are without it
             del paths["contact.law"]
         for label, shape in self.shapes.items():
-            section = shapes[label] | {"aspect_ratio": shape.ratio}
+            if shape.mixture:
+                parts = {name: shapes[name] | {"granules": s} for name, s in shape.mixture.items()}
+                section = {"granules": shape.granules, "mixture": parts}
+            else:
+                section = shapes[label] | {"aspect_ratio": shape.ratio}
             known[label] = paths | by_path({"shape": section})
-            if shape.kind != "ellipse":
+            if self.shape_of(label).kind != "ellipse":
                 known[label] = {k: v for k, v in known[label].items() if k[:8] != "ellipse."}
         return known
 
@@ -283,7 +325,7 @@ class Configuration(Section):
         if not changes and set(self.shapes) == {shape} and type(self) is Configuration:
             return self
         data = self.model_dump(include=set(self.read))
-        data["shapes"] = {shape: data["shapes"][shape]}
+        data["shapes"] = self.with_parts(shape, data["shapes"])
         for path, value in changes.items():
             *groups, last = path.split(".")
             section = data
@@ -311,7 +353,7 @@ class Replicate:
 
     @property
     def shape(self) -> ShapeSection:
-        return self.configuration.shapes[self.label]
+        return self.configuration.shape_of(self.label)
 
     @property
     def kind(self) -> Kind:
@@ -340,7 +382,7 @@ class Replicate:
         values = self.configuration.values()
         if not beside:
             values.pop("beside", None)
-        values["shapes"] = {self.label: values["shapes"][self.label]}
+        values["shapes"] = self.configuration.with_parts(self.label, values["shapes"])
         return values | self.coordinates
 
     def with_shapes(self, folder: Path | str | None) -> "Replicate":
@@ -354,7 +396,7 @@ class Replicate:
         """What tells this run from others."""
         shape = self.shape
         return self.coordinates | {
-            "kind": shape.kind,
+            "kind": "mixture" if shape.mixture else shape.kind,
             "aspect_ratio": shape.ratio,
             "diameter": shape.diameter,
             "granules": shape.granules,
@@ -520,7 +562,7 @@ def entries(
             heads = [f"{path}.{label}." for label in shapes] if is_table else [f"{path}."]
             for start in heads:
                 paths |= entries(shapes, section.model_fields, start)
-        elif path not in FIXED_KEYS:
+        elif path not in FIXED_KEYS and name not in FORMS:
             unit = unit_of(field.rebuild_annotation())
             paths[path] = Entry(path, unit, field.description, field)
     return paths

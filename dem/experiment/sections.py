@@ -1,9 +1,11 @@
 """The sections of a configuration: what each value is, its type with its unit, its default."""
 
+import math
 from collections.abc import Iterable
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+import numpy as np
+from pydantic import AfterValidator, Field, WithJsonSchema, model_validator
 
 from dem.base.plugins import is_plugin
 from dem.base.types import (
@@ -11,10 +13,12 @@ from dem.base.types import (
     Coefficient,
     Count,
     Density,
+    Label,
     Length,
     NotNegative,
     Number,
     PoissonRatio,
+    Positive,
     Pressure,
     Ratio,
     Restitution,
@@ -260,21 +264,47 @@ class NumericsSection(Section):
         return self
 
 
+Discs = Annotated[
+    Annotated[tuple[tuple[Number, Number, Positive], ...], Field(min_length=1)],
+    must("be a list of discs [x, y, radius], or a file with a line x, y, radius of each"),
+    WithJsonSchema({"anyOf": [{"type": "array"}, {"type": "string"}]}),
+]
+Mixture = Annotated[
+    dict[Label, Share],
+    Field(min_length=2),
+    AfterValidator(lambda shares: dict(sorted(shares.items()))),  # in any order they are one bed
+]
+
+
 class ShapeSection(Section):
-    kind: Annotated[str, or_file(KINDS)]
-    """kind of granule, or file and class of your own, such as stones.Stone"""
-    diameter: Length
-    """mean volume diameter of the granules"""
+    kind: Annotated[str, or_file(KINDS)] | None = None
+    """kind of granule, or file and class of your own, such as stones.Stone; none: a mixture"""
+    diameter: Length | None = None
+    """mean volume diameter of the granules; none: a mixture"""
     granules: Annotated[Count, Field(ge=1, le=10_000_000)]
     """number of granules"""
     aspect_ratio: AspectRatio | None = None
     """length over width of a granule"""
+    discs: Discs | None = None
+    """discs of a clump, [x, y, radius] of each in any unit, or a file with these"""
+    mixture: Mixture | None = None
+    """shares by number of other shapes of one kind"""
 
     @model_validator(mode="after")
     def _check(self):
+        mixed, clump = self.mixture is not None, self.kind == "clump"
         natural = KINDS[self.kind].aspect_ratio if self.kind in KINDS else None
-        if natural is None and self.aspect_ratio is None:
-            raise ValueError(f"aspect_ratio is missing; kind {self.kind} needs one")
+        whose = "a mixture" if mixed else f"kind {self.kind}" if self.kind else "a shape"
+        needed = {"kind": not mixed, "diameter": not mixed, "discs": clump}
+        if not natural:
+            needed["aspect_ratio"] = not (mixed or clump)
+        for name, needs in needed.items():
+            if needs and getattr(self, name) is None:
+                raise ValueError(f"{name} is missing; {whose} needs one")
+            if not needs and getattr(self, name) is not None:
+                raise ValueError(f"{name} is given; {whose} takes none")
+        if mixed and not math.isclose(total := sum(self.mixture.values()), 1.0, abs_tol=1e-9):
+            raise ValueError(f"mixture has shares that sum to {total:g}; they must sum to 1")
         if natural and self.aspect_ratio not in (None, natural):
             raise ValueError(
                 f"aspect_ratio is {self.aspect_ratio:g}; a {self.kind} always has {natural:g}, "
@@ -285,7 +315,18 @@ class ShapeSection(Section):
     @property
     def ratio(self) -> float:
         """Length over width."""
-        return self.aspect_ratio or KINDS[self.kind].aspect_ratio
+        if self.discs is None:
+            return self.aspect_ratio or KINDS[self.kind].aspect_ratio
+        x, y, radius = np.transpose(self.discs)
+        angle = np.linspace(0.0, np.pi, 721)[:, None]
+        along = x * np.cos(angle) + y * np.sin(angle)
+        width = np.ptp(np.hstack([along + radius, along - radius]), axis=1)
+        return float(width.max() / width.min())
+
+    @property
+    def form(self):
+        """What granules are made of beside their diameter."""
+        return self.discs or self.ratio
 
 
 class RunSection(Section):

@@ -12,7 +12,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 from dem.analysis.drag import edges_of_bins, running_mean, window_text
 from dem.base.files import atomic
 from dem.base.statistics import half_interval
-from dem.shapes import KINDS
+from dem.shapes import KINDS, is_drawn
 
 RC: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
@@ -113,7 +113,7 @@ def describe(case: xr.Dataset, separator: str = ", ") -> str:
 def drawn(case: xr.Dataset) -> str:
     """What is to be said of a picture of a bed: nothing, unless dem.shapes.outlines draws
     others."""
-    return "" if str(case["kind"].values) in KINDS else ", drawn as discs of equal area"
+    return "" if is_drawn(str(case["kind"].values)) else ", drawn as discs of equal area"
 
 
 def runs(dataset: xr.Dataset) -> str:

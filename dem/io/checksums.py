@@ -4,7 +4,7 @@ It covers all bytes: filters of netCDF guard arrays only, and a damaged header
 can keep HDF5 busy for ever. Who changes the file with another program takes the checksum away.
 """
 
-from hashlib import sha256
+from hashlib import file_digest, sha256
 from pathlib import Path
 
 MARK = b"\nsha256 "
@@ -19,11 +19,12 @@ class Changed(ValueError):
 def seal(path: Path) -> None:
     """Add the checksum of a file that has been written."""
     with Path(path).open("rb+") as file:
-        file.write(MARK + _checksum(file, file.seek(0, 2)))
+        file.write(MARK + file_digest(file, sha256).hexdigest().encode())
 
 
 def is_sealed(path: Path) -> bool:
     """Whether a file has a checksum; raises Changed if its bytes have another."""
+    checksum = sha256()
     with Path(path).open("rb") as file:
         size = file.seek(0, 2) - LENGTH
         if size < 0:
@@ -32,15 +33,9 @@ def is_sealed(path: Path) -> bool:
         mark, stored = file.read(len(MARK)), file.read()
         if mark != MARK:
             return False
-        if stored != _checksum(file, size):
-            raise Changed("its checksum is another")
+        file.seek(0)
+        for start in range(0, size, BLOCK):
+            checksum.update(file.read(min(BLOCK, size - start)))
+    if stored != checksum.hexdigest().encode():
+        raise Changed("its checksum is another")
     return True
-
-
-def _checksum(file, size: int) -> bytes:
-    """Checksum, as text, of so many bytes from the start; the file is then behind them."""
-    checksum = sha256()
-    file.seek(0)
-    for start in range(0, size, BLOCK):
-        checksum.update(file.read(min(BLOCK, size - start)))
-    return checksum.hexdigest().encode()

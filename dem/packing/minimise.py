@@ -410,5 +410,5 @@ def minimise(
         job.save()
         raise
     net_force, touching, overlap, deepest = rest
-    deepest = int(order[deepest // table.per])
+    deepest = int(order[world.shape.owner[deepest]])
     return Minimum(world, order, net_force, goal.enough, touching, overlap, deepest)

@@ -9,7 +9,6 @@ import numpy as np
 
 from dem.packing.random import Bed
 from dem.scene import State
-from dem.shapes.protocol import resized
 
 
 def tiled(shape, bed: Bed, columns: int, rows: int):
@@ -27,5 +26,5 @@ def tiled(shape, bed: Bed, columns: int, rows: int):
             positions.append(corner + sign * bed.position)
             angles.append(bed.angle * sign[0] * sign[1])
     state = State(np.concatenate(positions), angle=np.concatenate(angles))
-    copies = resized(shape, lambda size: np.tile(size, columns * rows))
+    copies = shape.take(np.tile(np.arange(len(bed.position)), columns * rows))
     return copies, state, bed.width * columns, bed.height * rows

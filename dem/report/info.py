@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 from rich.console import Group
@@ -40,7 +41,8 @@ def summary(path: Path) -> Group:
         require_drag(dataset, path)
         require(dataset, path, {}, (), ("configuration",))
         speed = value_of(dataset, "cylinder.velocity")
-        window = f"{window_text(dataset)} of displacement, cylinder at {_range(speed)} m/s"
+        speeds = " to ".join(f"{end:g}" for end in np.unique([speed.min(), speed.max()]))
+        window = f"{window_text(dataset)} of displacement, cylinder at {speeds} m/s"
         return _shown(
             dataset.attrs, _runs_of(dataset) | {"window": window}, drag_table(dataset), LEGEND
         )
@@ -90,7 +92,9 @@ def brief(result: xr.Dataset) -> pd.DataFrame:
     left = [values.name for values in coords if {"shape"} >= set(values.dims)]
     frame = table_of(result.drop_vars(left))
     named = {*result.dims}.difference(designs_of(result))
-    labels = [heading(each) for each in coords if each.name not in left and named >= {*each.dims}]
+    labels = [
+        heading(coord) for coord in coords if coord.name not in left and named >= {*coord.dims}
+    ]
     return frame[[*frame.columns.drop(labels), *labels]]
 
 
@@ -106,12 +110,6 @@ def runs_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
         values[heading(quantity)] = quantity.values
     values["failed"] = dataset["failure_reason"].str.slice(0, 60).values
     return values.set_index(values.index.str[:12]).reset_index(names="run")
-
-
-def _range(values) -> str:
-    """A number, or the least and the greatest of those that vary."""
-    ends = dict.fromkeys((float(values.min()), float(values.max())))
-    return " to ".join(f"{end:g}" for end in ends)
 
 
 def _runs_of(dataset: xr.Dataset) -> dict[str, str]:

@@ -30,14 +30,16 @@ def status(state: SweepState) -> Group:
     for name in state.sweep.blocks:
         block = state.block(name)
         until = block.until or _usual(block)
-        numbers = state.numbers(until.variable)
-        results = numbers.of(block, kept=True)
-        states = {}
-        for run in block.points:
-            is_done = "failed" if run in numbers.failed else "done"
-            states[run] = is_done if run in results else "running" if run in locked else "waiting"
-        left += [run for run in block.unique() if run.id not in results]
-        reasons.update(numbers.failed[run] for run in states if states[run] == "failed")
+        results, states = state.means(block, until.variable, kept=True), {}
+        for run in block.unique():
+            states[run.id] = "running" if run.id in locked else "waiting"
+            if run.id not in results:
+                left.append(run)
+            elif reason := results[run.id][1]:
+                states[run.id] = "failed"
+                reasons[reason] += 1
+            else:
+                states[run.id] = "done"
         table = TextTable(_table(block, until, results, states))
         parts += [Text(f"\n{state.folder_of(name)}", style="bold"), table]
     running = sum(run.id in locked for run in left)
@@ -66,7 +68,7 @@ def _table(block: Block, until: Until, results: dict, states: dict[str, str]) ->
     configuration = block.first.configuration
     units = "" if until.reference else configuration.module.layout(configuration)[until.variable][1]
     values = {
-        point: [results[run.id] for run in runs if run.id in results]
+        point: [results[run.id][0] for run in runs if run.id in results]
         for point, runs in block.replicates.items()
     }
     means, rows = estimates(until, values, block.partners), []

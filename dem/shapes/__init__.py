@@ -63,10 +63,10 @@ def kind_of(name: str, beside: str | None = None) -> Kind:
     return Kind(file, last)
 
 
-def of_size(cls: type, diameters, ratio: float, *options):
+def of_size(cls: type, diameters, *form):
     """Granules of a class with the areas of discs of these diameters (n,) in m; raises InputError
-    where they have others."""
-    granules, asked = cls.of_size(diameters, ratio, *options), 0.25 * math.pi * diameters**2
+    where they have others. form: what else of_size of the class takes."""
+    granules, asked = cls.of_size(diameters, *form), 0.25 * math.pi * diameters**2
     off = abs(granules.area / asked - 1.0)
     if not off.max() <= SAME:
         g = off.argmax()
@@ -78,10 +78,13 @@ def of_size(cls: type, diameters, ratio: float, *options):
     return granules
 
 
-def outlines(kind: str, diameters, ratio: float):
-    """Outlines (n, rings, points, 2) in m about the centre at angle zero, to draw.
+def is_drawn(kind: str) -> bool:
+    """Whether a kind and an aspect ratio tell an outline: not that of clumps, of mixtures, or of a
+    user's own, because readers of results run no code that the results name."""
+    return kind in KINDS and kind != "clump"
 
-    Those of a user's own are discs of equal area: readers of results run no code that the
-    results name.
-    """
-    return KINDS.get(kind, KINDS["disc"]).shape.of_size(diameters, ratio).polygons(33)
+
+def outlines(kind: str, diameters, ratio: float):
+    """Outlines (n, rings, points, 2) in m about the centre at angle zero, to draw; discs of equal
+    area where the kind does not tell them."""
+    return KINDS[kind if is_drawn(kind) else "disc"].shape.of_size(diameters, ratio).polygons(33)

@@ -6,6 +6,7 @@ that every shape must keep.
 """
 
 import math
+from inspect import signature
 
 import numpy as np
 
@@ -18,16 +19,16 @@ from dem.shapes import of_size, smooth
 from dem.shapes.protocol import (
     circle,
     collect,
+    first_of,
+    is_alone,
     is_shape,
     outline,
     place,
-    resized,
-    sizes_of,
     solve_contact,
     support,
 )
 
-DIGITS = 6  # in which sizes over bounding radii agree of granules that differ by size alone
+DIGITS = 6  # in which outlines over bounding radii agree of granules that differ by size alone
 PAIRS = 40  # random contacts
 DEPTH = 1e-3  # overlap over size: what simulations have, well above rounding
 STEP = 1e-6  # of finite differences, over size: errors are of STEP^2 / DEPTH^2 and 1e-16 / STEP
@@ -35,6 +36,7 @@ CLOSE = 1e-2  # relative error of forces; a forgotten arm is wrong by 1
 SAME = 1e-6  # relative error where two ways lead to one number
 NEAR = 1e-3  # relative error of what is compared with a polygon of POINTS corners
 POINTS = 1025
+ROUGH = 33  # corners of polygons that tell forms apart
 DIRECTIONS = 4096  # of tangent lines that are compared with a polygon
 FINE = 2**18  # of those that are differentiated
 ANGLE = 2.1  # rad, of a granule that has rotated
@@ -55,10 +57,9 @@ def _pair(shape, orientation, bodies, constituents, order, overlaps, pushed, for
     """
     place(shape, bodies, orientation, constituents, 0, len(bodies))
     pushed[:] = 0.0
-    per = len(constituents) // len(bodies)
-    for i in range(per):
-        for j in range(per):
-            a, b = per * order[0] + i, per * order[1] + j
+    count = 0
+    for a in range(first_of(shape, order[0]), first_of(shape, order[0] + 1)):
+        for b in range(first_of(shape, order[1]), first_of(shape, order[1] + 1)):
             dx = constituents[b, X] - constituents[a, X]
             dy = constituents[b, Y] - constituents[a, Y]
             one, two = outline(shape, a, orientation), outline(shape, b, orientation)
@@ -66,7 +67,8 @@ def _pair(shape, orientation, bodies, constituents, order, overlaps, pushed, for
             guess = (dx / apart, dy / apart) if apart > 0.0 else (1.0, 0.0)
             c = solve_contact(shape, dx, dy, one, two, guess)
             t1, t2 = either(c.t1, 0.0), either(c.t2, 0.0)
-            overlaps[i * per + j], push = c.overlap, max(c.overlap, 0.0)
+            overlaps[count], push = c.overlap, max(c.overlap, 0.0)
+            count += 1
             pushed[a, FX] -= push * c.nx
             pushed[a, FY] -= push * c.ny
             pushed[a, TAU] += push * t1
@@ -98,20 +100,20 @@ class Two:
 
     def __init__(self, shape):
         self.shape, self.size = shape, shape.bounding_radius
-        self.per = len(shape.constituent_radius) // 2
+        self.alone, self.counts = is_alone(shape), np.bincount(shape.owner)
 
     def _arrays(self, position, angle):
         bodies = rows(2, 8)
         bodies[:, [X, Y]] = position
-        constituents = bodies if self.per == 1 else rows(2 * self.per, 8)
+        constituents = bodies if self.alone else rows(self.counts.sum(), 8)
         return np.column_stack([np.cos(angle), np.sin(angle)]), bodies, constituents
 
     def pair(self, at, order=(0, 1)):
-        """Overlaps (per^2,) in m of the first granule, at zero, with the second, and forces (2, 4);
-        at: place (x, y) in m of the second, angles (rad) of both; order: which of them is asked
-        first."""
-        overlaps, force = np.zeros(self.per**2), rows(2, 4)
-        pushed = force if self.per == 1 else rows(2 * self.per, 4)
+        """Overlaps (k,) in m of the constituents of the first granule, at zero, with the second, and
+        forces (2, 4); at: place (x, y) in m of the second, angles (rad) of both; order: which of
+        them is asked first."""
+        overlaps, force = np.zeros(self.counts.prod()), rows(2, 4)
+        pushed = force if self.alone else rows(self.counts.sum(), 4)
         arrays = self._arrays([[0.0, 0.0], at[:2]], at[2:])
         _pair(self.shape, *arrays, np.array(order), overlaps, pushed, force)
         return overlaps, force
@@ -129,7 +131,7 @@ class Two:
 
     def constituents(self, g):
         """Numbers of the constituents of granule g."""
-        return range(self.per * g, self.per * (g + 1))
+        return np.flatnonzero(self.shape.owner == g)
 
 
 def check_shape(shape) -> None:
@@ -140,7 +142,7 @@ def check_shape(shape) -> None:
 
     Parameters
     ----------
-    shape : Disc, Dumbbell, Ellipse, Superellipse or a class of your own
+    shape : Disc, Dumbbell, Clump, Ellipse, Superellipse or a class of your own
         Granules with their sizes (m). All are tested, and those that differ by size alone once.
 
     Raises
@@ -166,11 +168,11 @@ def check_shape(shape) -> None:
     name = type(shape).__name__
     _refuse(name, [shape.fault or ""])
     _refuse(name, _scaling(shape))
-    if hasattr(shape, "of_size"):
+    if hasattr(shape, "of_size") and "discs" not in signature(shape.of_size).parameters:
         of_size(type(shape), 2.0 * np.sqrt(shape.area / np.pi), RATIO)
     pairs = _pairs(shape)
     for numbers in pairs:
-        two = Two(resized(shape, lambda size, numbers=numbers: size[numbers]))
+        two = Two(shape.take(numbers))
         those = f", granules {' and '.join(map(str, numbers))}" if len(pairs) > 1 else ""
         for law in LAWS:  # what breaks one breaks the later ones too, in worse words
             _refuse(name + those, law(two))
@@ -184,17 +186,17 @@ def _refuse(name, sentences):
 
 def _pairs(shape):
     """Numbers of the granules that are tested, two at a time: the first two, and all that have no
-    like among those before them, by their sizes over their bounding radius."""
-    sizes = np.column_stack([*sizes_of(shape).values()]) / shape.bounding_radius[:, None]
-    other = np.unique(np.round(sizes, DIGITS), axis=0, return_index=True)[1]
-    numbers = np.union1d(np.arange(min(2, len(sizes))), other)
+    like among those before them, by their outlines over their bounding radius."""
+    forms = shape.polygons(ROUGH).reshape(len(shape.area), -1) / shape.bounding_radius[:, None]
+    other = np.unique(np.round(forms, DIGITS), axis=0, return_index=True)[1]
+    numbers = np.union1d(np.arange(min(2, len(forms))), other)
     return np.resize(numbers, (-(-len(numbers) // 2), 2))
 
 
 def _scaling(shape):
     """First law: areas and lengths are finite, one a granule or constituent, and scale with the
     granules."""
-    larger, n = shape.scaled(2.0), len(next(iter(sizes_of(shape).values())))
+    larger, n = shape.scaled(2.0), int(shape.owner[-1]) + 1
     for name, power in POWERS.items():
         value, scaled = np.asarray(getattr(shape, name)), np.asarray(getattr(larger, name))
         count = np.size(shape.constituent_radius) if name.startswith("constituent") else n
@@ -250,7 +252,7 @@ def _support(two):
     """Third law: tangent lines are those of the polygons, q = dh/d(angle), and moment arms are
     bounded as stated."""
     shape, polygons = two.shape, two.shape.polygons(POINTS)
-    holds = shape.constituent_bounding_radius.reshape(2, two.per).max(axis=1)
+    holds = [shape.constituent_bounding_radius[two.constituents(g)].max() for g in range(2)]
     for g, size in enumerate(two.size):
         turn, h, q, _, arm = two.tangents(two.constituents(g), 0.0, FINE)
         slope, bend = (np.diff(values) / np.diff(turn) for values in (h, arm))

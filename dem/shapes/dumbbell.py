@@ -89,6 +89,11 @@ class Dumbbell(Granules, _Fields):
         return cls(np.asarray(diameter) / np.sqrt(8.0))
 
     @property
+    def owner(self) -> np.ndarray:
+        """Dumbbell (2n,) that each disc belongs to, without unit."""
+        return np.repeat(np.arange(len(self.radius)), 2)
+
+    @property
     def area(self) -> np.ndarray:
         """Area (n,) in m2."""
         return 2.0 * np.pi * self.radius**2
@@ -148,6 +153,14 @@ def outline(shape, constituent, orientation):
     return (shape.radius[constituent // 2],)
 
 
+def owner_of(shape, constituent):
+    return constituent // 2
+
+
+def first_of(shape, granule):
+    return 2 * granule
+
+
 def place(shape, bodies, orientation, constituents, low, high):
     for number in range(low, high):
         g = np.uint64(number)  # unsigned: no test for an index that counts from the end
@@ -191,6 +204,8 @@ answer(
     disc.support,
     disc.find_contact,
     disc.tangential_lever,
+    owner_of,
+    first_of,
     place,
     collect,
 )

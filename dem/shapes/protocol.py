@@ -1,9 +1,9 @@
 """What the kernels and Python ask of a shape, answered by the file of that shape.
 
 A granule has one or more convex *constituents*, and contacts are between constituents. A shape is a
-NamedTuple of arrays with one entry per granule. Its class selects, at compile time, the answers to
-the questions of the kernels, and has the members of `Shape` for Python. `dem.check_shape` tests
-both. Conventions of a contact between constituents 1 and 2:
+NamedTuple of arrays with one entry per granule, or per constituent. Its class selects, at compile
+time, the answers to the questions of the kernels, and has the members of `Shape` for Python.
+`dem.check_shape` tests both. Conventions of a contact between constituents 1 and 2:
 
 * d = x2 - x1 (m); n is the unit normal from 1 to 2 and t = (-ny, nx) the tangent;
 * overlap (m) is positive where they touch;
@@ -42,7 +42,7 @@ class ContactGeometry(NamedTuple):
 
 
 class Shape(Protocol):
-    """What Python asks of n granules with p constituents each, who reads it, and what a wrong
+    """What Python asks of n granules, who reads it, and what a wrong
     answer breaks. `answer` refuses a class without all members; DEFAULTS has those that most have
     in common.
 
@@ -66,6 +66,10 @@ class Shape(Protocol):
     # keep the orientation that they start with.
     needs_angle: bool
 
+    # Granule (constituents,) that each constituent belongs to, in ascending order. Read by all that
+    # goes from contacts to granules. Wrong: forces act on other granules.
+    owner: np.ndarray
+
     # Area (n,) in m2. Read by mass, packing and configuration. Wrong: the packing fraction, every
     # mass and so every velocity after an impact.
     area: np.ndarray
@@ -79,12 +83,12 @@ class Shape(Protocol):
     # late; too large: packing begins looser and takes longer.
     bounding_radius: np.ndarray
 
-    # Radius (p n,) in m that enters Hertz's law. Read by stiffness and by the guard of overlaps.
-    # Wrong: contacts too stiff or too soft.
+    # Radius (constituents,) in m that enters Hertz's law. Read by stiffness and by the guard of
+    # overlaps. Wrong: contacts too stiff or too soft.
     constituent_radius: np.ndarray
 
-    # Radius (p n,) in m of the circle about a constituent's centre that holds it. Read by the
-    # neighbour list. Too small: contacts are missed; too large: the list is long.
+    # Radius (constituents,) in m of the circle about a constituent's centre that holds it. Read by
+    # the neighbour list. Too small: contacts are missed; too large: the list is long.
     constituent_bounding_radius: np.ndarray
 
     # Greatest distance (n,) in m of a line of normal force from the granule's centre. Read by the
@@ -100,6 +104,13 @@ class Shape(Protocol):
     def scaled(self, factor: float) -> "Shape":
         """The same granules, larger by a factor. Read by packing. Wrong: beds of other sizes."""
 
+    def take(self, numbers: np.ndarray) -> "Shape":
+        """The granules of these numbers, in this order. Read by ordering, tiling and mixtures.
+        Wrong: large beds."""
+
+    def appended(self, *others: "Shape") -> "Shape":
+        """These granules, then those of others of the class. Read by mixtures. Wrong: mixtures."""
+
     def polygons(self, points: int = 64) -> np.ndarray:
         """Outlines (n, rings, points, 2) in m about the centre at angle zero, closed: the first
         point is the last. Read by figures, films, export, report. Wrong: pictures only."""
@@ -109,6 +120,22 @@ class Granules:
     """Members that most shapes have in common."""
 
     __slots__ = ()
+
+    @property
+    def owner(self) -> np.ndarray:
+        """Granule (constituents,) that each constituent belongs to, without unit."""
+        return np.arange(max(map(len, sizes_of(self).values())))
+
+    def take(self, numbers: np.ndarray) -> Self:
+        """The granules of these numbers, in this order."""
+        return resized(self, lambda size: size[numbers])
+
+    def appended(self, *others: Self) -> Self:
+        """These granules, then those of others, alike in all but their sizes."""
+        every = self, *others
+        return self._replace(
+            **{name: np.concatenate([getattr(s, name) for s in every]) for name in sizes_of(self)}
+        )
 
     @property
     def constituent_bounding_radius(self) -> np.ndarray:
@@ -148,10 +175,13 @@ DEFAULTS = {
     "lists_sizes": False,
     "needs_angle": True,
     "fault": None,
+    "owner": Granules.owner,
     "scaled": Granules.scaled,
+    "take": Granules.take,
+    "appended": Granules.appended,
     "constituent_bounding_radius": Granules.constituent_bounding_radius,
 }
-MEMBERS = *Shape.__annotations__, "scaled", "polygons"
+MEMBERS = *Shape.__annotations__, "scaled", "take", "appended", "polygons"
 
 
 @question
@@ -203,6 +233,18 @@ def tangential_lever(shape):
 def local_radius(shape):
     """Not None if R* is computed at each contact; None: one R* per pair."""
     return
+
+
+@question
+def owner_of(shape, constituent):
+    """Granule that a constituent belongs to; the default is for granules with one constituent."""
+    return constituent
+
+
+@question
+def first_of(shape, granule):
+    """First constituent of a granule; the number of granules has that of constituents."""
+    return granule
 
 
 @question
@@ -272,6 +314,8 @@ SHAPE_QUESTIONS = (
     refine_normal,
     tangential_lever,
     local_radius,
+    owner_of,
+    first_of,
     place,
     collect,
 )
@@ -288,13 +332,18 @@ def is_of_discs(shape) -> bool:
     return tangential_lever(shape) is None
 
 
+def is_alone(shape) -> bool:
+    """Whether each granule of a shape is its own only constituent."""
+    return type(shape) not in place.answers
+
+
 def sizes_of(shape) -> dict[str, np.ndarray]:
-    """The sizes (n,) in m that granules are made of, by name."""
+    """The arrays that granules are made of, such as sizes (n,) in m, by name."""
     return {name: size for name, size in shape._asdict().items() if isinstance(size, np.ndarray)}
 
 
 def resized(shape, change):
-    """Granules with other sizes: what a function returns for those of each name."""
+    """Granules with other arrays: what a function returns for those of each name."""
     return shape._replace(**{name: change(size) for name, size in sizes_of(shape).items()})
 
 

@@ -21,7 +21,7 @@ from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
 from dem.sweep import design
 from dem.sweep.precision import MOST_RUNS, Until
 
-OWN = tuple(RunSection.model_fields)  # of a run, beside the values of its configuration
+RUN_KEYS = tuple(RunSection.model_fields)  # of a run, beside the values of its configuration
 RUNS = {
     name: entry._replace(about="")  # which dem.io.dataset says
     for name, entry in entries((), RunSection.model_fields).items()
@@ -118,10 +118,10 @@ def changes(values, sweep: Configuration, where: str) -> dict:
     changed = {}
     for path, value in values.items():
         key = f"{where}.{path}"
-        if path in OWN:  # of the run: as an axis of this one value
+        if path in RUN_KEYS:  # of the run: as an axis of this one value
             changed[path] = axis_of(path, [value], sweep, where).coordinate[0]
             continue
-        _check_known(path, [*sweep.entries, *OWN], where)
+        _check_known(path, [*sweep.entries, *RUN_KEYS], where)
         if isinstance(value, dict) and set(value) != {"times"}:
             changed[path] = _derived(path, value, sweep, key)
         else:
@@ -160,7 +160,7 @@ def changes_of_words(configuration: Configuration, words: list[str]) -> dict:
         path, equal, text = word.partition("=")
         if not equal or not text:
             raise InputError(f"{word!r} is no value; write PATH=VALUE, such as box_width=0.02.")
-        if path in OWN:
+        if path in RUN_KEYS:
             raise InputError(f"{word!r} is said by an option; write --{path} {text}.")
         texts[path] = text
     return changes(texts, configuration, "values")

@@ -19,7 +19,7 @@ from dem.base.sources import PACKAGE, cache_folder, digest, run_codes, with_impo
 from dem.experiment.bed import make_bed, periods
 from dem.experiment.config import Replicate
 from dem.experiment.warmup import compile_kernels
-from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, read, write
+from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, write
 from dem.packing.random import Bed
 from dem.sweep.grouping import kernel_key
 from dem.sweep.store import Store
@@ -32,7 +32,8 @@ def make(store: Store, batch: str, progress=lambda done, failed: None) -> Path:
     called with how many runs are done, and of these how many failed.
     """
     path, replicates = store.file_of(batch), store.replicates(batch)
-    if is_whole(path, replicates):
+    runs = [replicate.id for replicate in replicates]
+    if list(_rows_of(store, batch)) == runs:
         return path
     rows, failed = [], 0
     for replicate in replicates:
@@ -45,9 +46,9 @@ def make(store: Store, batch: str, progress=lambda done, failed: None) -> Path:
         rows.append(row)
         failed += int(row["failure"]) != 0
         progress(len(rows), failed)
-    if not is_whole(path, replicates):  # another process may have been faster
+    if list(_rows_of(store, batch)) != runs:  # another process may have been faster
         write_batch(path, replicates, rows)
-    store.forget(replicate.id for replicate in replicates)
+    store.forget(runs)
     return path
 
 
@@ -62,41 +63,25 @@ def _compile(replicate: Replicate) -> None:
             mark.touch()
 
 
-def is_whole(path: Path, replicates: list[Replicate]) -> bool:
-    """Whether a file holds these runs, as they were written."""
-    try:
-        values, _ = read(path, ("run_id",))
-    except InputError:
-        return False
-    return values["run_id"].tolist() == [replicate.id for replicate in replicates]
-
-
 def _stored(store: Store, replicate: Replicate) -> dict | None:
     """The values of a run that is finished, or that is in another batch and did not fail there."""
-    if (row := store.kept(replicate.id)) is not None:
-        return row
-    for batch in store.complete().values():
-        if replicate.id in batch.runs:
-            rows = rows_of(store.file_of(batch.id), [replicate])
-            if rows and rows[replicate.id]["failure"] == 0:
-                return rows[replicate.id]
-    return None
+    if (row := store.kept(replicate.id)) is None:
+        with suppress(InputError):  # of a damaged batch of another sweep
+            row = store.rows([replicate.id], *recorded(replicate)).get(replicate.id)
+            return None if row is None or row["failure"] else row
+    return row
 
 
-def rows_of(path: Path, replicates: list[Replicate]) -> dict[str, dict]:
-    """What some runs gave, by their identity; none of a file that is damaged."""
-    layout = replicates[0].configuration.module.layout(replicates[0].configuration)
-    wanted = {replicate.id for replicate in replicates}
-    try:
-        values, _ = read(path, (*layout, "run_id", "failure", "failure_reason", "spent"))
-    except InputError:
-        return {}
-    rows = enumerate(values.pop("run_id").tolist())
-    return {
-        run: {name: array[row] for name, array in values.items()}
-        for row, run in rows
-        if run in wanted
-    }
+def _rows_of(store: Store, batch: str, *names: str) -> dict[str, dict]:
+    """`rows_of` a store; none where the file is not there or damaged."""
+    with suppress(InputError):
+        return store.rows_of(batch, *names)
+    return {}
+
+
+def recorded(replicate: Replicate) -> dict:
+    """The variables that a run gives, as in dem.io.dataset."""
+    return replicate.configuration.module.layout(replicate.configuration)
 
 
 def _row(store: Store, replicate: Replicate, progress) -> dict:
@@ -143,9 +128,8 @@ def _run(store: Store, replicate: Replicate, progress) -> dict:
     if not experiment.observed:
         return experiment.run(replicate)
     stored = store.bed(replicate, make_bed)
-    numbers = [float(stored[name]) for name in Bed._fields[2:-1]]
-    sides = periods(replicate, float(stored["height"]))
-    bed = Bed(stored["position"], stored["angle"], *numbers, sides)
+    values = {name: array if np.ndim(array) else float(array) for name, array in stored.items()}
+    bed = Bed(**values, periodic=periods(replicate, values["height"]))
     checkpoint = store.run_of(replicate.id, ".checkpoint.npz")
     return experiment.run(replicate, bed, progress, checkpoint=checkpoint)
 
@@ -167,15 +151,18 @@ def write_batch(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
     for name, (dims, *_) in experiment.layout(first.configuration).items():
         gap = np.full([sizes[dim] for dim in dims], np.nan)
         values[name] = np.stack([np.asarray(row.get(name, gap), float) for row in rows])
-    labels = [replicate.labels() for replicate in replicates]
-    values |= {name: np.array([label[name] for label in labels]) for name in LABELS}
-    values |= {
-        "run_id": np.array([replicate.id for replicate in replicates]),
-        "bed_family": np.array([replicate.bed_family for replicate in replicates]),
-        "spent": np.array([float(row["spent"]) for row in rows]),
-        "failure": np.array([int(row["failure"]) for row in rows], "i1"),
-        "failure_reason": np.array([str(row["failure_reason"]) or " " for row in rows]),
-    }
+    columns = [
+        run.labels()
+        | {
+            "run_id": run.id,
+            "bed_family": run.bed_family,
+            "spent": float(row["spent"]),
+            "failure": np.int8(row["failure"]),
+            "failure_reason": str(row["failure_reason"]) or " ",
+        }
+        for run, row in zip(replicates, rows, strict=True)
+    ]
+    values |= {name: np.array([column[name] for column in columns]) for name in columns[0]}
     attrs = global_attributes(
         f"{len(rows)} runs of the experiment {first.configuration.experiment}",
         "dem batch",
@@ -198,8 +185,10 @@ def write_one(path: Path, replicate: Replicate, values: dict) -> None:
 def retry(store: Store, batch: str, replicates: list[Replicate]) -> int:
     """Mark the failed runs of a batch to be made again, and return how many there are."""
     path = store.file_of(batch)
-    rows = rows_of(path, replicates) or {run.id: store.kept(run.id) for run in replicates}
-    failed = [run for run, row in rows.items() if row is not None and row["failure"] != 0]
+    rows = _rows_of(store, batch, *recorded(replicates[0])) or {
+        run.id: row for run in replicates if (row := store.kept(run.id))
+    }
+    failed = [run for run, row in rows.items() if row["failure"]]
     if failed and path.exists():
         for run in rows.keys() - set(failed):
             store.keep(run, rows[run])

@@ -5,7 +5,6 @@ is in memory, and what the library buffers, however many there are. What has a v
 granule stays in the batches, but for the beds of snapshots.nc.
 """
 
-import hashlib
 import json
 import math
 from collections import Counter
@@ -19,7 +18,7 @@ import netCDF4
 import numpy as np
 
 from dem.base.errors import InputError, RunError
-from dem.base.sources import ROOT, code_hash, codes, files_of
+from dem.base.sources import ROOT, code_hash, codes, digest, files_of
 from dem.io.dataset import (
     LABELS,
     OF_STORE,
@@ -33,7 +32,7 @@ from dem.io.dataset import (
     global_attributes,
     read,
 )
-from dem.sweep.axis import OWN
+from dem.sweep.axis import RUN_KEYS
 from dem.sweep.config import Sweep
 from dem.sweep.expand import Block
 from dem.sweep.precision import short_of
@@ -75,22 +74,31 @@ def combine(
     with create(output) as file:
         for done, path in enumerate(sorted(paths, key=str), 1):
             values, origin = read(path, (*names, "run_id", "failure", "failure_reason"))
-            rows = {run: row for row, run in enumerate(values["run_id"].tolist()) if run in left}
+            runs = values["run_id"].tolist()
             places = sorted(
-                (place, row) for run, row in rows.items() for place in block.points[run]
+                (place, row)
+                for row, run in enumerate(runs)
+                if run in left
+                for place in block.points[run]
             )
-            if rows and not file.dimensions:
+            if places and not file.dimensions:
                 _create_variables(file, block, layout, {n: values[n] for n in names}, gaps)
             with content_of(path):
                 for name in PROVENANCE:
                     provenance[name][origin[name]] = None
-                _fill(file, {name: values[name] for name in names}, places)
+                for first, group in groupby(places, lambda place: place[0][:-1]):
+                    points, rows = zip(*group, strict=True)
+                    last = [point[-1] for point in points]
+                    for name in names:  # some runs have fewer granules than others
+                        array = values[name][list(rows)]
+                        of_run = map(slice, array.shape[1:])
+                        file.variables[name][(*first, last, *of_run)] = array
             failed |= {
                 place: (int(values["failure"][row]), str(values["failure_reason"][row]))
                 for place, row in places
                 if values["failure"][row]
             }
-            left -= rows.keys()
+            left.difference_update(runs)
             progress(done / len(paths))
         if left and not (partial and file.dimensions):
             missing = next(run for run in block.runs.values() if run.id in left)
@@ -196,18 +204,6 @@ def _labels(block: Block, layout: dict, left: set[str]) -> Iterator[tuple]:
         yield REPLICATES, dims, counts, attrs
 
 
-def _fill(file, values: dict, places: list[tuple[tuple[int, ...], int]]) -> None:
-    """Write rows at their places; what is side by side along the last axis at once."""
-    for _, group in groupby(
-        enumerate(places), lambda item: (item[1][0][:-1], item[1][0][-1] - item[0])
-    ):
-        points, rows = zip(*(place for _, place in group), strict=True)
-        (*first, start), rows = points[0], list(rows)
-        for name, array in values.items():
-            of_run = map(slice, array.shape[1:])  # some have fewer granules than others
-            file.variables[name][(*first, slice(start, start + len(rows)), *of_run)] = array[rows]
-
-
 def _check(sweep: Sweep, block: Block, failed: dict) -> None:
     """Raise RunError where more runs failed than the sweep allows, or all of a case or shape.
 
@@ -250,7 +246,7 @@ def about(sweep: Sweep, block: Block, provenance: dict) -> dict:
             for run in block.runs.values()
             if groups[:1] != ["shapes"] or groups[1] == run.label
         }
-        if len(values) == 1 and path not in OWN:
+        if len(values) == 1 and path not in RUN_KEYS:
             (value,) = values
             reduce(dict.__getitem__, groups, configuration)[last] = value
             if drawn and [path] == velocity:
@@ -310,14 +306,12 @@ def combine_block(
     if observable == BEDS:
         block = block.first_seeds()
     sources = files_of(("dem/sweep/combine.py", "dem/io/dataset.py"), ROOT)
-    text = f"{code_hash(codes(sources))} {state.text(name)} {observable}"
-    recipe = hashlib.sha256(text.encode()).hexdigest()
-    batches = [
-        other for other in state.batches(name) if not block.points.keys().isdisjoint(other.runs)
-    ]
+    recipe = digest(code_hash(codes(sources)), state.text(name), observable)
+    runs = block.points.keys()
+    batches = [batch for batch in state.batches(name) if not runs.isdisjoint(batch.runs)]
     files = [state.store.file_of(batch.id) for batch in batches]
     before, held = read_combined(output)
-    if before == recipe and not partial and {*held} == {*block.points}:
+    if before == recipe and not partial and {*held} == runs:
         written = output.stat().st_mtime_ns
         if all(file.stat().st_mtime_ns <= written for file in files):
             return  # so that what is drawn from it is not drawn again

@@ -7,19 +7,19 @@ from importlib.metadata import files as installed_files
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import yaml
 from pydantic import Field, model_validator
 
 from dem.base.errors import InputError
+from dem.base.files import write_changed
 from dem.base.messages import did_you_mean
 from dem.base.plugins import refresh, with_folder
 from dem.base.sources import ROOT
 from dem.base.types import Coefficient, Count, Density, Label, Section, must, parsed
 from dem.base.yaml_file import read
 from dem.experiment.config import Configuration, model_of
-from dem.sweep.expand import Block, Derived, expand
-from dem.sweep.precision import GridPoint
-from dem.sweep.restart import write_changed
+from dem.sweep.expand import Block, expand
 
 DISTRIBUTION = "granular-drag"
 FOLDERS = ("store", "figures", "logs", "rounds")  # of results
@@ -101,10 +101,6 @@ class Sweep(Configuration):
                     )
 
     @cached_property
-    def _expanded(self) -> dict[str, Block]:
-        return {}
-
-    @cached_property
     def blocks(self) -> dict[str, dict]:
         """What varies in each block, by its name; a sweep without blocks is one, named drag."""
         if "blocks" not in self.sweep:
@@ -116,19 +112,15 @@ class Sweep(Configuration):
             raise InputError(f"sweep.blocks.{min(taken)} is a folder of results; rename the block.")
         return blocks
 
-    def block(
-        self, name: str, derived: Derived | None = None, counts: dict[GridPoint, int] | None = None
-    ) -> Block:
-        """All runs of a block; raises InputError for impossible runs.
+    @cached_property
+    def _expanded(self) -> dict[str, Block]:
+        return {}
 
-        derived: gives the values that follow from another block's result; without it, a run has
-        the values in the file. counts: replicates of each point after some rounds, of the
-        first if absent.
-        """
-        if derived is not None or counts is not None:
-            return expand(self, name, self.blocks[name], derived, counts)
+    def block(self, name: str) -> Block:
+        """All runs of a block, in the first round of replicates, and with the values of the file
+        where these follow from another block; raises InputError for impossible runs."""
         if name not in self._expanded:
-            self._expanded[name] = expand(self, name, self.blocks[name], None)
+            self._expanded[name] = expand(self, name)
         return self._expanded[name]
 
     def needed(self, name: str) -> tuple[str, ...]:
@@ -183,7 +175,8 @@ def parse(data, source: str = "configuration") -> Sweep:
 
 def extended(data, source: str, depth: int = 0):
     """A file's content merged over the file that it extends; raises InputError."""
-    data = with_folder(data, _folder_of(source))
+    folder = Path(source.partition(", ")[0]).parent  # of the first, where Snakemake names several
+    data = with_discs(with_folder(data, folder), source, folder)
     if isinstance(data, dict):  # keys for anchors of YAML, as Docker Compose has them
         data = {key: value for key, value in data.items() if not str(key).startswith("x-")}
     if not isinstance(data, dict) or "extends" not in data:
@@ -200,14 +193,27 @@ def extended(data, source: str, depth: int = 0):
             f"{source}: results is missing{did_you_mean('results', changes, '')}; a file that extends "
             "another needs a folder of its own."
         )
-    base = find_file(name, Path(source).parent)
+    base = find_file(name, folder)
     return merged(extended(read(base), str(base), depth + 1), changes)
 
 
-def _folder_of(source: str) -> Path:
-    """Folder of the file of this name, or of the first of several, as Snakemake names them."""
-    path = Path(source)
-    return path.parent if path.is_file() else Path(source.partition(", ")[0]).parent
+def with_discs(data, source: str, folder: Path):
+    """Values of a file, with the discs of clumps in place of files in its folder that hold them."""
+    shapes = data.get("shapes") if isinstance(data, dict) else None
+    if not isinstance(shapes, dict):
+        return data
+    shapes = dict(shapes)
+    for label, shape in shapes.items():
+        if isinstance(shape, dict) and isinstance(name := shape.get("discs"), str):
+            try:
+                discs = np.loadtxt(folder / name, delimiter=",", ndmin=2).tolist()
+            except (OSError, ValueError) as error:
+                raise InputError(
+                    f"{source}: shapes.{label}.discs is {name!r}; it must be a file with a line "
+                    f"x, y, radius of each disc ({error})."
+                ) from None
+            shapes[label] = shape | {"discs": discs}
+    return data | {"shapes": shapes}
 
 
 def merged(base: dict, changes: dict, top: bool = True) -> dict:
@@ -222,11 +228,12 @@ def merged(base: dict, changes: dict, top: bool = True) -> dict:
 
 def find_file(name: str | Path, beside: Path = Path()) -> Path:
     """The file of that name: in the working folder, beside another, in the checkout, or of the package."""
-    choices = [Path(name), beside / name, ROOT / name]
-    if not any(path.is_file() for path in choices):
-        for file in installed_files(DISTRIBUTION) or ():
-            if file.as_posix().endswith(f"share/{DISTRIBUTION}/{name}"):
-                choices.append(Path(file.locate()))
+    choices = [folder / name for folder in (Path(), beside, ROOT)]
+    choices += [
+        Path(file.locate())
+        for file in installed_files(DISTRIBUTION) or ()
+        if file.as_posix().endswith(f"share/{DISTRIBUTION}/{name}")
+    ]
     return next((path for path in choices if path.is_file()), choices[0])
 
 

@@ -11,6 +11,7 @@ from math import pi
 import numpy as np
 
 from dem.base.errors import InputError
+from dem.base.files import is_full
 from dem.base.provenance import versions
 from dem.base.sources import run_codes
 from dem.experiment.config import Replicate, of_values
@@ -39,13 +40,14 @@ def summary(state: SweepState, jobs: int, retry: bool = False) -> str:
     for name in state.sweep.blocks:
         block = state.block(name)
         runs = list(block.unique())
-        finished, failed = existing(state, name)
-        new = [run for run in runs if run.id not in (finished if retry else finished | failed)]
+        rows = state.store.rows(block.points, kept=True)
+        failed = {run for run, row in rows.items() if row["failure"]}
+        new = [run for run in runs if run.id not in rows or (retry and run.id in failed)]
         beds = {run.bed_id for run in new if not state.store.file_of_bed(run).is_file()}
         axes = ", ".join(f"{axis.name} {len(axis.points)}" for axis in block.axes)
         words = "these are made again" if retry else "dem sweep --retry makes these again"
         lines.append(
-            f"{state.folder_of(name)}: {len(runs)} runs ({axes}), {len(finished)} finished"
+            f"{state.folder_of(name)}: {len(runs)} runs ({axes}), {len(rows) - len(failed)} finished"
             f"{f', {len(failed)} failed ({words})' if failed else ''}, {len(new)} to be made; "
             f"{len(beds)} beds to pack."
         )
@@ -63,21 +65,6 @@ def summary(state: SweepState, jobs: int, retry: bool = False) -> str:
             "and some minutes where kernels are not compiled yet."
         )
     return "\n".join(lines)
-
-
-def existing(state: SweepState, name: str) -> tuple[set[str], set[str]]:
-    """Identities of the runs of a block that are finished, and of those that failed."""
-    store, wanted = state.store, set(state.block(name).points)
-    finished, failed = set(), set()
-    for batch in store.complete().values():
-        if shared := wanted.intersection(batch.runs):
-            bad = store.failed(batch.id)
-            finished |= shared - bad
-            failed |= shared & bad
-    for run in wanted - finished - failed:
-        if (row := store.kept(run)) is not None:
-            (failed if row["failure"] else finished).add(run)
-    return finished, failed - finished
 
 
 def time_of(store: Store, runs: list[Replicate], processes: int) -> tuple[float, str]:
@@ -127,20 +114,17 @@ def reasons(store: Store, runs: Iterable[Replicate]) -> Counter:
     """Reasons, in words, why runs must be made again whose values are in the store, with how many
     runs have each: the code of some file has changed, or the version of a package."""
     stored = {run.run_key(): attrs for runs, _, attrs in newest(store) for run in runs}
-    return Counter(
-        _reason(run, stored[run.run_key()])
-        for run in islice(runs, SAMPLE)
-        if run.run_key() in stored
-    )
-
-
-def _reason(run: Replicate, attrs: dict) -> str:
-    then, now = json.loads(attrs["code"]), run_codes(*run.files)
-    names = sorted(name for name in now | then if now.get(name) != then.get(name))
-    if not names:
-        return f"it was made with {attrs['versions']}, which is now {versions()}"
-    more = f" and {len(names) - FEW} more" if len(names) > FEW else ""
-    return f"the code has changed since it was made: {', '.join(names[:FEW])}{more}"
+    words = Counter()
+    for run in islice(runs, SAMPLE):
+        if (attrs := stored.get(run.run_key())) is None:
+            continue
+        then, now = json.loads(attrs["code"]), run_codes(*run.files)
+        if names := sorted(name for name in now | then if now.get(name) != then.get(name)):
+            more = f" and {len(names) - FEW} more" if len(names) > FEW else ""
+            words[f"the code has changed since it was made: {', '.join(names[:FEW])}{more}"] += 1
+        else:
+            words[f"it was made with {attrs['versions']}, which is now {versions()}"] += 1
+    return words
 
 
 def _kind(run: Replicate) -> str:
@@ -162,7 +146,8 @@ def effort(run: Replicate) -> float:
 def interrupted(state: SweepState) -> str:
     """Message when a sweep is interrupted."""
     runs, total = state.counts()
-    return f"{runs} of {total} runs are kept; run the same command to go on"
+    full = "the disk is full; make room. " if is_full(state.results) else ""  # jobs cannot say it
+    return f"{full}{runs} of {total} runs are kept; run the same command to go on"
 
 
 def outcome(state: SweepState, new: int | None = None, draws: str = "dem figure all {}") -> str:

@@ -12,8 +12,8 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.experiment.box import check_room
-from dem.experiment.config import Configuration, Entry, Replicate, entries
-from dem.sweep.axis import OWN, Axis, Derive, axis_of, changes, name_of
+from dem.experiment.config import Configuration, Entry, Replicate
+from dem.sweep.axis import RUN_KEYS, Axis, Derive, axis_of, changes, name_of
 from dem.sweep.precision import MOST_RUNS, GridPoint, Until
 
 WORDS = ("needs", "values")  # of a block, beside what varies
@@ -81,8 +81,8 @@ class Block:
         """The same block with the first seed alone."""
         at = self.dims.index("seed")
         axes = list(self.axes)
-        first = {"coordinate": axes[at].coordinate[:1], "points": axes[at].points[:1]}
-        axes[at] = axes[at]._replace(until=None, **first)
+        seed = axes[at]
+        axes[at] = Axis("seed", seed.entry, seed.coordinate[:1], seed.points[:1])
         runs = {point: run for point, run in self.runs.items() if point[at] == 0}
         return Block(self.name, axes, runs, self.fixed)
 
@@ -136,7 +136,7 @@ class Block:
             if name not in self.dims:
                 values, kept = [of_run[name] for of_run in of_runs], cases * (name != "seed")
                 labels[name] = None, *_varying(values, axes, kept)
-        known = entries({run.label: None for run in runs}, self.first.configuration.read)
+        known = self.first.configuration.entries
         for path in self.paths:
             name = name_of(path)
             if path in known and name not in self.dims and not path.startswith("shapes."):
@@ -162,14 +162,15 @@ def _varying(values: list, axes: list[Axis], kept: list[str]) -> tuple[tuple[str
 def expand(
     sweep,
     name: str,
-    block: dict,
-    derived: Derived | None,
+    derived: Derived | None = None,
     counts: dict[GridPoint, int] | None = None,
 ) -> Block:
     """All runs of a block of a sweep; raises InputError that names key and value.
 
+    derived: gives the values that follow from another block's result; those of the file if absent.
     counts: replicates at each point after some rounds; those of the first round if absent.
     """
+    block = sweep.blocks[name]
     where = "sweep" if name == "drag" else f"sweep.blocks.{name}"
     fixed = changes(block.get("values", {}), sweep, f"{where}.values")
     replicates = max(counts.values()) if counts else None
@@ -191,10 +192,9 @@ def expand(
     same = (*SAME, *sweep.module.table(sweep, "SIZES").values())
     if same := [path for path in same if path in ways.keys() - fixed.keys()]:
         raise InputError(f"{where} varies {same[0]}, which runs of one block share; use blocks.")
-    points = [fixed, *(point for axis in axes for point in axis.points)]
-    if "needs" not in block and any(
-        isinstance(v, Derive) for point in points for v in point.values()
-    ):
+    points = fixed, *(point for axis in axes for point in axis.points)
+    is_derived = any(isinstance(point.get("packing.fraction"), Derive) for point in points)
+    if is_derived and "needs" not in block:
         raise InputError(
             f"{where} derives values; needs must name the blocks that it takes them from."
         )
@@ -230,7 +230,7 @@ def _runs(sweep, where, fixed, axes, derived, counts) -> dict[GridPoint, Replica
         values = {"seed": 1} | fixed
         for axis, at in zip(axes, point, strict=True):
             values |= axis.points[at]
-        shape, density, seed = (values.pop(key, None) for key in OWN)
+        shape, density, seed = (values.pop(key, None) for key in RUN_KEYS)
         shape = shape or next(iter(sweep.shapes))
         density = density or sweep.density_of(shape)
         key = shape, density, repr(values)
@@ -248,10 +248,9 @@ def _runs(sweep, where, fixed, axes, derived, counts) -> dict[GridPoint, Replica
 
 def _resolved(sweep, shape: str, density: float, values: dict, derived) -> Configuration:
     """The configuration of a run; what is derived from another result comes last."""
-    wanted = {path: new for path, new in values.items() if isinstance(new, Derive)}
-    plain = {path: new for path, new in values.items() if path not in wanted}
+    plain = {path: value for path, value in values.items() if not isinstance(value, Derive)}
     configuration = sweep.changed(plain, shape)
-    if derived is None or not wanted:
+    if derived is None or plain == values:
         return configuration
-    run = Replicate(configuration, shape, density, 0)
-    return sweep.changed(plain | {path: derived(new, run) for path, new in wanted.items()}, shape)
+    fraction = derived(values["packing.fraction"], Replicate(configuration, shape, density, 0))
+    return sweep.changed(plain | {"packing.fraction": fraction}, shape)

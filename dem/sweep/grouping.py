@@ -18,13 +18,6 @@ def kernel_key(replicate: Replicate) -> str:
     return digest(kernel_hash(), code_hash(shape), replicate.variant)
 
 
-def job_key(replicate: Replicate) -> tuple:
-    """What the runs of a job share: the sizes of their arrays and their machine code."""
-    c = replicate.configuration
-    sizes = c.module.sizes(replicate).values()
-    return c.experiment, c.observables, c.at("cylinder.stroke"), *sizes, kernel_key(replicate)
-
-
 def plan_batches(
     existing: Iterable[Batch], replicates: Iterable[Replicate], size: int, results: str
 ) -> tuple[list[Batch], dict[Batch, list[Replicate]]]:
@@ -44,7 +37,10 @@ def plan_batches(
             for run in batch.runs:
                 left.pop(run, None)
     for replicate in left.values():
-        beds = groups.setdefault(job_key(replicate), {})
+        c = replicate.configuration
+        sizes = c.module.sizes(replicate).values()
+        key = c.experiment, c.observables, c.at("cylinder.stroke"), *sizes, kernel_key(replicate)
+        beds = groups.setdefault(key, {})
         beds.setdefault(replicate.bed_key(), []).append(replicate)
     parts = []
     for beds in groups.values():

@@ -11,7 +11,6 @@ as near as that.
 import math
 import re
 from collections.abc import Sequence
-from contextlib import suppress
 from functools import cached_property
 from typing import Annotated
 
@@ -22,7 +21,7 @@ from dem.base.errors import InputError, RunError
 from dem.base.messages import did_you_mean
 from dem.base.statistics import Estimate, mean_interval, ratio_interval
 from dem.base.types import SEEDS, Count, Section, Seed, must
-from dem.io.dataset import AXES, OF_RUN, OF_STORE, read
+from dem.io.dataset import OF_RUN
 
 GROWTH = 2  # a round at most doubles the replicates of a point
 SAFETY = 1.05  # on the interval, because who looks and stops finds it too narrow
@@ -198,88 +197,32 @@ def counts(
     until: Until,
     values: dict[GridPoint, np.ndarray],
     partners: dict[GridPoint, GridPoint | None],
-    rounds: float,
 ) -> dict[GridPoint, int]:
-    """How many replicates each point has after as many rounds as its runs so far allow.
+    """How many replicates each point has after another round; as many as now if it takes none.
 
-    values: one value a run that there is, in the order of the seeds, by point; partners: the point
-    that each is divided by, None for itself; rounds: after the first, at most.
+    values: what the runs of all rounds so far gave, by point; partners: the point that each is
+    divided by, None for itself.
     """
-    groups, estimate = {}, {}
-    for point in values:
-        groups.setdefault(partners[point] or point, []).append(point)
-    for group in groups.values():
-        now, number = dict.fromkeys(group, until.least), 0
-        while number < rounds and all(len(values[point]) >= n for point, n in now.items()):
-            after, so_far = dict(now), {point: values[point][:n] for point, n in now.items()}
-            for point, mean in estimates(
-                until, so_far, {other: partners[other] for other in group}
-            ).items():
-                over = SAFETY * excess(mean, until)
-                for other in {point, partners[point] or point} if over > 1.0 else ():
-                    wanted = min(now[other] * over**2, GROWTH * now[other], until.most)
-                    after[other] = max(after[other], math.ceil(wanted))
-            if after == now:
-                break
-            now, number = after, number + 1
-        estimate |= now
-    return estimate
+    now = {point: len(runs) for point, runs in values.items()}
+    after = dict(now)
+    for point, mean in estimates(until, values, partners).items():
+        over = SAFETY * excess(mean, until)
+        for other in {point, partners[point] or point} if over > 1.0 else ():
+            wanted = min(now[other] * over**2, GROWTH * now[other], until.most)
+            after[other] = max(after[other], math.ceil(wanted))
+    return after
 
 
-class Numbers:
-    """What the runs of a store gave, one number each; files of runs never change, so each is read
-    once."""
-
-    def __init__(self, store, variable: str):
-        self.store, self.variable, self._of = store, variable, {}
-        self._read: set[str] = set()
-        self.failed: dict[str, str] = {}  # why, by the runs that failed
-
-    def of(self, block, kept: bool = False) -> dict[str, float]:
-        """The numbers of those runs of a block that are there, by identity; NaN of one that failed.
-
-        kept: also of batches that have not ended. Decisions wait for these, so that they are the
-        same after any stop.
-        """
-        replicates = {run.id: run for run in block.unique()}
-        for batch in self.store.complete().values():
-            if batch.id not in self._read and not replicates.keys().isdisjoint(batch.runs):
-                self._read.add(batch.id)
-                names = "run_id", "failure", "failure_reason", self.variable
-                with suppress(InputError):  # damaged: who needs it says so
-                    values, _ = read(self.store.file_of(batch.id), names)
-                    run = next(replicates[run] for run in batch.runs if run in replicates)
-                    self._of |= self._means(run.configuration, values)
-        estimate = {run: self._of[run] for run in replicates if run in self._of}
-        for run in replicates.keys() - estimate if kept else ():
-            if (row := self.store.kept(run)) is not None:
-                values = {name: value[None] for name, value in row.items()} | {
-                    "run_id": np.array([run])
-                }
-                estimate |= self._means(replicates[run].configuration, values)
-        return estimate
-
-    def _means(self, configuration, values: dict[str, np.ndarray]) -> dict[str, float]:
-        """The number of each run of a configuration, from the variables of some (run, ...)."""
-        ids, failed = values["run_id"].tolist(), values["failure"] != 0
-        self.failed |= zip(
-            np.array(ids)[failed].tolist(), map(str, values["failure_reason"][failed]), strict=True
-        )
-        if self.variable not in values:  # of a run that failed
-            return dict.fromkeys(ids, math.nan)
-        array = values[self.variable].astype(float)
-        dims = (configuration.module.layout(configuration) | OF_STORE)[self.variable][0]
-        for name in (
-            ("displacement", "snapshot_displacement") if configuration.module.observed else ()
-        ):
-            if AXES[name][0] == dims[-1:]:  # of the way of the cylinder, alone
-                along, (start, stop) = (
-                    configuration.module.code.axes(configuration)[name],
-                    configuration.record.window,
-                )
-                array = array[..., (along >= start) & (along <= stop)]
-        array[failed] = np.nan
-        flat = array.reshape(len(array), -1)
-        with np.errstate(invalid="ignore"):
-            means = np.nansum(flat, axis=1) / np.isfinite(flat).sum(axis=1)
-        return dict(zip(ids, means.tolist(), strict=True))
+def run_mean(run, variable: str, row: dict) -> tuple[float, str]:
+    """The mean of a variable over a run, within the averaging window, from what the run gave; NaN
+    and the reason of one that failed."""
+    if row["failure"]:
+        return math.nan, str(row["failure_reason"])
+    c, values = run.configuration, np.asarray(row[variable], float)
+    last = c.module.layout(c)[variable][0][-1:]
+    if c.module.observed and last in (("displacement",), ("snapshot",)):
+        axis = "displacement" if last == ("displacement",) else "snapshot_displacement"
+        displacement, (start, stop) = c.module.axes(c)[axis], c.record.window
+        values = values[..., (displacement >= start) & (displacement <= stop)]
+    with np.errstate(invalid="ignore"):
+        return float(np.nansum(values) / np.isfinite(values).sum()), ""

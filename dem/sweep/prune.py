@@ -45,7 +45,7 @@ def sweeps(store: Store, strict: bool = True) -> Iterator[tuple[Path, set[str], 
 
 def usage(store: Store) -> list[tuple[str, int]]:
     """Folders of results, each with how many of the stored runs it needs, and how many none needs."""
-    stored = {run for batch in store.complete().values() for run in batch.runs}
+    stored = {run for batch in store.batches() for run in batch.runs}
     needed = {str(folder): stored & runs for folder, runs, _ in sweeps(store, strict=False)}
     counts = {folder: len(runs) for folder, runs in needed.items()}
     return [*counts.items(), ("no sweep", len(stored.difference(*needed.values())))]
@@ -58,7 +58,7 @@ def prune(store: Store) -> tuple[list[Path], int]:
     """
     runs, beds = set(), set()
     # first, because a sweep that starts meanwhile writes its configuration before its plans
-    files, known = list(store.files()), list(store.batches())
+    files, known = list(store.files()), list(store.batches("*"))
     try:
         for _, some, some_beds in sweeps(store):
             runs |= some

@@ -10,7 +10,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from dem.base.errors import RunError
-from dem.base.files import PART, atomic, is_full, reason
+from dem.base.files import PART
 
 DAY = 86400.0  # s
 
@@ -26,20 +26,6 @@ def prepare(folder: Path, store: Path) -> tuple[FileLock, list[str]]:
     return lock, [words] if count else []
 
 
-def is_held(path: Path) -> bool:
-    """Whether a process holds a lock, which is not touched; on Windows, whether it exists."""
-    try:
-        import fcntl
-
-        with Path(path).open("rb") as file:
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except FileNotFoundError:
-        return False
-    except (ImportError, BlockingIOError):
-        return True
-    return False
-
-
 def hold(folder: Path) -> FileLock:
     """Hold a folder for this process; raises RunError where another does."""
     try:
@@ -51,26 +37,7 @@ def hold(folder: Path) -> FileLock:
             f"{folder}: another run works in this folder; wait for it or stop it, or name another folder "
             "as results in the configuration."
         ) from None
-    except OSError as error:
-        raise OSError(
-            f"{folder}: it cannot be written ({reason(error)}); fix that and "
-            "run the same command again; snakemake -n and dem info only read."
-        ) from None
     return lock
-
-
-def write_changed(path: Path, text: str) -> None:
-    """Write a text, unless the file has it already: what is made of the file stays newer."""
-    if not path.is_file() or path.read_bytes() != text.encode():  # a pipe has no end
-        with atomic(path) as part:
-            part.write_bytes(text.encode())
-
-
-def on_failure(folder: Path, kept: str) -> str:
-    """What to do after a workflow has stopped early; kept: what it has so far."""
-    # Jobs cannot write their logs to a full disk.
-    full = "the disk is full; make room. " if is_full(folder) else ""
-    return f"{folder}: {full}{kept}"
 
 
 def clear_parts(folder: Path) -> int:

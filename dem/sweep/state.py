@@ -18,21 +18,15 @@ from dem.experiment.config import Replicate
 from dem.packing.cost import near_jamming
 from dem.sweep.combine import combine_block, lost_runs, read_combined
 from dem.sweep.config import CONFIG, Sweep, file_of, load, origin_of, parse, save
-from dem.sweep.expand import Block
+from dem.sweep.expand import Block, expand
 from dem.sweep.grouping import plan_batches
-from dem.sweep.precision import GridPoint, Numbers, counts
+from dem.sweep.precision import GridPoint, counts, run_mean
 from dem.sweep.store import FOLDER, Batch, Store
 from dem.sweep.workers import Workers, make_batches
 
 FASTEST = 0.1  # of the velocity of sound, beyond which a bed is shocked rather than sheared
-UNREAD = (
-    "batch",
-    "figures",
-    "results",
-    "studies",
-    "beside",
-    "threads",
-)  # nothing that is computed reads them
+# nothing that is computed reads them
+UNREAD = {"batch", "figures", "results", "studies", "beside", "threads"}
 
 
 def slow_beds(runs: Iterable[Replicate]) -> list[str]:
@@ -62,9 +56,9 @@ class SweepState:
         self.store = store or Store(self.root / FOLDER)
         self.notes: list[str] = []
         self._rounds: dict[str, list[Block]] = {}  # of each block
-        self._plans: dict[tuple[str, int], list[Batch]] = {}  # by block and round
+        self._planned: dict[str, Batch] = {}  # those that hold the runs, by identity
         self._new: dict[Batch, list[Replicate]] = {}  # runs of batches whose plans are not written
-        self._numbers: dict[str, Numbers] = {}
+        self._means: dict[str, dict[str, tuple[float, str]]] = {}  # by variable and run
 
     @classmethod
     def of(cls, path: Path, root: Path = Path()) -> "SweepState":
@@ -129,14 +123,14 @@ class SweepState:
         rounds: of replicates after the first; if absent, all that the existing runs suffice for.
         """
         if name not in self._rounds:
+            block = self.sweep.block(name)
             if not self.is_known(name):
-                return self.sweep.block(name)
-            derived = None
+                return block
             if needed := self.needed(name):
                 from dem.sweep.derive import derived_by  # with xarray, which a plan does not need
 
-                derived = derived_by(self.sweep, needed)
-            self._rounds[name] = [self.sweep.block(name, derived)]
+                block = expand(self.sweep, name, derived_by(self.sweep, needed))
+            self._rounds[name] = [block]
             while self.grow(name):
                 pass
         blocks = self._rounds[name]
@@ -150,13 +144,13 @@ class SweepState:
         values = self.values(block)
         if any(len(values[point]) < count for point, count in block.counts.items()):
             return False
-        every = np.concatenate(list(values.values()))
-        if np.isnan(every).sum() > self.sweep.failures * every.size:
+        all_values = np.concatenate(list(values.values()))
+        if np.isnan(all_values).sum() > self.sweep.failures * all_values.size:
             return False  # more runs failed than may; combining says so
-        grown = counts(block.until, values, block.partners, len(self._rounds[name]))
+        grown = counts(block.until, values, block.partners)
         if grown == block.counts:
             return False
-        self._rounds[name].append(self.sweep.block(name, counts=grown))
+        self._rounds[name].append(expand(self.sweep, name, counts=grown))
         return True
 
     def rounds(self, name: str) -> Iterator[int]:
@@ -170,15 +164,30 @@ class SweepState:
     def values(self, block: Block) -> dict[GridPoint, np.ndarray]:
         """What is wanted of the existing runs of a block, by point: one value a run, in the order
         of the seeds, up to the first that does not exist."""
-        known = self.numbers(block.until.variable).of(block)
+        known = self.means(block, block.until.variable)
         return {
-            point: np.array([known[run.id] for run in takewhile(lambda run: run.id in known, runs)])
+            point: np.array(
+                [known[run.id][0] for run in takewhile(lambda run: run.id in known, runs)]
+            )
             for point, runs in block.replicates.items()
         }
 
-    def numbers(self, variable: str) -> Numbers:
-        """What the runs of the store gave, by the name of a variable."""
-        return self._numbers.setdefault(variable, Numbers(self.store, variable))
+    def means(
+        self, block: Block, variable: str, kept: bool = False
+    ) -> dict[str, tuple[float, str]]:
+        """The mean of a variable over each run that exists, by identity, and why a run failed: of
+        all of a block, and perhaps of others. Files of runs never change, so each is read once.
+
+        kept: also of batches that have not ended. Decisions wait for these, so that they are the
+        same after any stop.
+        """
+        runs = {run.id: run for run in block.unique()}
+        means = self._means.setdefault(variable, {})
+        rows = self.store.rows(runs.keys() - means.keys(), variable, kept=kept)
+        new = {run: run_mean(runs[run], variable, row) for run, row in rows.items()}
+        if not kept:
+            means |= new
+        return means | new
 
     def replicates(self) -> Iterator[Replicate]:
         """All runs, as far as they are known."""
@@ -200,17 +209,15 @@ class SweepState:
                 raise InputError(f"{path}: it is missing; the block {name} needs it first.")
         for other in self.sweep.blocks:  # in one order, because blocks share runs
             if other == name or self.is_known(other):
-                self.block(other)
-                for number, block in enumerate(self._rounds[other]):
-                    if (other, number) not in self._plans:
-                        planned = {b.id: b for batches in self._plans.values() for b in batches}
-                        known = (self.store.complete() | planned).values()
-                        self._plans[other, number], new = plan_batches(
-                            known, block.unique(), self.sweep.batch, self.sweep.results
-                        )
-                        self._new |= new
-        last = len(self._rounds[name]) - 1
-        return self._plans[name, last if rounds is None else min(rounds, last)]
+                planned = {run for batch in self._planned.values() for run in batch.runs}
+                if left := [run for run in self.block(other).unique() if run.id not in planned]:
+                    batches, new = plan_batches(
+                        self.store.batches(), left, self.sweep.batch, self.sweep.results
+                    )
+                    self._planned |= {batch.id: batch for batch in batches}
+                    self._new |= new
+        runs = self.block(name, rounds).points.keys()
+        return [batch for batch in self._planned.values() if not runs.isdisjoint(batch.runs)]
 
     def files(self, name: str) -> list[Path]:
         """The files of the batches of a block."""
@@ -231,7 +238,7 @@ class SweepState:
     def counts(self) -> tuple[int, int]:
         """How many runs exist, also of batches that have not ended, and how many the sweep has."""
         wanted = self.runs()
-        complete = {run for batch in self.store.complete().values() for run in batch.runs}
+        complete = {run for batch in self.store.batches() for run in batch.runs}
         kept = [run for run in wanted - complete if self.store.run_of(run).is_file()]
         return len(wanted & complete) + len(kept), len(wanted)
 
@@ -241,21 +248,21 @@ class SweepState:
         """Raise InputError where a file that the sweep writes cannot be one, or where the folder
         holds another sweep. Returns warnings: of a new store, of a cylinder that is too fast, and
         of runs that will be gone."""
-        with suppress(OSError):  # a dry run writes nothing; what does, says that it cannot
-            check_output("the file to write", self.results / CONFIG)
-        other = origin_of(self.results / CONFIG)
+        config, blocks = self.results / CONFIG, self.sweep.blocks
+        for path in (config, *(path for name in blocks for path in self.combined(name))):
+            with suppress(OSError):  # a dry run writes nothing; what does, says that it cannot
+                check_output("the file to write", path)
+        other = origin_of(config)
         if other not in ("", self.file) and Path(other).exists():
             raise InputError(
                 f"results is {self.sweep.results!r}, which has the results of {other}: name another "
                 f"folder in {self.file or 'the configuration'}, or move what is there away."
             )
         warnings = [*self._new_store(), *self._fast_cylinder(), *slow_beds(self.replicates())]
-        for name in self.sweep.blocks:
-            for number, path in enumerate(self.combined(name)):
-                with suppress(OSError):
-                    check_output("the file to write", path)
-                if number == 0 and not self.sweep.needed(name):
-                    warnings += lost_runs(path, read_combined(path)[1], self.block(name).points)
+        for name in blocks:
+            if not self.sweep.needed(name):
+                path = self.combined(name)[0]
+                warnings += lost_runs(path, read_combined(path)[1], self.block(name).points)
         return warnings
 
     def _new_store(self) -> Iterator[str]:
@@ -272,15 +279,14 @@ class SweepState:
     def _fast_cylinder(self) -> Iterator[str]:
         """A warning of the fastest run, where another unit was probably meant: mm/s for m/s, MPa
         for Pa."""
-        machs = {}
+        speeds = {}  # of the cylinder and of sound, by their ratio
         for run in self.replicates():
-            configuration = run.configuration
-            if configuration.experiment == "drag":
-                velocity = configuration.cylinder.velocity
-                sound = math.sqrt(configuration.material.young_modulus / run.density)
-                machs[velocity / sound] = velocity, sound
-        if (mach := max(machs, default=0.0)) > FASTEST:
-            velocity, sound = machs[mach]
+            c = run.configuration
+            if c.experiment == "drag":
+                sound = math.sqrt(c.material.young_modulus / run.density)
+                speeds[c.cylinder.velocity / sound] = c.cylinder.velocity, sound
+        if (mach := max(speeds, default=0.0)) > FASTEST:
+            velocity, sound = speeds[mach]
             yield (
                 f"Warning: cylinder.velocity is {velocity:g} m/s, {mach:.2g} of the velocity of "
                 f"sound in a granule, sqrt(material.young_modulus / density) = {sound:.4g} m/s; it "
@@ -318,6 +324,7 @@ class SweepState:
     def text(self, name: str | None = None, *without: str) -> str:
         """What is computed of the runs of a block, or of none, reads in the configuration, as
         text."""
-        others = {*UNREAD, *without, *(() if name is None else ("sweep",))}
-        kept = {key: value for key, value in self.sweep.dump().items() if key not in others}
-        return json.dumps(kept) + ("" if name is None else json.dumps(self.sweep.blocks[name]))
+        kept = self.sweep.dump()
+        if name is not None:
+            kept["sweep"] = self.sweep.blocks[name]
+        return json.dumps({k: v for k, v in kept.items() if k not in UNREAD.union(without)})

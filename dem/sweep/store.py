@@ -19,12 +19,11 @@ import numpy as np
 from filelock import FileLock
 
 from dem.base.errors import InputError
-from dem.base.files import atomic
+from dem.base.files import atomic, write_changed
 from dem.base.provenance import compilers
 from dem.experiment.config import Replicate, of_values
 from dem.io.checksums import Changed, is_sealed, seal
 from dem.io.dataset import content_of, read
-from dem.sweep.restart import is_held, write_changed
 
 FOLDER = Path("results/store")
 NAMES = {  # of the files in each folder; others are not the store's
@@ -78,15 +77,11 @@ class Store:
 
     # Batches
 
-    def batches(self, end: str = "*") -> Iterator[Batch]:
+    def batches(self, end: str = "nc") -> Iterator[Batch]:
         """All batches that have a file with some end; one without runs is damaged."""
         paths = (self.folder / "batches").glob(f"*.{end}")
         for batch in sorted({p.stem for p in paths if re.fullmatch(NAMES["batches"], p.name)}):
             yield Batch(batch, self._runs_in(batch))
-
-    def complete(self) -> dict[str, Batch]:
-        """The batches whose file is there, by identity."""
-        return {batch.id: batch for batch in self.batches("nc")}
 
     def _runs_in(self, batch: str) -> tuple[str, ...]:
         """The runs of a batch, as its plan says, or else its file."""
@@ -104,10 +99,30 @@ class Store:
             self._runs[batch] = tuple(runs)
         return self._runs[batch]
 
-    def failed(self, batch: str) -> set[str]:
-        """The runs of a batch that failed; raises InputError where it is not there or damaged."""
-        values, _ = read(self.file_of(batch), ("run_id", "failure"))
-        return set(values["run_id"][values["failure"] != 0].tolist())
+    def rows_of(self, batch: str, *names: str) -> dict[str, dict]:
+        """What the runs of a batch gave, by their identity: some variables, why each failed, and the
+        time spent; raises InputError where its file is not there or damaged."""
+        about = "run_id", "failure", "failure_reason", "spent"
+        values, _ = read(self.file_of(batch), (*about, *names))
+        runs = values.pop("run_id").tolist()
+        return {
+            run: {name: array[row] for name, array in values.items()}
+            for row, run in enumerate(runs)
+        }
+
+    def rows(self, runs: Iterable[str], *names: str, kept: bool = False) -> dict[str, dict]:
+        """The same of those of some runs that are in any batch, and did not fail there if that can
+        be. kept: also what runs gave whose batch has not ended."""
+        wanted, rows = set(runs), {}
+        for batch in self.batches():
+            if not wanted.isdisjoint(batch.runs):
+                for run, row in self.rows_of(batch.id, *names).items():
+                    if run in wanted and (run not in rows or rows[run]["failure"]):
+                        rows[run] = row
+        for run in wanted - rows.keys() if kept else ():
+            if (row := self.kept(run)) is not None:
+                rows[run] = row
+        return rows
 
     def replicates(self, batch: str) -> list[Replicate]:
         """What the runs of a batch are; raises InputError where its plan is not of today's code."""
@@ -131,8 +146,7 @@ class Store:
             row = rows.setdefault(id(replicate.configuration), len(values))
             if row == len(values):
                 values.append(replicate.values())
-            run = {"shape": replicate.label, "density": replicate.density, "seed": replicate.seed}
-            runs.append([row, run])
+            runs.append([row, replicate.coordinates])
         text = f"{json.dumps([results, *batch.runs])}\n{json.dumps([values, runs])}\n"
         write_changed(self.plan_of(batch.id), text)
 
@@ -181,7 +195,7 @@ class Store:
 
     def locked_runs(self) -> set[str]:
         """Identities of the runs that some process is making. Nothing is touched."""
-        return {path.stem for path in (self.folder / "runs").glob("*/*.lock") if is_held(path)}
+        return {path.stem for path in (self.folder / "runs").glob("*/*.lock") if _is_held(path)}
 
     def forget(self, runs: Iterable[str]) -> None:
         """Remove runs that a batch holds now."""
@@ -214,7 +228,15 @@ def _load(path: Path) -> dict | None:
     return None
 
 
-def check_place(place: Path, folder: Path = FOLDER) -> None:
-    """Raise InputError for a place in a store: what is put there would replace its runs."""
-    if Path(place).resolve().is_relative_to(folder.resolve()):
-        raise InputError(f"output is {str(place)!r}; the store is there, name another file.")
+def _is_held(path: Path) -> bool:
+    """Whether a process holds a lock, which is not touched; on Windows, whether it exists."""
+    try:
+        import fcntl
+
+        with Path(path).open("rb") as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except FileNotFoundError:
+        return False
+    except (ImportError, BlockingIOError):
+        return True
+    return False

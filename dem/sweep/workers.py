@@ -17,8 +17,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from dem.base.errors import InputError, RunError
+from dem.base.files import write_changed
 from dem.base.sources import cache_folder
-from dem.sweep.restart import write_changed
 from dem.sweep.store import Batch, Store, batch_id
 
 PERIOD = 0.5  # s between two reports of progress
@@ -125,13 +125,13 @@ def _begin() -> None:
     """Prepare a process that makes batches: Ctrl-C is for the first process, which ends the others,
     and whose own end is theirs.
     """
+
+    def end_with_parent():
+        multiprocessing.parent_process().join()
+        os._exit(1)
+
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    multiprocessing.parent_process().join()
-    os._exit(1)
+    threading.Thread(target=end_with_parent, daemon=True).start()
 
 
 def make_batches(store: Store, batches: list[Batch], workers: Workers, progress) -> None:
@@ -159,7 +159,8 @@ def make_batches(store: Store, batches: list[Batch], workers: Workers, progress)
                 except workers.killed:
                     suspects.append(batch)
                     continue
-                done, failed = done + len(batch.runs), failed + len(store.failed(batch.id))
+                done += len(batch.runs)
+                failed += sum(row["failure"] != 0 for row in store.rows_of(batch.id).values())
             runs = [run for batch in pending.values() for run in batch.runs]
             progress(done + sum(store.run_of(run).is_file() for run in runs), failed)
     except (futures.BrokenExecutor, futures.CancelledError):
@@ -174,7 +175,7 @@ def make_batches(store: Store, batches: list[Batch], workers: Workers, progress)
 
 def _make_runs(store: Store, batch: Batch, workers: Workers) -> None:
     """Make and keep the runs of a batch, one at a time; one whose workers die is a failed one."""
-    from dem.sweep.batch import failed_row, rows_of  # with the kernels
+    from dem.sweep.batch import failed_row, recorded  # with the kernels
 
     for run in store.replicates(batch.id):
         alone = Batch(batch_id("", run.id), (run.id,))
@@ -182,7 +183,7 @@ def _make_runs(store: Store, batch: Batch, workers: Workers) -> None:
         store.write_plan(alone, "", [run])
         try:
             store.add(alone.id, workers.submit(plan.absolute()).result())
-            row = rows_of(path, [run])[run.id]
+            row = store.rows_of(alone.id, *recorded(run))[run.id]
         except workers.killed as error:
             row = failed_row(f"{type(error).__name__}: each worker that ran it died")
             row["spent"] = 0.0

@@ -87,26 +87,17 @@ def runs(
     that failed is NaN or -1, and a RunError unless `failure` is one of names. Raises InputError for
     a file that is damaged, and for a run that no file holds.
     """
-    names = tuple(names)
-    needed = tuple(dict.fromkeys((*names, "run_id", "failure", "failure_reason")))
-    blocks = list(blocks or state.sweep.blocks)
+    names, blocks = tuple(names), list(blocks or state.sweep.blocks)
     for done, name in enumerate(blocks):
-        block, files, rows = state.block(name), state.files(name), {}
-        wanted = {run.id: run for run in block.runs.values()}
-        for path in files:
-            values, _ = read(path, needed)
-            for at, run in enumerate(values["run_id"].tolist()):
-                if run not in wanted:
-                    continue
-                if values["failure"][at] and "failure" not in names:
-                    raise RunError(
-                        f"{wanted[run].words()} could not be made: {values['failure_reason'][at]}"
-                    )
-                rows[run] = {key: values[key][at] for key in names}
+        block = state.block(name)
+        rows = state.store.rows(block.points, *names)
         for point, run in block.runs.items():
             if run.id not in rows:
-                raise InputError(f"{run.words()} is in none of the {len(files)} files; run again.")
-            yield block, point, run, rows[run.id]
+                raise InputError(f"{run.words()} is in no file of the store; run again.")
+            row = rows[run.id]
+            if row["failure"] and "failure" not in names:
+                raise RunError(f"{run.words()} could not be made: {row['failure_reason']}")
+            yield block, point, run, {key: row[key] for key in names}
         progress((done + 1) / len(blocks))
 
 

@@ -1,8 +1,6 @@
 """Rules that say how many runs a place gets. A rule is given the runs that there are, and
 returns how many it wants; where these are more, it is asked again with as many."""
 
-import math
-
 import numpy as np
 
 from dem.sweep.precision import Until, counts
@@ -13,7 +11,11 @@ LIMIT = 5  # of Hoad's rule: runs after which the interval must still be narrow 
 
 def rounds(until: Until, sample: np.ndarray) -> int:
     """What sweeps do."""
-    return counts(until, {(0,): sample}, {(0,): None}, math.inf)[(0,)]
+    count, after = 0, until.least
+    while count < after <= len(sample):
+        count = after
+        after = counts(until, {(): sample[:count]}, {(): None})[()]
+    return after
 
 
 def first_narrow(until: Until, sample: np.ndarray) -> int:

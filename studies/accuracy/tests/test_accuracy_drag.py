@@ -161,8 +161,8 @@ def test_replicates_must_all_have_run(tmp_path):
     work = made(tmp_path, blocks(steps=[0.5, 10.0]))
     with pytest.raises(dem.RunError, match="seed 1001 could not be made"):
         list(runs(work, ("drag",), ["steps"]))
-    work.files = lambda name: []
-    with pytest.raises(dem.InputError, match="seed 1001 is in none of the 0 files"):
+    work.store.rows = lambda runs, *names: {}
+    with pytest.raises(dem.InputError, match="seed 1001 is in no file of the store"):
         list(runs(work, ("drag",)))
 
 

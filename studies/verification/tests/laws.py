@@ -87,8 +87,8 @@ LAWS = (
     Mutant(
         "dynamics/assembly.py",
         "half of the mass in the dashpot",
-        "mass=np.repeat(scene.mass, per)",
-        "mass=0.5 * np.repeat(scene.mass, per)",
+        "mass=scene.mass[owner]",
+        "mass=0.5 * scene.mass[owner]",
         "restitution",
     ),
     Mutant(
