@@ -19,11 +19,22 @@ from dem.base.sources import ROOT
 
 STUDIES = ROOT / "docs/_generated/studies"
 LINK = re.compile(r"\]\(([^)\s#:]+)(#[^)\s]*)?\)")
-# what is beside the results; on their page a code host would show it as code
-BAR = """
-```{toctree}
-:hidden:
-
+# What is beside a page: on the page itself a code host would show it as code. Other indexes list
+# their pages, by the words of the links.
+BESIDE = {
+    "index": """\
+Start <start>
+Tutorials <tutorials/index>
+How-to <howto/index>
+Explanation <explanation/index>
+Results <results/index>
+Gallery <_generated/gallery>
+API <reference/api>
+Reference <reference/index>
+Contribute <contributing>
+Changes <changes>
+""",
+    "results/index": """\
 Drag <drag>
 Claims <../_generated/studies/claims>
 Elongated granules <elongated>
@@ -37,8 +48,16 @@ Verification <../_generated/studies/verification>
 Accuracy <../_generated/studies/accuracy>
 Stability <../_generated/studies/stability>
 Speed <../_generated/studies/benchmark>
-```
-"""
+""",
+    "reference/index": """\
+../_generated/command_line
+../_generated/configuration
+../_generated/files
+glossary
+""",
+}
+LISTED = re.compile(r"^\* \[([^\]]+)\]\(([^)]+)\.md\)", re.M)
+TOCTREE = "\n```{{toctree}}\n:hidden:\n\n{}```\n"
 
 
 def _linked(text: str, folder: Path, to: Path) -> str:
@@ -58,8 +77,9 @@ def _read_page(app, docname, source):
     path = Path(app.env.doc2path(docname))
     if path.suffix == ".md":
         source[0] = _linked(source[0], path.parent, path.parent)
-    if docname == "results/index":
-        source[0] += BAR
+    listed = "".join(f"{words} <{page}>\n" for words, page in LISTED.findall(source[0]))
+    if docname == "index" or docname.endswith("/index"):
+        source[0] += TOCTREE.format(BESIDE.get(docname, listed))
 
 
 def _inline_math(self, node):

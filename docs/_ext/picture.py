@@ -10,7 +10,7 @@ from dem.figures.snapshots import bed_of
 from dem.shapes import outlines
 
 NAME, FILES = "beds", ("snapshots", "drag")
-CASES = {"c1": "Discs", "d1": "Dumbbells", "e3": "Ellipses"}
+CASES = {"c1": "Discs", "d1": "Dumbbells", "e3": "Ellipses 1.375:1"}
 SNAPSHOT = -1  # the end of the stroke
 
 
@@ -23,6 +23,8 @@ def draw(snapshots: Path, drag: Path, folder: Path) -> list[Path]:
         for axes, (case, title) in zip(beds, CASES.items(), strict=True):
             _bed(axes, bed_of(dataset, case), dataset.sel(case=case))
             axes.set_title(title)
+        stroke = 1e3 * float(dataset["snapshot_displacement"].max())
+    beds[1].set_xlabel(f"Layers as they were at the start, after {stroke:.0f} mm")
     with xr.open_dataset(drag) as dataset:
         for case, title in CASES.items():
             one = dataset.sel(case=case)
@@ -44,3 +46,8 @@ def _bed(axes, found, case: xr.Dataset) -> None:
     walls = bed.box_walls(found.width, height, found.periods)
     drawn.move(found.position[SNAPSHOT], found.angle[SNAPSHOT], walls, [found.axis[SNAPSHOT]])
     drawn.paint(bed.layer_colors(found.position[0], found.height[0]))
+    x, y = 1e3 * found.axis[SNAPSHOT]
+    arrow = {"arrowstyle": "-|>", "linewidth": 2.0, "color": "black"}
+    axes.annotate("", (x, y + 1.4e3 * found.cylinder), (x, y), arrowprops=arrow)
+    words = {"ha": "center", "va": "top", "fontsize": "small"}
+    axes.annotate("cylinder", (x, y - 0.5e3 * found.cylinder), **words)

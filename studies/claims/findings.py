@@ -82,9 +82,9 @@ class Claims(Findings):
         """One row per claim; those that do not hold come first."""
         return table_of(self.judged.values())
 
-    def jams_at(self, shape: str) -> float:
-        """Packing fraction at which frictionless beds of a shape jam."""
-        here = (self.dataset["jam_shape"] == shape) & (self.dataset["jam_friction"] == 0.0)
+    def jams_at(self, shape: str, friction: float = 0.0) -> float:
+        """Packing fraction at which beds of a shape jam, by the friction of granules."""
+        here = (self.dataset["jam_shape"] == shape) & (self.dataset["jam_friction"] == friction)
         return float(self.dataset["jam_fraction"].where(here).mean())
 
     def jamming(self) -> Table:
@@ -159,8 +159,9 @@ class Claims(Findings):
         )
 
     def scaled(self, setting: str, shape: str, factor: float) -> str:
-        """Drag at a factor on one of the paper's values, over that at the paper's."""
-        return f"{scaled_ratios(self.dataset, setting, shape)[factor].estimate:.2f}"
+        """Drag at a factor on one of the paper's values, over that at the paper's, with its
+        interval."""
+        return estimate(scaled_ratios(self.dataset, setting, shape)[factor].known())
 
     def shrinks(self, setting: str, shape: str, factor: float) -> bool:
         """Whether the drag there is below that at the paper's value, the interval included."""

@@ -100,4 +100,7 @@ def claimed(number) -> str:
         return f"above {number.low:.3g}"
     if number.low == 0.0 and number.is_ratio:
         return f"below {number.high:.3g}"
-    return f"{'not ' if number.outside else ''}{number.low:.4g} to {number.high:.4g}"
+    low, high = f"{number.low:.4g}", f"{number.high:.4g}"
+    if low == high:
+        return low
+    return f"{'not ' if number.outside else ''}{low} to {high}"

@@ -9,21 +9,12 @@ from rich.table import Table
 from dem.analysis.tables import numbers
 from dem.base.statistics import Estimate, mean_interval, ratio_interval
 from studies.common.findings import Findings, estimate
-from studies.intruders.figures.intruders import PLATE, force
+from studies.intruders.figures.intruders import PLATE, WORDS, force
 from studies.intruders.figures.pairs import apart
 
 __all__ = ["intruders", "pairs"]
 
 DIAMETER = 3.175e-3  # m
-WORDS = {
-    "cylinder": "cylinder",
-    "smooth": "cylinder without friction",
-    "free": "cylinder that turns freely",
-    "ellipse": "ellipse, half as long as wide",
-    "square": "square",
-    "tip": "wedge, tip ahead",
-    "base": "wedge, base ahead",
-}
 
 
 class Intruders(Findings):

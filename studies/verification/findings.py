@@ -31,6 +31,11 @@ class Verification(Findings):
         """How many numbers are farther off than the tolerance."""
         return int((self.dataset["row_passed"] == 0).sum())
 
+    def excess(self, name: str) -> float:
+        """Largest error of the numbers of a name, over what is expected."""
+        rows = self.dataset.where(self.dataset["row_name"] == name, drop=True)
+        return float((rows["row_value"] / rows["row_expected"] - 1.0).max())
+
     @cached_property
     def by_case(self) -> list[tuple[str, str, pd.DataFrame]]:
         """Name, title and numbers of each case, one row a number: columns of Row, and `passed`."""

@@ -88,16 +88,21 @@ def impact(material, elastic: int, radius: float, mass: float, speed: float) -> 
     return Impact(stiffness, overlap, stiffness * overlap**1.5, lasts * overlap / speed)
 
 
-def within(e: float, speed: float, scales: Impact, step: float) -> float:
-    """How far from e an impact may return, by its time step (s).
+def stops(speed: float, scales: Impact, step: float) -> float:
+    """How far off the speed is, relative to that of the impact, by a force that stops within a
+    time step (s): an eighth of its slope, 0.16 h^2 with h = v step / overlap."""
+    return 0.16 * (speed * step / scales.overlap) ** 2
 
-    With h = v step / overlap: the sum over steps of a dashpot that begins as overlap^(1/4) is wrong
+
+def within(e: float, speed: float, scales: Impact, step: float) -> float:
+    """How far from e an impact may return that begins in touch, by its time step (s).
+
+    With h as in `stops`: the sum over steps of a dashpot that begins as overlap^(1/4) is wrong
     by up to -zeta(-1/4) = 0.321 of its value at h (Euler and Maclaurin), 0.80 z h^(5/4) of the
-    speed at a damping ratio z; a force that stops within a step is wrong by an eighth of its slope,
-    0.16 h^2.
+    speed at a damping ratio z.
     """
     h = speed * step / scales.overlap
-    return 0.80 * e * damping_ratio(e) * h**1.25 + 0.16 * h**2
+    return 0.80 * e * damping_ratio(e) * h**1.25 + stops(speed, scales, step)
 
 
 def on_floor(shape, material, velocity, friction=0.0, fraction=FINE):

@@ -21,7 +21,7 @@ from studies.common.findings import (
     table,
 )
 
-from . import drag, dumbbells, scale
+from . import drag, ratios, scale
 
 TEMPLATES = Environment(
     undefined=StrictUndefined,
@@ -34,7 +34,7 @@ TEMPLATES.filters |= FORMATS
 OF_STUDIES = [import_module(f"{studies.package_of(name)}.findings") for name in studies.NAMES]
 NAMES = (
     FORMATS
-    | {"table": table, "holds": holds, "dumbbells": dumbbells}
+    | {"table": table, "holds": holds, "ratios": ratios.ratios}
     | {
         name: getattr(module, name)
         for module in (drag, scale, *OF_STUDIES)

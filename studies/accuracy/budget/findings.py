@@ -118,6 +118,11 @@ class Budget(Findings):
         half = 1.96 * ratio * np.hypot(*(each.sem(ddof=1) / each.mean() for each in (one, two)))
         return ratio - 1.0, half
 
+    def error(self, shape: str, seconds: float) -> str:
+        """Least error of the mean drag of a shape by a budget of one core, with its interval."""
+        found = self.best[shape][BUDGETS.index(seconds)]
+        return shares((found.error, found.low, found.high))
+
     def frontier(self) -> Table:
         """Settings with the least error by budget of one core, and the errors of the default and
         of the paper's sweep there."""

@@ -7,7 +7,7 @@ from rich.table import Table
 
 from dem.analysis.tables import numbers
 from studies.accuracy.precision.stopping import FEW, ROUNDS
-from studies.common.findings import Findings
+from studies.common.findings import Findings, span
 
 __all__ = ["precision"]
 
@@ -72,6 +72,11 @@ class Precision(Findings):
     def least(self, *sources: str) -> float:
         """Least share of means as near as asked for."""
         return self.rows(source=sources).asked.min()
+
+    def held(self) -> str:
+        """Least and greatest share of reported intervals that hold the true mean."""
+        found = 100.0 * self.rows().found
+        return span(found.min(), found.max(), "%", 1)
 
     @property
     def dearest(self) -> float:

@@ -12,6 +12,15 @@ FILE = "solids"
 CAPTION = "Drag and side force of intruders by their outline, and of a plate by its angle"
 AXES = {"intruder": 2, "seed": 2}
 PLATE = "plate "  # how the label of a plate begins, before its angle in degrees
+WORDS = {
+    "cylinder": "cylinder",
+    "smooth": "cylinder without friction",
+    "free": "cylinder that turns freely",
+    "ellipse": "ellipse, half as long as wide",
+    "square": "square",
+    "tip": "wedge, tip ahead",
+    "base": "wedge, base ahead",
+}
 
 
 def force(dataset: xr.Dataset, name: str) -> xr.DataArray:
@@ -41,7 +50,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         if angles:
             means = [mean_interval(values.sel(intruder=label)) for label in angles]
             style.intervals(right, [*angles.values()], means, **look)
-    left.set_yticks(range(len(outlines)), outlines[::-1])
+    left.set_yticks(range(len(outlines)), [WORDS.get(each, each) for each in outlines[::-1]])
     left.set(xlabel=f"Mean force from {window_text(dataset)} (N)")
     right.set(xlabel="Angle of the plate (degrees)", ylabel="Mean force (N)")
     right.set_xticks([*angles.values()])
