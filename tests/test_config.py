@@ -68,7 +68,7 @@ REFUSED = [
     ("shapes.e1.aspect_ratio", 0.8, "shapes.e1.aspect_ratio is 0.8; it must be at least 1."),
     ("shapes.e1.aspect_ratio", None, "shapes.e1: aspect_ratio is missing"),
     ("shapes.c1.aspect_ratio", 1.5, "shapes.c1: aspect_ratio is 1.5"),
-    ("shapes.c1.kind", "disk", "is 'disk'; it must be 'disc', 'dumbbell', 'ellipse' or"),
+    ("shapes.c1.kind", "disk", "is 'disk'; it must be 'clump', 'disc', 'dumbbell', 'ellipse' or"),
     ("shapes.c1.diameter", 0.03, "shapes.c1.diameter is 0.03"),
     ("cylinder.stroke", 0.05, "cylinder.stroke is 0.05"),
     ("cylinder.start", 0.02, "cylinder.start is 0.02"),
@@ -79,7 +79,7 @@ REFUSED = [
     (
         "rolling",
         {"granule": 0.1, "wall": 0.1, "cylinder": 0.1},
-        "rolling is for discs, and shapes.d1.kind is dumbbell; make rolling null, or leave this",
+        "rolling is for discs, and shapes.d1.kind is dumbbell; make the coefficients of rolling",
     ),
     ("numerics.step_fraction", 1.5, "is 1.5; it must be at most 1, or allow_unstable be true."),
     ("results", "results/../..", "it must be results or a folder below it, such as results/mine"),

@@ -218,7 +218,7 @@ def test_no_table_gives_an_interval_of_nothing(page):
     assert not re.findall(r"\b0(?:\.0+)? \(0(?:\.0+)? to 0(?:\.0+)?\)", text)
 
 
-FILE = re.compile(r"^```(python|yaml)\n# (\S+\.(?:py|yaml))\n(.*?)^```", re.S | re.M)
+FILE = re.compile(r"^```(python|yaml|text)\n# (\S+\.(?:py|yaml|csv))\n(.*?)^```", re.S | re.M)
 FRAGMENT = re.compile(r"^```yaml\n# (below|in place of) sweep\n(.*?)^```", re.S | re.M)
 HOWTO = sorted((DOCS / "howto").glob("*.md"))
 
@@ -257,7 +257,8 @@ def test_the_sweeps_of_a_page_can_be_run(extended, page):
             below += "  shape: [c1]\n"
         sweeps[f"fragment{n}.yaml"] = f"extends: config/paper.yaml\nresults: results/f{n}\n{below}"
     assert len(sweeps) == text.count("```yaml\n")  # no piece that is neither
-    for name, each in sweeps.items():
+    data = {name: block for kind, name, block in FILE.findall(text) if kind == "text"}
+    for name, each in (sweeps | data).items():
         (extended / name).write_text(each, encoding="utf-8")
     ran = subprocess.run(
         [sys.executable, "-P", "-c", DRY_RUNS, *sweeps],

@@ -143,6 +143,20 @@ def test_rolling_resistance_varies_as_others_do_and_leaves_the_bed(tmp_path):
     assert "rolling" not in plain.run_key()
 
 
+def test_other_shapes_are_beside_discs_where_their_coefficients_are_zero(tmp_path):
+    file = tmp_path / "roll.yaml"
+    file.write_text(
+        f"extends: {CONFIG / 'smoke.yaml'}\nresults: results/roll\n"
+        "rolling: {granule: 0.0, wall: 0.0, cylinder: 0.0}\n"
+        "sweep:\n"
+        "  density: 3900.0\n"
+        "  seed: [1]\n"
+        "  granules: {rough: {shape: c1, rolling.granule: 0.2}, d1: {shape: d1}}\n"
+    )
+    discs, dumbbells = load(file).block("drag").runs.values()
+    assert discs.rolling.granule == 0.2 and dumbbells.rolling is None
+
+
 REFUSED = {
     "Rolling.granule is -0.1; it must be at least 0.": lambda: dem.Rolling(-0.1),
     "rolling is for discs, and shape is Ellipse; rolling must be None, because granules that are "

@@ -354,15 +354,21 @@ class Replicate:
     def __init__(self, configuration: Configuration, label: str, density: float, seed: int):
         self.configuration, self.label = configuration, label
         self.density, self.seed = float(density), int(seed)
-        if configuration.rolling is not None and self.shape.kind != "disc":
+        if self.rolling is not None and self.shape.kind != "disc":
             raise InputError(
-                f"rolling is for discs, and shapes.{label}.kind is {self.shape.kind}; make rolling "
-                "null, or leave this shape out of the sweep."
+                f"rolling is for discs, and shapes.{label}.kind is {self.shape.kind}; make the "
+                "coefficients of rolling zero, or leave this shape out of the sweep."
             )
 
     @property
     def shape(self) -> ShapeSection:
         return self.configuration.shape_of(self.label)
+
+    @property
+    def rolling(self) -> RollingSection | None:
+        """Rolling resistance; coefficients of zero are none for granules that are no discs."""
+        rolling = self.configuration.rolling
+        return rolling if rolling and (rolling.resists or self.shape.kind == "disc") else None
 
     @property
     def kind(self) -> Kind:
@@ -435,7 +441,7 @@ class Replicate:
             c.packing.friction > 0,
             c.packing.pressure is not None,
             any((*frictions, c.at("second.friction"))),
-            c.rolling is not None,
+            self.rolling is not None,
             c.at("cylinder.outline"),
             c.material.restitution < 1,
             c.gravity > 0,

@@ -29,7 +29,7 @@ def granules(replicate: Replicate):
 def make_scene(replicate: Replicate, bed: Bed) -> Scene:
     """The scene of the run."""
     own = replicate.configuration
-    rough, rolling = own.friction, own.rolling
+    rough, rolling = own.friction, replicate.rolling
     return Scene(
         shape=granules(replicate),
         material=material_of_granules(replicate),

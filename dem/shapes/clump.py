@@ -37,7 +37,7 @@ class Clump(_Fields, Granules):
         One list of discs a granule: x, y and radius (m) of each, at angle zero. Where the origin
         is does not matter. The number k may differ.
     owner, first : ndarray, optional
-        Fields of other clumps, which make them again; leave them out.
+        Fields of other clumps, without unit, which make them again; leave them out.
 
     Attributes
     ----------
@@ -71,13 +71,13 @@ class Clump(_Fields, Granules):
     >>> triangle = [(0.0, 0.0, 1e-3), (1.5e-3, 0.0, 1e-3), (0.75e-3, 1.2e-3, 1e-3)]
     >>> clumps = dem.Clump([triangle, [(0.0, 0.0, 1e-3)]])
     >>> (1e6 * clumps.area).round(2)  # mm2
-    array([6.4 , 3.14])
+    array([7.96, 3.14])
     >>> clumps.owner
     array([0, 0, 0, 1])
     >>> dem.Clump.of_size([1e-3, 2e-3], triangle).area.round(9)
     array([7.850e-07, 3.142e-06])
     >>> clumps.polygons(points=33).shape
-    (2, 1, 100, 2)
+    (2, 1, 166, 2)
     """
 
     __slots__ = ()
@@ -102,7 +102,7 @@ class Clump(_Fields, Granules):
         diameter : array_like of shape (n,)
             Diameters (m) of the discs of equal area: the volume diameters of the paper.
         discs : array_like of shape (k, 3)
-            x, y and radius of each disc of the form, in any unit of length.
+            x, y and radius of each disc of the form, in m or another unit of length.
 
         Returns
         -------
