@@ -34,6 +34,10 @@ LEFT_OUT = {  # on no page, in no figure
     "velocity": (*FORCES, *BINS),
     "pressure": (*FORCES[1:], *BINS, "drag_tangential", "max_overlap"),
     "preparation": (*FORCES, *BINS, "drag_tangential", "max_overlap"),
+    "law": (*FORCES, *BINS, "drag_tangential", "max_overlap"),
+    "moduli": (*FORCES, *BINS, "drag_tangential", "max_overlap"),
+    "rolling": (*FORCES, *BINS, "drag_tangential"),
+    "distance": (*FORCES, *BINS, "drag_tangential", "max_overlap"),
     "shear": ("shear_height", "steps"),
 }
 # No page shows more digits of these than float32 has.

@@ -1,0 +1,1 @@
+"""Do the results survive another contact law?"""

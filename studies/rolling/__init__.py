@@ -1,0 +1,1 @@
+"""Can rolling resistance stand in for the shape of granules?"""
