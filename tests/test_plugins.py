@@ -219,11 +219,11 @@ WRONG = {
     "pebbles.Peble": "has no class Peble; it defines support, Pebble, Bare.",
     "pebbles.Bare": "its class has no of_size; give it",
     "broken.Stone": "cannot be read (",
-    "../mine/pebbles.Pebble": "it must be 'disc', 'dumbbell', 'ellipse' or 'superellipse'",
-    "/etc/passwd.X": "it must be 'disc'",
+    "../mine/pebbles.Pebble": "it must be 'clump', 'disc', 'dumbbell', 'ellipse' or 'superellipse'",
+    "/etc/passwd.X": "it must be 'clump'",
     "os.system": "there is no file",
-    "dem.shapes.disc.Disc": "it must be 'disc'",
-    "pebble": "it must be 'disc', 'dumbbell', 'ellipse' or 'superellipse'",
+    "dem.shapes.disc.Disc": "it must be 'clump'",
+    "pebble": "it must be 'clump', 'disc', 'dumbbell', 'ellipse' or 'superellipse'",
 }
 BARE = "\n\nclass Bare:\n    pass\n"
 

@@ -24,6 +24,7 @@ from pathlib import Path
 import numpy as np
 
 from dem.base.errors import InputError, RunError
+from dem.laws.hertz import Hertz
 from dem.scene import Scene, State
 from dem.shapes.disc import Disc
 from dem.shapes.dumbbell import Dumbbell
@@ -218,6 +219,8 @@ def _check(scene):
         raise InputError("gravity and periodic sides are not handed on to LAMMPS.")
     if len(scene.materials) > 1 or [solid.is_round for solid in scene.solids] not in ([], [True]):
         raise InputError("LAMMPS gets one material and at most one solid, a round one.")
+    if scene.rolling is not None or type(scene.law) is not Hertz:
+        raise InputError("LAMMPS gets Hertz's law, without rolling resistance.")
 
 
 def _space(scene, state, per):

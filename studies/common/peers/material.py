@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from dem.dynamics.assembly import laws_of
+from dem.laws.hertz import FOUR_THIRDS
 from dem.scene import Scene
 
 RIGID = 1e6  # modulus of walls and solids over the granules', in codes without rigid bodies
@@ -38,7 +39,8 @@ def hertz(scene: Scene, kind: str) -> Hertz:
     our ratio.
     """
     row = {"granule": 0, "wall": 1, "solid": 1 + len(scene.walls)}[kind]
-    normal, _, friction, stiffness, ratio = laws_of(scene)[row, 0].tolist()
+    modulus, *_, friction, stiffness, ratio = laws_of(scene)[row, 0].tolist()
+    normal = FOUR_THIRDS * modulus
     share = 0.5 if kind == "granule" else 1.0
     radius, mass = share * scene.shape.constituent_radius.mean(), share * scene.mass.mean()
     damping = damping_rate(scene.material.restitution, normal, radius, mass)
