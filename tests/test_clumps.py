@@ -13,8 +13,10 @@ from conftest import CONFIG
 from dem.base.errors import InputError
 from dem.base.sources import ROOT
 from dem.dynamics.energy import balance
+from dem.experiment.bed import make_bed
 from dem.experiment.config import of_values
 from dem.experiment.scene import granules as granules_of
+from dem.experiment.scene import start
 from dem.sweep.config import load
 
 TRIMER = np.array([[0.0, 0.0, 1.0], [1.5, 0.2, 0.8], [0.6, 1.3, 0.7]])
@@ -246,6 +248,28 @@ def test_a_mixture_is_known_by_its_shapes():
     assert of_values(values | {"shapes": other}).id != run.id
 
 
+def test_a_bed_of_two_materials_is_at_rest_and_has_the_masses_of_both():
+    disc, steel = {"kind": "disc", "granules": 60}, {"young_modulus": 200e9, "density": 7.8e3}
+    values = values_of(
+        "mix",
+        glass=disc | {"diameter": 1.0e-3},
+        steel=disc | {"diameter": 1.2e-3, "material": steel},
+        mix={"mixture": {"glass": 0.5, "steel": 0.5}, "granules": 60},
+    )
+    run = of_values(values)
+    simulation = start(run, make_bed(run))
+    scene, contacts = simulation.scene, simulation.contacts()
+    densities = scene.mass / scene.shape.area / scene.thickness
+    assert_allclose(np.sort(densities)[[0, 29, 30, 59]], [2e3, 2e3, 7.8e3, 7.8e3])
+    force, net = contacts.force[:, None] * contacts.normal, np.zeros((60, 2))
+    np.add.at(net, contacts.granule, -force)
+    pairs = contacts.partner >= 0
+    np.add.at(net, contacts.partner[pairs], force[pairs])
+    assert np.abs(net).max() < 1e-6 * contacts.force.max()
+    softer = values | {"material": values["material"] | {"young_modulus": 1e9}}
+    assert of_values(softer).bed_id != run.bed_id
+
+
 def test_a_run_is_known_by_the_discs_in_a_file(tmp_path):
     """And not by the name of the file; the example of docs/howto/clumps.md."""
     page = (ROOT / "docs/howto/clumps.md").read_text()
@@ -276,6 +300,7 @@ def test_a_run_is_known_by_the_discs_in_a_file(tmp_path):
         ({"m": {"mixture": {"c1": 0.5, "t3": 0.5}, "granules": 9}, "t3": T3}, "has the kinds clump and disc"),
         ({"m": {"mixture": {"t3": 0.5, "rod": 0.4}, "granules": 9}, "t3": T3, "rod": ROD}, r"sum to 0\.9; they must"),
         ({"m": MIX, "t3": T3, "rod": ROD, "n": {"mixture": {"m": 0.5, "t3": 0.5}, "granules": 9}}, "a mixture itself"),
+        ({"m": MIX | {"material": {"young_modulus": 1e9}}, "t3": T3, "rod": ROD}, "a mixture takes none, its shapes have theirs"),
         ({"m": MIX | {"diameter": 1e-3}, "t3": T3, "rod": ROD}, "diameter is given; a mixture takes none"),
         ({"t3": T3 | {"discs": None}}, r"shapes\.t3: discs is missing; kind clump needs one"),
         ({"t3": T3 | {"kind": "disc"}}, "discs is given; kind disc takes none"),

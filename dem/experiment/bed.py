@@ -15,7 +15,6 @@ from dem.experiment.box import (
 )
 from dem.experiment.config import Replicate
 from dem.experiment.solids import solids_of
-from dem.material import Material
 from dem.packing.compaction import START, compact
 from dem.packing.constant_pressure import pack_under
 from dem.packing.job import Job, ignored
@@ -72,10 +71,14 @@ def thickness(replicate: Replicate) -> float:
 
 
 def modulus(replicate: Replicate) -> float:
-    """Modulus of the law of contacts (Pa or N/m) for two granules; over the thickness (m), the
-    pressure (Pa) in a run whose Bed has a pressure of one."""
-    young = effective_modulus(*2 * [replicate.configuration.material])
-    return float(replicate.law.modulus(young, thickness(replicate)))
+    """Modulus of the law of contacts (Pa or N/m) for two granules, the stiffest if they differ; over
+    the thickness (m), the pressure (Pa) in a run whose Bed has a pressure of one."""
+    return float(replicate.law.modulus(max(_moduli(replicate)), thickness(replicate)))
+
+
+def _moduli(replicate: Replicate) -> list[float]:
+    """E* (Pa) of two granules of each material."""
+    return [effective_modulus(material, material) for material in replicate.materials]
 
 
 def room_of(replicate: Replicate) -> tuple:
@@ -83,16 +86,18 @@ def room_of(replicate: Replicate) -> tuple:
     own, sizes = replicate.configuration, diameters(replicate)
     height = height_of_box(own, sizes)
     drawn = solids(replicate, height)
-    room = Room(own.box_width, height, drawn, replicate.seed, own.periodic, replicate.law_class())
-    return shaped(replicate, sizes), room
-
-
-def material_of_granules(replicate: Replicate) -> Material:
-    """Material of the granules."""
-    elastic = replicate.configuration.material
-    return Material(
-        replicate.density, elastic.young_modulus, elastic.poisson_ratio, elastic.restitution
+    young = _moduli(replicate)
+    room = Room(
+        own.box_width,
+        height,
+        drawn,
+        replicate.seed,
+        own.periodic,
+        replicate.law_class(),
+        tuple(modulus / max(young) for modulus in young),
+        replicate.species,
     )
+    return shaped(replicate, sizes), room
 
 
 def packed(configuration, shape, room: Room, job: Job | None = None) -> Bed:
@@ -117,12 +122,11 @@ def make_bed(replicate: Replicate, checkpoint: Path | None = None, report=ignore
     job = Job(own.threads, checkpoint, report)
     job.begin(replicate.bed_id)
     if own.packing.preparation == "settled":
-        material, friction = material_of_granules(replicate), own.packing.friction
         return settle(
             shape,
             room._replace(law=replicate.law),
-            material,
-            friction,
+            replicate.materials,
+            own.packing.friction,
             own.gravity,
             thickness(replicate),
             job,

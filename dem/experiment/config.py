@@ -32,7 +32,7 @@ from dem.base.types import (
     section_of,
     unit_of,
 )
-from dem.experiment.box import check_room
+from dem.experiment.box import check_room, sample_parts
 from dem.experiment.kinds import EXPERIMENTS, Experiment
 from dem.experiment.sections import (
     ContactSection,
@@ -53,6 +53,7 @@ from dem.experiment.sections import (
 )
 from dem.laws import file_of as law_file
 from dem.laws import law_of
+from dem.material import Material
 from dem.periodic import Sides
 from dem.shapes import Kind, kind_of
 
@@ -83,12 +84,12 @@ BED_KEYS = (
     "packing.preparation",
     "contact.law",
 )
+STIFFNESS = "material.young_modulus", "material.poisson_ratio"
 PACKED = "packing.fraction", "packing.friction"
 SETTLED_BY = *PACKED, "gravity", "material", "contact"
 PRESSED_BY = (
     "packing.pressure",
-    "material.young_modulus",
-    "material.poisson_ratio",
+    *STIFFNESS,
     "material.thickness",
     "contact.stiffness",
 )
@@ -364,6 +365,30 @@ class Replicate:
     def shape(self) -> ShapeSection:
         return self.configuration.shape_of(self.label)
 
+    def material_of(self, section) -> Material:
+        """Material of granules, a wall or a solid: what a section leaves out is that of the run."""
+        plain = self.configuration.material
+        elastic = section or plain
+        return Material(
+            getattr(elastic, "density", None) or self.density,
+            elastic.young_modulus,
+            elastic.poisson_ratio,
+            elastic.restitution or plain.restitution,
+        )
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """Material of the granules; of a mixture one of each shape, if a shape has its own."""
+        sections = [part.material for part in self.configuration.parts_of(self.label)]
+        return tuple(map(self.material_of, sections if any(sections) else [None]))
+
+    @property
+    def species(self) -> np.ndarray | None:
+        """Which of the materials (n,) each granule is of; None if there is one."""
+        if len(self.materials) > 1:
+            return sample_parts(self.configuration, self.label, self.seed)
+        return None
+
     @property
     def rolling(self) -> RollingSection | None:
         """Rolling resistance; coefficients of zero are none for granules that are no discs."""
@@ -443,7 +468,7 @@ class Replicate:
             any((*frictions, c.at("second.friction"))),
             self.rolling is not None,
             c.at("cylinder.outline"),
-            c.material.restitution < 1,
+            any(material.restitution < 1 for material in self.materials),
             c.gravity > 0,
             "ledger" in c.observables,
         )
@@ -468,6 +493,8 @@ class Replicate:
         if packing.preparation == "settled":
             return f"{self._known(*BED_KEYS, *SETTLED_BY)} {self.density} {self.seed}"
         packed_by = PACKED if packing.pressure is None else PRESSED_BY
+        if len(self.materials) > 1:
+            packed_by += STIFFNESS
         return f"{self._known(*BED_KEYS, *packed_by)} {self.seed}"
 
     def run_key(self) -> str:

@@ -6,9 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import diameters, material_of_granules, shaped, solids, thickness
+from dem.experiment.bed import diameters, shaped, solids, thickness
 from dem.experiment.config import Replicate
-from dem.experiment.solids import material_of
 from dem.material import Friction, Rolling
 from dem.motion import Drive
 from dem.packing.random import Bed
@@ -30,9 +29,10 @@ def make_scene(replicate: Replicate, bed: Bed) -> Scene:
     """The scene of the run."""
     own = replicate.configuration
     rough, rolling = own.friction, replicate.rolling
+    (one, *others), species = replicate.materials, replicate.species
     return Scene(
         shape=granules(replicate),
-        material=material_of_granules(replicate),
+        material=one if species is None else (one, *others),
         friction=Friction(rough.granule, rough.wall, rough.cylinder, rough.stiffness),
         walls=_walls(replicate, bed),
         solids=solids(replicate, bed.height),
@@ -42,6 +42,7 @@ def make_scene(replicate: Replicate, bed: Bed) -> Scene:
         rolling=rolling
         and Rolling(rolling.granule, rolling.wall, rolling.cylinder, rolling.damping),
         law=replicate.law,
+        species=species,
     )
 
 
@@ -57,7 +58,7 @@ def _walls(replicate: Replicate, bed: Bed) -> list[Wall]:
     if own.walls is not None:
         for number, name in enumerate(np.array(NAMES)[walled(bed.periodic)]):
             if section := getattr(own.walls, name):
-                material = material_of(replicate, section.material)
+                material = section.material and replicate.material_of(section.material)
                 wall = replace(walls[number], friction=section.friction, material=material)
                 walls[number] = wall
     if pressure is not None and walls:

@@ -75,6 +75,11 @@ class SolidMaterialSection(Section):
     """coefficient of restitution of two bodies of it; none: that of the granules"""
 
 
+class GranuleMaterialSection(SolidMaterialSection):
+    density: Density | None = None
+    """density; none: that of the run"""
+
+
 class CylinderSection(Section):
     diameter: Length
     """diameter of the cylinder; length of a plate or an ellipse"""
@@ -305,12 +310,16 @@ class ShapeSection(Section):
     """discs of a clump, [x, y, radius] of each in any unit, or a file with these"""
     mixture: Mixture | None = None
     """shares by number of other shapes of one kind"""
+    material: GranuleMaterialSection | None = None
+    """material of these granules; none: material"""
 
     @model_validator(mode="after")
     def _check(self):
         mixed, clump = self.mixture is not None, self.kind == "clump"
         natural = KINDS[self.kind].aspect_ratio if self.kind in KINDS else None
         whose = "a mixture" if mixed else f"kind {self.kind}" if self.kind else "a shape"
+        if mixed and self.material is not None:
+            raise ValueError("material is given; a mixture takes none, its shapes have theirs")
         needed = {"kind": not mixed, "diameter": not mixed, "discs": clump}
         if not natural:
             needed["aspect_ratio"] = not (mixed or clump)

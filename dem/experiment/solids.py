@@ -2,7 +2,6 @@
 
 from dem.experiment.box import ahead_of, circles_of, polygon_of, width_of
 from dem.experiment.config import Replicate
-from dem.material import Material
 from dem.motion import Turn
 from dem.shapes.disc import Disc
 from dem.shapes.ellipse import Ellipse
@@ -17,14 +16,6 @@ def outline_of(section):
     if section.outline == "ellipse":
         return Ellipse([half], [0.5 * width_of(section)])
     return Disc([half])
-
-
-def material_of(replicate: Replicate, section) -> Material | None:
-    """Material of a wall or a solid, None if it is rigid; its density is not asked for."""
-    if section is None:
-        return None
-    restitution = section.restitution or replicate.configuration.material.restitution
-    return Material(replicate.density, section.young_modulus, section.poisson_ratio, restitution)
 
 
 def solids_of(replicate: Replicate, height: float, thickness: float) -> tuple[Solid, ...]:
@@ -55,7 +46,7 @@ def solids_of(replicate: Replicate, height: float, thickness: float) -> tuple[So
                 velocity,
                 spin,
                 getattr(section, "friction", None),
-                material_of(replicate, one.material),
+                one.material and replicate.material_of(one.material),
             )
         )
     return tuple(drawn)

@@ -7,6 +7,7 @@ on the geometry, the law of contacts and the seed: moduli and masses cancel.
 """
 
 import math
+from dataclasses import replace
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -105,7 +106,8 @@ class Bed(NamedTuple):
 
 class Room(NamedTuple):
     """Where a bed is packed, the seed of its random places and angles, and the law of contacts: what
-    `pack` takes beside the granules, in the same order."""
+    `pack` takes beside the granules, in the same order. Then E* of two granules of each material, over
+    that of the stiffest, and which of these (n,) each granule is of."""
 
     width: float
     height: float
@@ -113,10 +115,12 @@ class Room(NamedTuple):
     seed: int
     periodic: str = "none"
     law: Any = HERTZ
+    moduli: tuple[float, ...] = (1.0,)
+    species: np.ndarray | None = None
 
     @property
     def modulus(self) -> float:
-        """Modulus of the law (Pa or N/m) for two soft granules."""
+        """Modulus of the law (Pa or N/m) for two soft granules, the stiffest of them."""
         return float(self.law.modulus(effective_modulus(SOFT, SOFT), 1.0))
 
     def unit(self, shape: Any) -> float:
@@ -147,13 +151,14 @@ class Room(NamedTuple):
         walls, periods = walls_of(self.width, self.height, self.periods), self.periods
         return Scene(
             shape,
-            material,
+            [replace(material, young_modulus=modulus) for modulus in self.moduli],
             friction,
             walls,
             still,
             thickness=1.0,
             periodic=periods,
             law=self.law,
+            species=self.species,
         )
 
     def depth(self, solid: Solid, position: np.ndarray) -> np.ndarray:

@@ -26,7 +26,7 @@ STILL = 1e-6  # of weight times diameter: mean kinetic energy of granules at res
 def settle(
     shape: Any,
     room: Room,
-    material: Material,
+    materials: tuple[Material, ...],
     friction: float,
     gravity: float,
     thickness: float,
@@ -34,13 +34,12 @@ def settle(
 ) -> Bed:
     """A bed at rest under gravity (m/s2), with Coulomb's coefficient at all contacts while it settles.
 
-    thickness (m): of the granules out of the plane. Raises PackingError where they do not come to
+    materials: those that Room.species numbers; thickness (m): of the granules out of the plane. Raises PackingError where they do not come to
     rest.
     """
     rough = Friction(friction, friction, friction)
-    scene = replace(
-        room.scene(shape, material, rough), gravity=(0.0, -gravity), thickness=thickness
-    )
+    real = {"material": materials, "gravity": (0.0, -gravity), "thickness": thickness}
+    scene = replace(room.scene(shape, friction=rough), **real)
     diameter = 2.0 * float(shape.constituent_radius.mean())
     enough = STILL * float(scene.mass.mean()) * gravity * diameter
     state = relaxed(shape, room, job).state
@@ -61,7 +60,8 @@ def settle(
             f"{room.name(shape)} cannot be made: while it settled, {error}"
         ) from None
     end, world = run.state, run.world
-    stiffness, walls = modulus(scene, material, material), len(scene.walls)
+    stiffness = max(modulus(scene, material, material) for material in materials)
+    walls = len(scene.walls)
     unit = scene.law.scale(stiffness, 0.5 * diameter) * 0.5 * diameter
     net_force = world.force[:, :2] + np.array(scene.gravity) / world.inverse_mass[:, None]
     pushed = float(world.boundaries.contact_forces[:walls, 0].sum())
