@@ -1,6 +1,6 @@
 """Confidence intervals: Student's t, Welch's degrees of freedom, Fieller's ratio, the bootstrap.
 
-All that prints an interval takes it from here. Runs are independent, so a sample is one value a
+All of dem that prints an interval takes it from here. Runs are independent, so a sample is one value a
 run; what failed is NaN or infinite and does not count.
 """
 

@@ -1,4 +1,4 @@
-"""The forces at one contact under any law of dem.laws: scalars in, scalars out.
+"""Damping and friction at one contact under any law of dem.laws: scalars in, scalars out.
 
 Normal force: that of the law, with a dashpot and no tension; tangential: a Mindlin spring and a
 dashpot under Coulomb's cap. The dashpot's constant follows from the coefficient of restitution.

@@ -1,4 +1,4 @@
-"""How boundaries move, and what they do to held granules."""
+"""How boundaries move, at rest, on a path or pushed (dem.motion), and what they do to held granules."""
 
 import math
 
