@@ -18,7 +18,7 @@ from dem.experiment.bed import make_bed
 from dem.io.dataset import read
 from dem.packing.compaction import Press, compact
 from dem.packing.random import Room, dilute_start
-from dem.packing.swelling import DAMPED, _moved
+from dem.packing.swelling import _moved
 from dem.shapes import KINDS
 from dem.sweep.config import load
 
@@ -265,8 +265,7 @@ def test_a_stage_of_growth_keeps_half_of_the_velocities():
     slow = 1e-9 * rng.standard_normal((len(small.diameters), 3))  # no stage ends at a neighbour
     start = dem.State(start.position, slow[:, :2], start.angle, slow[:, 2])
     shape = small.shape.scaled(0.5 * factor)
-    scene = room.scene(shape, DAMPED, dem.Friction())  # machine code of drawn beds
-    end, _ = _moved(scene, start)
+    end, _ = _moved(room, shape, start, 1)
     assert_allclose(end.velocity, 0.5 * start.velocity, rtol=1e-12)
     assert_allclose(end.angular_velocity, 0.5 * start.angular_velocity, rtol=1e-12)
 

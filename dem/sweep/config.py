@@ -112,6 +112,14 @@ class Sweep(Configuration):
             raise InputError(f"sweep.blocks.{min(taken)} is a folder of results; rename the block.")
         return blocks
 
+    def named(self, name: str) -> dict:
+        """What varies in a block; raises InputError where there is no such block."""
+        if name not in self.blocks:
+            raise InputError(
+                f"block is {name!r}; the sweep has no such block{did_you_mean(name, self.blocks)}."
+            )
+        return self.blocks[name]
+
     @cached_property
     def _expanded(self) -> dict[str, Block]:
         return {}
@@ -128,11 +136,7 @@ class Sweep(Configuration):
 
         Raises InputError where there is no such block.
         """
-        if name not in self.blocks:
-            raise InputError(
-                f"block is {name!r}; the sweep has no such block{did_you_mean(name, self.blocks)}."
-            )
-        wanted = self.blocks[name].get("needs", ())
+        wanted = self.named(name).get("needs", ())
         names = tuple(wanted) if isinstance(wanted, list | tuple) else (wanted,)
         before = list(self.blocks)[: list(self.blocks).index(name)]
         for other in names:

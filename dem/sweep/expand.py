@@ -170,7 +170,7 @@ def expand(
     derived: gives the values that follow from another block's result; those of the file if absent.
     counts: replicates at each point after some rounds; those of the first round if absent.
     """
-    block = sweep.blocks[name]
+    block = sweep.named(name)
     where = "sweep" if name == "drag" else f"sweep.blocks.{name}"
     fixed = changes(block.get("values", {}), sweep, f"{where}.values")
     replicates = max(counts.values()) if counts else None
