@@ -75,8 +75,8 @@ def test_the_onset_is_just_below_where_the_line_of_greater_loads_meets_zero():
 def contacts(*pairs):
     """Contacts between granules by number, as Simulation.contacts gives them."""
     first, second = np.array(pairs).T
-    none, one = np.zeros((len(pairs), 2)), np.ones(len(pairs))
-    return ContactList(first, second, none, none, none, one, one, 0.0 * one, none)
+    fields = dict.fromkeys(ContactList._fields, np.zeros(len(pairs)))
+    return ContactList(**fields | {"granule": first, "partner": second})
 
 
 def test_granules_that_too_few_contacts_hold_are_rattlers():
