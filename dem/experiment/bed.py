@@ -31,9 +31,10 @@ PREPARATIONS = {"relaxed": relaxed, "grown": grown, "settled": relaxed}
 
 def shaped(replicate: Replicate, diameters: np.ndarray, *options):
     """Granules with the area of discs of these diameters (m); raises InputError with the shape."""
-    own, cls = replicate.configuration, replicate.kind.shape
+    own = replicate.configuration
     part, parts = sample_parts(own, replicate.label, replicate.seed), own.parts_of(replicate.label)
     try:
+        cls = replicate.kind.shape
         first, *others = (
             of_size(cls, diameters[part == k], parts[k].form, *options) for k in np.unique(part)
         )

@@ -13,7 +13,7 @@ def fit(
 ):
     """Fit Young's modulus, the one calibrated number, to a mean drag."""
     from dem.io.lazily import open_combined
-    from studies.calibration.calibrate import calibrate
+    from studies.common.calibrate import calibrate
 
     with bar(f"reading {data}"), open_combined(data) as dataset:
         found = calibrate(dataset.load(), target)

@@ -9,11 +9,12 @@ from rich.table import Table
 from dem.analysis.drag import summarise
 from dem.analysis.tables import numbers
 from dem.base.statistics import Estimate, mean_interval, ratio_interval
-from studies.calibration.calibrate import Calibration, calibrate
-from studies.calibration.findings import calibration
+from studies.common.calibrate import Calibration, calibrate
 from studies.common.findings import Findings, estimate
 
 __all__ = ["law", "moduli"]
+
+PAPER = 1295.0  # N, mean drag of discs, section 3.2
 
 # sentences about the drag of a shape relative to that of another, and whether it is higher
 SENTENCES = {
@@ -40,8 +41,8 @@ class Moduli(Findings):
     @cached_property
     def of_laws(self) -> dict[str, Calibration]:
         """The calibration of each law."""
-        data, target = self.dataset, calibration["target"]
-        return {law: calibrate(data.sel(law=law), target) for law in data["law"].values.tolist()}
+        data = self.dataset
+        return {law: calibrate(data.sel(law=law), PAPER) for law in data["law"].values.tolist()}
 
     def words(self) -> str:
         """Moduli (GPa) with 95 % intervals, in words."""

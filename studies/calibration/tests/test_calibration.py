@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 import dem
 from dem.sweep.config import load
 from studies.__main__ import app
-from studies.calibration.calibrate import calibrate, fit
+from studies.common.calibrate import calibrate, fit
 
 MODULI = (0.8, 0.9, 1.0, 1.1, 1.2)
 
