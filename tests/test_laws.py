@@ -64,10 +64,11 @@ def test_the_ledger_balances_under_a_law_of_lines():
     assert run.ledger().residual < 3e-4
 
 
-@pytest.mark.parametrize("law", ["linear", "line"])
+@pytest.mark.parametrize("law", ["linear", "linear of a stiffness", "line"])
 def test_a_bed_bears_the_pressure_asked_for_under_any_law(law):
     """Force on the top wall over its area, by the forces of the model in plain numpy."""
-    run = asked(**{"contact.law": law})
+    stiffness = {"contact.stiffness": 5e7} if "stiffness" in law else {}
+    run = asked(**{"contact.law": law.partition(" ")[0]} | stiffness)
     scene, state = make_scene(run, bed := make_bed(run)), bed.state
     with_top, without = (
         Twin(replace(scene, walls=walls), state).force[:, 1].sum()

@@ -84,7 +84,7 @@ def values_of_runs(dataset: xr.Dataset) -> pd.DataFrame:
     labels = dataset[list(LABELS)].to_dataframe()
     # a label is no other value of the configuration, and lists tell no runs of a file apart
     paths = pd.json_normalize(json.loads(dataset.attrs["values"]))
-    lists = [name for name in paths if isinstance(paths[name].iloc[0], list)]
+    lists = [name for name in paths if paths[name].map(lambda v: isinstance(v, list)).any()]
     frame = labels.join(paths.drop(columns=[*lists, *labels], errors="ignore"))
     return frame.set_index(dataset["run_id"].values)
 

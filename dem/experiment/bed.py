@@ -94,7 +94,7 @@ def room_of(replicate: Replicate) -> tuple:
         drawn,
         replicate.seed,
         own.periodic,
-        replicate.law_class(),
+        replicate.law,
         tuple(modulus / max(young) for modulus in young),
         replicate.species,
     )
@@ -125,7 +125,7 @@ def make_bed(replicate: Replicate, checkpoint: Path | None = None, report=ignore
     if own.packing.preparation == "settled":
         return settle(
             shape,
-            room._replace(law=replicate.law),
+            room,
             replicate.materials,
             own.packing.friction,
             own.gravity,

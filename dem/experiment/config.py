@@ -83,6 +83,7 @@ BED_KEYS = (
     "packing.size_spread",
     "packing.preparation",
     "contact.law",
+    "contact.stiffness",
 )
 STIFFNESS = "material.young_modulus", "material.poisson_ratio"
 PACKED = "packing.fraction", "packing.friction"
@@ -91,7 +92,6 @@ PRESSED_BY = (
     "packing.pressure",
     *STIFFNESS,
     "material.thickness",
-    "contact.stiffness",
 )
 
 
@@ -244,7 +244,11 @@ class Configuration(Section):
 
     def with_parts(self, label: str, shapes: dict) -> dict:
         """What shapes have of one of them, and of the shapes of a mixture."""
-        return {name: shapes[name] for name in (label, *(self.shapes[label].mixture or ()))}
+        return {name: shapes[name] for name in self.parts_named(label)}
+
+    def parts_named(self, label: str) -> tuple[str, ...]:
+        """Labels of a shape, and of the shapes of a mixture."""
+        return label, *(self.shapes[label].mixture or ())
 
     def shape_of(self, label: str) -> ShapeSection:
         """A shape; a mixture with the kind of its shapes, and the means of their sizes."""
@@ -482,10 +486,15 @@ class Replicate:
         return json.dumps(values, sort_keys=True)
 
     @property
+    def _elasticity(self) -> tuple[str, ...]:
+        """Keys of elasticity, on which a bed of several materials depends."""
+        return STIFFNESS if len(self.materials) > 1 else ()
+
+    @property
     def bed_family(self) -> str:
         """Hash of all that the bed depends on, except packing fraction or pressure, friction and
         seed."""
-        return digest(self._known(*BED_KEYS))
+        return digest(self._known(*BED_KEYS, *self._elasticity))
 
     def bed_key(self) -> str:
         """All that the bed depends on, as text."""
@@ -493,8 +502,7 @@ class Replicate:
         if packing.preparation == "settled":
             return f"{self._known(*BED_KEYS, *SETTLED_BY)} {self.density} {self.seed}"
         packed_by = PACKED if packing.pressure is None else PRESSED_BY
-        if len(self.materials) > 1:
-            packed_by += STIFFNESS
+        packed_by += self._elasticity
         return f"{self._known(*BED_KEYS, *packed_by)} {self.seed}"
 
     def run_key(self) -> str:

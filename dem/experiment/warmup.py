@@ -22,7 +22,7 @@ def compile_kernels(replicate: Replicate) -> None:
         own.module.code.warm_up(replicate)
         return
     few = replicate.shape.model_copy(update={"granules": 3})
-    own = own.model_copy(update={"shapes": {label: few}})
+    own = own.model_copy(update={"shapes": own.shapes | {label: few}})
     replicate = Replicate(own, label, replicate.density, replicate.seed)
     shape = shaped(replicate, diameters(replicate))
     height, solids = own.box_width, ()
@@ -32,9 +32,7 @@ def compile_kernels(replicate: Replicate) -> None:
             size += own.second.gap + own.second.diameter
         height = 4.0 * size / min(drawn.start, 1.0 - drawn.start)
         solids = solids_of(replicate, height, thickness(replicate))
-    bed = packed(
-        own, shape, Room(own.box_width, height, solids, 0, own.periodic, replicate.law_class())
-    )
+    bed = packed(own, shape, Room(own.box_width, height, solids, 0, own.periodic, replicate.law))
     if not own.module.observed:  # the bed is packed, and no more
         return
     ledger = "ledger" in own.record.observables

@@ -143,6 +143,12 @@ class Room(NamedTuple):
         """Periods (x, y) in m, as `Scene` takes them."""
         return periods_of(self.width, self.height, self.periodic)
 
+    @property
+    def wall_length(self) -> float:
+        """Length (m) of all walls."""
+        x, y = SIDES[self.periodic]
+        return 2.0 * ((0.0 if y else self.width) + (0.0 if x else self.height))
+
     def scene(
         self, shape: Any, material: Material = SOFT, friction: Friction | None = None
     ) -> Scene:
@@ -396,9 +402,7 @@ def pressure_of(world: World, room: Room) -> float:
     if not walls:
         stress = mean_stress(world, room.periods, room.width * room.height)
     else:
-        x, y = SIDES[room.periodic]
-        length = 2.0 * ((0.0 if y else room.width) + (0.0 if x else room.height))
-        stress = float(world.boundaries.contact_forces[:walls, 0].sum()) / length
+        stress = float(world.boundaries.contact_forces[:walls, 0].sum()) / room.wall_length
     return float(stress / room.modulus)
 
 

@@ -71,7 +71,7 @@ def settle(
         width=room.width,
         height=room.height,
         net_force=float(np.hypot(*net_force.T).max() / unit),
-        pressure=pushed / (2.0 * (room.width + room.height) * stiffness),
+        pressure=pushed / (room.wall_length * stiffness),
         coordination_number=now.coordination_number,
         max_overlap=now.max_overlap,
         periodic=room.periods,

@@ -141,6 +141,15 @@ class Clump(_Fields, Granules):
         """
         return self._replace(discs=factor * self.discs)
 
+    @property
+    def fault(self) -> str | None:
+        """What is wrong with fields that were replaced, as a sentence."""
+        counts = np.diff(self.first)
+        fits = np.array_equal(self.owner, np.repeat(np.arange(len(counts)), counts))
+        if fits and len(self.discs) == len(self.owner) and (self.discs[:, 2] > 0.0).all():
+            return None
+        return "Clump has discs of no granule, or of no radius; make it of lists of discs."
+
     def take(self, numbers: np.ndarray) -> Self:
         """The granules of these numbers, in this order."""
         begin = self.first[numbers]

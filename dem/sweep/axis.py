@@ -14,7 +14,7 @@ import numpy as np
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
 from dem.base.types import SEEDS, Coefficient, Label, Number, Section, parsed, written
-from dem.experiment.config import Configuration, Entry, entries
+from dem.experiment.config import HERTZ, Configuration, Entry, entries
 from dem.experiment.observables import OBSERVABLES, variables_of
 from dem.experiment.sections import RunSection
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
@@ -145,6 +145,11 @@ def _derived(path: str, spec: dict, sweep: Configuration, key: str) -> Derive:
     if derived.derive == "equal_load" and derived.friction:
         raise InputError(
             f"{key} has a friction; equal_load holds for beds without friction, leave friction out."
+        )
+    if derived.derive == "equal_load" and sweep.law_name != HERTZ:
+        raise InputError(
+            f"{key} is equal_load, and contact.law {sweep.law_name}; loads of jamming compare under "
+            "Hertz's law alone, derive equal_distance."
         )
     if derived.shape not in (None, *sweep.shapes):
         raise InputError(

@@ -39,6 +39,11 @@ NOISE = 5e-5  # a bed under less load may be at rest without being jammed
 ENOUGH = 1.1e-3  # here the line is long enough
 
 
+def is_enough(loads: list[float]) -> bool:
+    """Whether a line through the points above the noise is long enough."""
+    return sum(load > NOISE for load in loads) > 2 and loads[-1] > ENOUGH
+
+
 def line(fraction: np.ndarray, load: np.ndarray, power: float = 1.5) -> tuple[float, float]:
     """Packing fraction where a bed jams, and slope of load^(1/power) there; NaN where fewer than three
     points are above the noise."""
@@ -63,7 +68,7 @@ def run(replicate: Replicate, bed=None, progress=lambda done: None) -> dict:
     unit = law.scale(1.0, replicate.shape.diameter)
     try:
         press = Press(*room_of(replicate), packing.friction, PREPARATIONS[packing.preparation])
-        while len(loads) < STEPS and (not loads or loads[-1] <= ENOUGH):
+        while len(loads) < STEPS and not is_enough(loads):
             loads.append(press.press(fractions[len(loads)]) / unit)
         jamming, slope = line(fractions[: len(loads)], np.array(loads), law.power)
     except PackingError:

@@ -49,11 +49,11 @@ def alignment(
 
 
 def measure(run) -> dict:
-    """Values of VARIABLES by name; NaN for round granules."""
+    """Values of VARIABLES by name; NaN for round granules, and for clumps, whose angle tells no long axis."""
     snapshots, c = run.snapshots, run.replicate.configuration
     values = np.full((len(VARIABLES), len(snapshots.displacement)), np.nan)
     ahead = np.array(ahead_of(c.cylinder))
-    if run.replicate.shape.ratio > 1.0:
+    if run.replicate.shape.ratio > 1.0 and run.replicate.shape.kind != "clump":
         for now in range(1, values.shape[1]):
             values[:, now] = alignment(
                 *snapshots.position[now - 1 : now + 1],
