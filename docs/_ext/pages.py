@@ -44,6 +44,8 @@ Pressure <../_generated/studies/pressure>
 Jamming of ellipses <../_generated/studies/onset>
 Simple shear <../_generated/studies/shear>
 Intruders <../_generated/studies/intruders>
+Contact laws <../_generated/studies/law>
+Rolling resistance <../_generated/studies/rolling>
 Verification <../_generated/studies/verification>
 Accuracy <../_generated/studies/accuracy>
 Stability <../_generated/studies/stability>

@@ -1,6 +1,7 @@
 """Drag of shapes under several contact laws."""
 
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 import xarray as xr
@@ -98,6 +99,11 @@ class Law(Findings):
         """Whether two laws give other ratios to c1, their intervals apart."""
         first, second = self.over(one, shape, state), self.over(other, shape, state)
         return first.high < second.low or second.high < first.low
+
+    def differ(self, state: str) -> bool:
+        """Whether any two laws give other ratios to c1 for any shape, their intervals apart."""
+        pairs = combinations(self.laws, 2)
+        return any(self.apart(s, *pair, state) for pair in pairs for s in self.shapes[1:])
 
     def runs(self, state: str) -> str:
         """The least and the greatest number of beds of a mean."""

@@ -63,6 +63,11 @@ class Rolling(Findings):
         least = min(self.drag(label, state).low for label in self.coefficients)
         return least > self.drag(granules, state).high
 
+    def stands_for(self, granules: str, coefficient: float, margin: float) -> bool:
+        """Whether discs drag as granules do at one coefficient, within a margin, in all states."""
+        found = [self.equivalent(granules, state) for state in self.dataset["state"].values]
+        return bool(np.abs(np.subtract(found, coefficient)).max() < margin)
+
     def equivalent(self, granules: str, state: str) -> float:
         """Coefficient at which discs drag as granules do."""
         return self.coefficient_of(self.drag(granules, state).value, state)
@@ -85,7 +90,7 @@ class Rolling(Findings):
             "relative to discs",
             "over run, %",
             "contacts at rest",
-            "pressure at rest, MPa",
+            "on walls at rest, MPa",
         )
         table = numbers("granules", "beds", *heads, words=1)
         summary = summarise(self.dataset).squeeze("density", drop=True).sel(state=state)

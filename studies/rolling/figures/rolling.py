@@ -30,7 +30,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         if label == DISC or label.startswith(MU)
     }
     others = [label for label in labels if label not in discs]
-    figure, panels = style.panels(len(states), len(states), 0.7, 4.2, sharey=True)
+    figure, panels = style.panels(len(states), len(states), 0.7, 4.2)
     for axes, state in zip(panels, states, strict=False):
         drags = runs.sel(state=state) if "state" in runs.dims else runs
         means = [mean_interval(drags.sel(model=label)) for label in discs]
@@ -48,7 +48,10 @@ def plot(dataset: xr.Dataset) -> Figure:
             mean, low, high = mean_interval(drags.sel(model=label))
             axes.axhspan(low, high, color=style.CASES[1 + number], alpha=0.25, linewidth=0.0)
             axes.axhline(mean, color=style.CASES[1 + number], linewidth=1.0, linestyle="--")
-            axes.text(max(discs.values()), mean, label, ha="right", va="center", fontweight="bold")
+            place = max(discs.values()) * (
+                1.0 - 0.1 * number
+            )  # where bands overlap, beside each other
+            axes.text(place, mean, label, ha="right", va="center", fontweight="bold")
         axes.set(xlabel="Coefficient of rolling resistance of discs")
         axes.set_title(STATES.get(state, state))
         style.logarithmic(axes)
