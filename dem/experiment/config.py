@@ -405,15 +405,11 @@ class Replicate:
         return self.configuration.kind_of(self.label)
 
     @property
-    def law_class(self) -> type:
-        """The class of the law of contacts, under which the bed is packed."""
-        return law_of(self.configuration.law_name, self.configuration.beside)
-
-    @property
     def law(self):
-        """The law of contacts."""
-        stiffness = self.configuration.contact.stiffness
-        return self.law_class() if stiffness is None else self.law_class(stiffness)
+        """The law of contacts, under which the bed is packed too."""
+        c = self.configuration
+        law, stiffness = law_of(c.law_name, c.beside), c.contact.stiffness
+        return law() if stiffness is None else law(stiffness)
 
     @property
     def coordinates(self) -> dict:
