@@ -32,7 +32,7 @@ from dem.base.types import (
     section_of,
     unit_of,
 )
-from dem.experiment.box import check_room, sample_parts
+from dem.experiment.box import check_room, diameters_of, sample_parts
 from dem.experiment.kinds import EXPERIMENTS, Experiment
 from dem.experiment.sections import (
     ContactSection,
@@ -392,6 +392,16 @@ class Replicate:
         if len(self.materials) > 1:
             return sample_parts(self.configuration, self.label, self.seed)
         return None
+
+    @property
+    def mean_density(self) -> float:
+        """Density of the granules (kg/m3): their mass over their volume."""
+        density = np.array([material.density for material in self.materials])
+        if self.species is None:
+            return float(density[0])
+        area = np.square(diameters_of(self.configuration, self.label, self.seed))
+        denser = density[self.species] - density[0]  # zero where all are alike, to the last bit
+        return float(density[0] + np.average(denser, weights=area))
 
     @property
     def rolling(self) -> RollingSection | None:
