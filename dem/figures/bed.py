@@ -106,10 +106,10 @@ class Drawing:
         axes.set(xlim=1e3 * self.view[:, 0], ylim=1e3 * self.view[:, 1], aspect="equal")
         axes.grid(visible=False)
 
-    def move(self, position, angle, walls, solids=(), turns=()) -> None:
+    def move(self, position, angle, walls, solids=(), turns=(), marked=()) -> None:
         """Granules to positions (n, 2) in m and angles (n,) in rad; walls to planes (w, 3) as of
-        dem.Scene; solids to positions (k, 2) in m, and those that turn to angles (k,) in rad, which
-        a line marks on round ones."""
+        dem.Scene; solids to positions (k, 2) in m and angles (k,) in rad, zero if absent; marked
+        (k,): whether a line shows the angle of a round one."""
         lines, space = edges(walls, self.view)
         self.walls.set_segments(1e3 * lines)
         (left, low), (right, high) = self.view
@@ -124,7 +124,7 @@ class Drawing:
             place = wrapped(np.array([solids[k]], float), self.periodic)
             ring = placed(outline[None], place, np.array([turn]))
             rings += [*self._images(ring)]
-            if len(turns) and np.ptp(np.hypot(*outline.T)) < 1e-9:  # round: it shows no angle
+            if len(turns) and marked[k] and np.ptp(np.hypot(*outline.T)) < 1e-9:
                 marks += [*self._images(np.stack([1e3 * place[0], ring[0, 0]])[None])]
         self.solids.set_verts(rings)
         self.marks.set_segments(marks)

@@ -84,9 +84,9 @@ class Scene:
     def show(self, frame: int) -> None:
         """Draw one frame."""
         frames = self.frames
-        turns = frames.turn[frame] if frames.turn.size and np.ptp(frames.turn) else ()
-        place, walls = frames.place[frame], frames.walls[frame]
-        self.bed.move(frames.position[frame], frames.angle[frame], walls, place, turns)
+        place, turns, walls = frames.place[frame], frames.turn[frame], frames.walls[frame]
+        marked = np.ptp(frames.turn, axis=0) > 0.0
+        self.bed.move(frames.position[frame], frames.angle[frame], walls, place, turns, marked)
         if self.color in frames.paints:
             self.bed.paint(frames.paints[self.color])
         else:
