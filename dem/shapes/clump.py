@@ -10,13 +10,14 @@ from typing import Annotated, Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dem.base.types import LEAST, MOST, SIZES, OutlinePoints, Ratio, checked, real_array, refuse
-from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
+from dem.base.types import LEAST, MOST, SIZES, OutlinePoints, array, checked, refuse
+from dem.jit.columns import FX, FY, TAU
 from dem.shapes import disc
-from dem.shapes.protocol import Granules, answer
+from dem.shapes.protocol import Shape, answer, place_disc
 
 SHAPE = "Clump"
 
+ROWS = array(None, 3, low=-MOST, high=MOST).func  # of a granule
 SAME = 1e-12  # over size: two circles are one
 SHORT = 1e-6  # rad: arcs that are not drawn
 MOST_ENTRIES = 2**22  # of an array in the search for arcs
@@ -28,7 +29,7 @@ class _Fields(NamedTuple):
     first: np.ndarray
 
 
-class Clump(_Fields, Granules):
+class Clump(_Fields, Shape):
     """Clumps of discs: each granule has any number of them, overlapping or not.
 
     Parameters
@@ -120,27 +121,6 @@ class Clump(_Fields, Granules):
         many.discs[:] *= factor[many.owner, None]
         return many
 
-    @checked
-    def scaled(self, factor: Ratio) -> Self:
-        """The same granules, all lengths multiplied by a factor.
-
-        Parameters
-        ----------
-        factor : float
-            Ratio of new to old lengths, without unit.
-
-        Returns
-        -------
-        Clump
-            The scaled granules.
-
-        Raises
-        ------
-        InputError
-            If `factor` is not positive.
-        """
-        return self._replace(discs=factor * self.discs)
-
     @property
     def fault(self) -> str | None:
         """What is wrong with fields that were replaced, as a sentence."""
@@ -227,15 +207,13 @@ class Clump(_Fields, Granules):
 
 def _granules(value) -> list[np.ndarray]:
     """Discs (k, 3) of each granule; raises InputError."""
-    words = "be one list of discs (x, y, radius) in m a granule, each of a radius above zero"
     try:
-        granules = [real_array(discs) for discs in value]
-        if not all(len(d) and d.ndim == 2 and d.shape[1] == 3 for d in granules) or not granules:
-            raise ValueError
-        every = np.concatenate(granules)
+        granules = [ROWS(discs) for discs in value]
+        fits = min(discs[:, 2].min() for discs in granules) >= LEAST
     except (TypeError, ValueError):
-        refuse("Clump.discs", value, words)
-    if not (np.abs(every) <= MOST).all() or not (every[:, 2] >= LEAST).all():
+        fits = False
+    if not fits:
+        words = "be one list of discs (x, y, radius) in m a granule, each of a radius above zero"
         refuse("Clump.discs", value, words)
     return granules
 
@@ -248,18 +226,17 @@ def _ragged(cls, discs, counts):
 
 def _arcs(clumps):
     """Arcs of outlines: granule, centre x + iy and radius (m), begin and end (rad), by granule."""
-    counts, found = np.diff(clumps.first), []
-    for k in np.unique(counts):
-        alike = np.flatnonzero(counts == k)
-        for some in np.array_split(alike, -(-2 * len(alike) * int(k) ** 3 // MOST_ENTRIES)):
-            x, y, radius = clumps.discs[clumps.first[some] + np.arange(k)[:, None]].T
-            centre = x + 1j * y
-            begin, end, free = _free_arcs(centre, radius)
-            g, i, _ = np.nonzero(free)
-            found.append([some[g], centre[g, i], radius[g, i], begin[free], end[free]])
-    columns = [np.concatenate(column) for column in zip(*found, strict=True)]
-    order = np.argsort(columns[0], kind="stable")
-    return [column[order] for column in columns]
+    first, end = clumps.first[:-1, None], clumps.first[1:, None]
+    most, parts = int((end - first).max()), []
+    discs = clumps.discs[np.minimum(first + np.arange(most), end - 1)]  # of fewer, the last again
+    entries = 2 * len(discs) * most**3
+    for some in np.array_split(np.arange(len(discs)), -(-entries // MOST_ENTRIES)):
+        x, y, radius = np.moveaxis(discs[some], -1, 0)
+        centre = x + 1j * y
+        begin, end, free = _free_arcs(centre, radius)
+        g, i, _ = np.nonzero(free)
+        parts.append([some[g], centre[g, i], radius[g, i], begin[free], end[free]])
+    return [np.concatenate(column) for column in zip(*parts, strict=True)]
 
 
 def _free_arcs(centre, radius):
@@ -331,19 +308,11 @@ def first_of(shape, granule):
 def place(shape, bodies, orientation, constituents, low, high):
     for number in range(low, high):
         g = np.uint64(number)  # unsigned: no test for an index that counts from the end
-        c, s, spin, dspin = orientation[g, 0], orientation[g, 1], bodies[g, W], bodies[g, DW]
+        c, s = orientation[g, 0], orientation[g, 1]
         for disc_number in range(shape.first[number], shape.first[number + 1]):
             row = np.uint64(disc_number)
             x, y = shape.discs[row, 0], shape.discs[row, 1]
-            rx, ry = c * x - s * y, s * x + c * y
-            constituents[row, X] = bodies[g, X] + rx
-            constituents[row, Y] = bodies[g, Y] + ry
-            constituents[row, VX] = bodies[g, VX] - spin * ry
-            constituents[row, VY] = bodies[g, VY] + spin * rx
-            constituents[row, W] = spin
-            constituents[row, DVX] = bodies[g, DVX] - dspin * ry
-            constituents[row, DVY] = bodies[g, DVY] + dspin * rx
-            constituents[row, DW] = dspin
+            place_disc(bodies, g, constituents, row, c * x - s * y, s * x + c * y)
 
 
 def collect(shape, constituent_force, orientation, force, low, high):

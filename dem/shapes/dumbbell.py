@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 
 from dem.base.types import SIZES, AspectRatio, OutlinePoints, checked
 from dem.jit.block_memory import ONE, TWO
-from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
+from dem.jit.columns import FX, FY, TAU
 from dem.shapes import disc
-from dem.shapes.protocol import Granules, answer, unit_circle
+from dem.shapes.protocol import Shape, answer, place_disc, unit_circle
 
 SHAPE = "Dumbbell"
 ASPECT_RATIO = 2.0  # length over width of all granules
@@ -23,7 +23,7 @@ class _Fields(NamedTuple):
 
 
 @checked
-class Dumbbell(Granules, _Fields):
+class Dumbbell(Shape, _Fields):
     """Dumbbells: two equal discs joined where they touch.
 
     At angle zero the centres of the discs are one radius to the right and left of the joint.
@@ -120,10 +120,7 @@ class Dumbbell(Granules, _Fields):
         """Greatest distance (n,) in m of a line of normal force from the joint."""
         return self.radius
 
-    @property
-    def normal_bend(self) -> np.ndarray:
-        """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
-        return self.radius
+    normal_bend = normal_lever
 
     @checked
     def polygons(self, points: OutlinePoints = 64) -> np.ndarray:
@@ -164,21 +161,10 @@ def first_of(shape, granule):
 def place(shape, bodies, orientation, constituents, low, high):
     for number in range(low, high):
         g = np.uint64(number)  # unsigned: no test for an index that counts from the end
-        ox = shape.radius[g] * orientation[g, 0]
-        oy = shape.radius[g] * orientation[g, 1]
-        spin, dspin = bodies[g, W], bodies[g, DW]
-        for q in range(2):
-            sign = 1.0 - 2.0 * q
-            rx, ry = sign * ox, sign * oy
-            row = TWO * g + np.uint64(q)
-            constituents[row, X] = bodies[g, X] + rx
-            constituents[row, Y] = bodies[g, Y] + ry
-            constituents[row, VX] = bodies[g, VX] - spin * ry
-            constituents[row, VY] = bodies[g, VY] + spin * rx
-            constituents[row, W] = spin
-            constituents[row, DVX] = bodies[g, DVX] - dspin * ry
-            constituents[row, DVY] = bodies[g, DVY] + dspin * rx
-            constituents[row, DW] = dspin
+        rx = shape.radius[g] * orientation[g, 0]
+        ry = shape.radius[g] * orientation[g, 1]
+        place_disc(bodies, g, constituents, TWO * g, rx, ry)
+        place_disc(bodies, g, constituents, TWO * g + ONE, -rx, -ry)
 
 
 def collect(shape, constituent_force, orientation, force, low, high):
