@@ -5,6 +5,7 @@ Every contact is between discs. Mass is spread evenly over the union of the disc
 """
 
 import math
+from itertools import chain
 from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
@@ -86,8 +87,7 @@ class Clump(_Fields, Shape):
     def __new__(cls, discs: Any, owner: Any = None, first: Any = None) -> Self:
         if first is not None:  # compiled code that returns clumps makes them of their fields
             return super().__new__(cls, discs, owner, first)
-        granules = _granules(discs)
-        clumps = _ragged(cls, np.concatenate(granules), [len(each) for each in granules])
+        clumps = _of_granules(cls, _granules(discs))
         place = clumps.discs[:, :2]
         place -= place[clumps.first[clumps.owner]]  # near zero, where integrals lose no digits
         place -= np.take(_moments(clumps)[1], clumps.owner, axis=0)
@@ -132,16 +132,17 @@ class Clump(_Fields, Shape):
 
     def take(self, numbers: np.ndarray) -> Self:
         """The granules of these numbers, in this order."""
-        begin = self.first[numbers]
-        taken = _ragged(type(self), self.discs, self.first[np.add(numbers, 1)] - begin)
-        rows = np.arange(len(taken.owner)) + (begin - taken.first[:-1])[taken.owner]
-        return taken._replace(discs=self.discs[rows])
+        granules = self._each
+        return _of_granules(type(self), [granules[number] for number in numbers])
 
     def appended(self, *others: Self) -> Self:
         """These granules, then those of others."""
-        every = self, *others
-        counts = np.concatenate([np.diff(each.first) for each in every])
-        return _ragged(type(self), np.concatenate([each.discs for each in every]), counts)
+        return _of_granules(type(self), chain(self._each, *(each._each for each in others)))
+
+    @property
+    def _each(self) -> list[np.ndarray]:
+        """Discs (k, 3) of each granule."""
+        return np.split(self.discs, self.first[1:-1])
 
     def _greatest(self, values: np.ndarray) -> np.ndarray:
         """Of all discs of each granule."""
@@ -218,10 +219,12 @@ def _granules(value) -> list[np.ndarray]:
     return granules
 
 
-def _ragged(cls, discs, counts):
-    """Clumps of so many of these discs each."""
+def _of_granules(cls, granules):
+    """Clumps of the discs (k, 3) of each granule."""
+    granules = list(granules)
+    counts = [len(discs) for discs in granules]
     owner = np.repeat(np.arange(len(counts)), counts)
-    return cls(discs, owner, np.concatenate([[0], np.cumsum(counts)]))
+    return cls(np.concatenate(granules), owner, np.cumsum([0, *counts]))
 
 
 def _arcs(clumps):

@@ -161,10 +161,11 @@ def first_of(shape, granule):
 def place(shape, bodies, orientation, constituents, low, high):
     for number in range(low, high):
         g = np.uint64(number)  # unsigned: no test for an index that counts from the end
-        rx = shape.radius[g] * orientation[g, 0]
-        ry = shape.radius[g] * orientation[g, 1]
-        place_disc(bodies, g, constituents, TWO * g, rx, ry)
-        place_disc(bodies, g, constituents, TWO * g + ONE, -rx, -ry)
+        ox = shape.radius[g] * orientation[g, 0]
+        oy = shape.radius[g] * orientation[g, 1]
+        for q in range(2):
+            sign = 1.0 - 2.0 * q  # a factor keeps the rounding of sums with ox, which -ox would not
+            place_disc(bodies, g, constituents, TWO * g + np.uint64(q), sign * ox, sign * oy)
 
 
 def collect(shape, constituent_force, orientation, force, low, high):

@@ -225,8 +225,7 @@ class Smooth(Shape):
         inwards = rho < -LEAST * np.hypot(h, q).max(axis=-1, keepdims=True)
         if not inwards.any():
             return None
-        g = int(np.argmax(inwards.any(axis=-1)))
-        at = int(np.argmin(rho[g]))
+        g, at = np.unravel_index(rho.argmin(), rho.shape)
         return (
             f"granule {g} is not convex: its radius of curvature is {rho[g, at]:.3g} m where the "
             f"normal is at {np.degrees(angle[at]):.0f} degrees; it must be positive everywhere."
