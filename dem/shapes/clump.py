@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dem.base.types import LEAST, MOST, SIZES, OutlinePoints, array, checked, refuse
-from dem.jit.columns import FX, FY, TAU
+from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.shapes import disc
-from dem.shapes.protocol import Shape, answer, place_disc
+from dem.shapes.protocol import Shape, answer
 
 SHAPE = "Clump"
 
@@ -311,11 +311,19 @@ def first_of(shape, granule):
 def place(shape, bodies, orientation, constituents, low, high):
     for number in range(low, high):
         g = np.uint64(number)  # unsigned: no test for an index that counts from the end
-        c, s = orientation[g, 0], orientation[g, 1]
+        c, s, spin, dspin = orientation[g, 0], orientation[g, 1], bodies[g, W], bodies[g, DW]
         for disc_number in range(shape.first[number], shape.first[number + 1]):
             row = np.uint64(disc_number)
             x, y = shape.discs[row, 0], shape.discs[row, 1]
-            place_disc(bodies, g, constituents, row, c * x - s * y, s * x + c * y)
+            rx, ry = c * x - s * y, s * x + c * y
+            constituents[row, X] = bodies[g, X] + rx
+            constituents[row, Y] = bodies[g, Y] + ry
+            constituents[row, VX] = bodies[g, VX] - spin * ry
+            constituents[row, VY] = bodies[g, VY] + spin * rx
+            constituents[row, W] = spin
+            constituents[row, DVX] = bodies[g, DVX] - dspin * ry
+            constituents[row, DVY] = bodies[g, DVY] + dspin * rx
+            constituents[row, DW] = dspin
 
 
 def collect(shape, constituent_force, orientation, force, low, high):

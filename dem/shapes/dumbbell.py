@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 
 from dem.base.types import SIZES, AspectRatio, OutlinePoints, checked
 from dem.jit.block_memory import ONE, TWO
-from dem.jit.columns import FX, FY, TAU
+from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.shapes import disc
-from dem.shapes.protocol import Shape, answer, place_disc, unit_circle
+from dem.shapes.protocol import Shape, answer, unit_circle
 
 SHAPE = "Dumbbell"
 ASPECT_RATIO = 2.0  # length over width of all granules
@@ -163,9 +163,19 @@ def place(shape, bodies, orientation, constituents, low, high):
         g = np.uint64(number)  # unsigned: no test for an index that counts from the end
         ox = shape.radius[g] * orientation[g, 0]
         oy = shape.radius[g] * orientation[g, 1]
+        spin, dspin = bodies[g, W], bodies[g, DW]
         for q in range(2):
-            sign = 1.0 - 2.0 * q  # a factor keeps the rounding of sums with ox, which -ox would not
-            place_disc(bodies, g, constituents, TWO * g + np.uint64(q), sign * ox, sign * oy)
+            sign = 1.0 - 2.0 * q
+            rx, ry = sign * ox, sign * oy
+            row = TWO * g + np.uint64(q)
+            constituents[row, X] = bodies[g, X] + rx
+            constituents[row, Y] = bodies[g, Y] + ry
+            constituents[row, VX] = bodies[g, VX] - spin * ry
+            constituents[row, VY] = bodies[g, VY] + spin * rx
+            constituents[row, W] = spin
+            constituents[row, DVX] = bodies[g, DVX] - dspin * ry
+            constituents[row, DVY] = bodies[g, DVY] + dspin * rx
+            constituents[row, DW] = dspin
 
 
 def collect(shape, constituent_force, orientation, force, low, high):

@@ -19,7 +19,6 @@ import numpy as np
 from numba.extending import overload
 
 from dem.base.types import Ratio, checked
-from dem.jit.columns import DVX, DVY, DW, VX, VY, W, X, Y
 from dem.jit.compilation import INLINED, inlined
 from dem.jit.questions import question, register
 
@@ -230,20 +229,6 @@ def place(shape, bodies, orientation, constituents, low, high):
     The default is for granules with one constituent: both are one array.
     """
     return
-
-
-@inlined
-def place_disc(bodies, g, constituents, disc, rx, ry):
-    """Motion of a disc at (rx, ry) m from the centre of granule g, as `place` gives it."""
-    spin, dspin = bodies[g, W], bodies[g, DW]
-    constituents[disc, X] = bodies[g, X] + rx
-    constituents[disc, Y] = bodies[g, Y] + ry
-    constituents[disc, VX] = bodies[g, VX] - spin * ry
-    constituents[disc, VY] = bodies[g, VY] + spin * rx
-    constituents[disc, W] = spin
-    constituents[disc, DVX] = bodies[g, DVX] - dspin * ry
-    constituents[disc, DVY] = bodies[g, DVY] + dspin * rx
-    constituents[disc, DW] = dspin
 
 
 @question
