@@ -100,6 +100,7 @@ QUICK = {
     "test_damage.py": ("flipped_bit", "of_any_size"),
     "test_compilation.py": ("copies_share_kernels",),
     "test_neighbors.py": ("lowest_patch",),
+    "test_motion.py": ("work_of_a_driven",),
 }
 SLOW = (
     "superellipse-",

@@ -20,25 +20,11 @@ from dem.material import Friction, Material, Rolling
 from dem.motion import Held, Kept, finite, fixed, numbered
 from dem.periodic import ROOM, Periods, nearest_image
 from dem.shapes.disc import Disc
-from dem.shapes.protocol import is_alone, is_of_discs, is_shape, resized, sizes_of
-from dem.solids import Polygon, Solid, Solids, Walls
+from dem.shapes.protocol import is_of_discs
+from dem.solids import Polygon, Solid, Solids, Walls, beyond, granules
 
 THINNEST = 0.2  # of the radius of a granule: more than its overlap can exceed it
 TOUCHING = 1e-9  # of the size of solids: less is no overlap
-
-
-def granules(value: Any) -> Any:
-    """Granules of one shape, with sizes of their own that cannot be written; raises ValueError."""
-    if not is_shape(type(value)):
-        raise ValueError("it must be granules of a shape, such as dem.Disc")
-    value = resized(type(value)(*value), fixed)  # its own checks, also after _replace
-    counts = {k: len(size) for k, size in sizes_of(value).items()}
-    if is_alone(value) and len(set(counts.values())) > 1:
-        words = " and ".join(f"{count} of {k}" for k, count in counts.items())
-        raise ValueError(f"it has {words} and must have one of each a granule")
-    if value.fault:
-        raise InputError(value.fault)
-    return value
 
 
 Granules = Annotated[Any, PlainValidator(granules)]
@@ -241,11 +227,11 @@ class Scene(Kept):
                 f"{name} is a {type(solid.outline).__name__}; among granules of "
                 f"{type(self.shape).__name__} it must be round, one of those, or a dem.Polygon."
             )
-        beyond = ring @ self.planes[:, :2].T - self.planes[:, 2]
-        if (beyond > TOUCHING * solid.radius).any():
-            wall = int(beyond.max(axis=0).argmax())
+        over = ring @ self.planes[:, :2].T - self.planes[:, 2]
+        if (over > TOUCHING * solid.radius).any():
+            wall = int(over.max(axis=0).argmax())
             raise InputError(
-                f"{name} is {beyond.max():.3g} m inside wall {wall}; put it at the wall or away from it."
+                f"{name} is {over.max():.3g} m inside wall {wall}; put it at the wall or away from it."
             )
         for other in range(number):
             first = self.solids[other]
@@ -253,8 +239,9 @@ class Scene(Kept):
             if first.is_round and solid.is_round:
                 depth = first.radius + solid.radius - float(np.hypot(*away))
             else:
-                ring = solid.placed(away, solid.angle)
-                depth = overlap_of(first.placed((0.0, 0.0), first.angle), ring)
+                rings = first.placed((0.0, 0.0), first.angle), solid.placed(away, solid.angle)
+                gaps = (beyond(*pair).min(axis=0).max() for pair in (rings, rings[::-1]))
+                depth = -max(gaps)
             if depth > TOUCHING * (first.radius + solid.radius):
                 raise InputError(
                     f"{name} is {depth:.3g} m inside solids[{other}]; put them beside each other, or "
@@ -300,19 +287,6 @@ def reach(scene: Scene) -> float:
     """Greatest distance (m) between the centres of two bodies that can touch."""
     radius = float(scene.shape.bounding_radius.max())
     return radius + max([radius, *(solid.radius for solid in scene.solids)])
-
-
-def overlap_of(one: np.ndarray, other: np.ndarray) -> float:
-    """How far two closed convex outlines (points, 2) in m overlap; negative if they do not."""
-    depth = np.inf
-    for first, second in ((one, other), (other, one)):
-        edges = np.diff(first, axis=0)
-        length = np.hypot(*edges.T)
-        normal = np.column_stack([edges[:, 1], -edges[:, 0]])[length > 0.0]
-        normal /= length[length > 0.0, None]
-        gaps = (second @ normal.T).min(axis=0) - (first @ normal.T).max(axis=0)
-        depth = min(depth, -float(gaps.max()))
-    return depth
 
 
 ARRAYS = {"position": (2,), "velocity": (2,), "angle": (), "angular_velocity": ()}  # of a granule

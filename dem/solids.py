@@ -23,7 +23,8 @@ from dem.base.types import (
 from dem.material import Material
 from dem.motion import Kept, Motion, PrescribedMotion, Sliding, Turn, finite, fixed
 from dem.periodic import Periods, walled
-from dem.shapes.protocol import is_alone, is_shape, resized
+from dem.shapes.disc import Disc
+from dem.shapes.protocol import is_alone, is_shape, resized, sizes_of
 
 ROUNDED, EXACT = 1e-3, 1e-8  # off 1: the length of a normal that is rounded, and of a unit vector
 DIGITS = 12  # in which two walls are one
@@ -32,20 +33,15 @@ FLAT = 1e-12  # of the squared size of a polygon: twice the area of three corner
 
 
 def unit_planes(rows: np.ndarray) -> np.ndarray:
-    """Rows (w, 3) with unit normals, as a copy that cannot be written; raises ValueError."""
-    length = np.hypot(rows[:, :1], rows[:, 1:2])
+    """Rows (..., 3) with unit normals, as a copy that cannot be written; raises ValueError."""
+    length = np.hypot(rows[..., :1], rows[..., 1:2])
     off = np.abs(length - 1.0)
     if off.max() > ROUNDED:
         row = off.argmax()
         raise ValueError(
-            f"the normal (nx, ny) of row {row} must have length 1, not {length[row, 0]:.6g}"
+            f"the normal (nx, ny) of row {row} must have length 1, not {length.flat[row]:.6g}"
         )
     return fixed(np.where(off > EXACT, rows / length, rows))
-
-
-def unit_plane(row: np.ndarray) -> np.ndarray:
-    """The same of one row (3,)."""
-    return unit_planes(row[None])[0]
 
 
 @checked
@@ -85,7 +81,7 @@ class Wall(Kept):
     4
     """
 
-    plane: Annotated[Any, finite(3), AfterValidator(unit_plane)]
+    plane: Annotated[Any, finite(3), AfterValidator(unit_planes)]
     motion: Sliding = (0.0, 0.0)
     friction: Coefficient | None = None
     material: InstanceOf[Material] | None = None
@@ -132,24 +128,13 @@ def walls_of(width: float, height: float, periodic: Periods) -> np.ndarray | Non
 
 def walls(value: Any) -> tuple[Wall, ...]:
     """Walls of rows (nx, ny, offset) or of Wall; raises ValueError."""
-    if value is None or (isinstance(value, list | tuple) and not value):
+    rows = () if value is None else value if isinstance(value, list | tuple) else ROWS(value)
+    if not len(rows):
         return ()
-    if isinstance(value, list | tuple) and any(isinstance(wall, Wall) for wall in value):
-        listed = tuple(wall if isinstance(wall, Wall) else Wall(wall) for wall in value)
-        planes = np.array([wall.plane for wall in listed])
-    else:
-        planes = unit_planes(ROWS(value))
-        listed = tuple(map(_resting, planes))
+    planes = unit_planes(ROWS([getattr(row, "plane", row) for row in rows]))
     if len(np.unique(planes.round(DIGITS) + 0.0, axis=0)) < len(planes):  # no negative zeros
         raise ValueError("it must have each wall once, because both would push")
-    return listed
-
-
-def _resting(plane: np.ndarray) -> Wall:
-    """A wall of a plane that was checked."""
-    wall = object.__new__(Wall)
-    vars(wall).update(plane=plane, motion=(0.0, 0.0), friction=None, material=None)
-    return wall
+    return tuple(row if isinstance(row, Wall) else Wall(row) for row in rows)
 
 
 Walls = Annotated[Any, PlainValidator(walls)]
@@ -163,14 +148,13 @@ def convex(corners: np.ndarray) -> np.ndarray:
     ValueError."""
     if len(corners) < 2:
         raise ValueError("it must have two corners or more")
-    edges = np.roll(corners, -1, axis=0) - corners
-    after = np.roll(edges, -1, axis=0)
-    turn = edges[:, 0] * after[:, 1] - edges[:, 1] * after[:, 0]
-    least = FLAT * np.ptp(corners, axis=0).max() ** 2
-    if not np.hypot(*edges.T).min() > 0.0:
+    edges = np.diff(corners @ [1.0, 1j], append=corners[:1] @ [1.0, 1j])
+    if not abs(edges).min() > 0.0:
         raise ValueError("it must have each corner once")
-    once = abs(np.angle(np.exp(1j * np.arctan2(turn, (edges * after).sum(axis=1)))).sum())
-    if len(corners) > 2 and not (turn.min() > least and abs(once - 2.0 * np.pi) < 1e-6):
+    turns = edges.conj() * np.roll(edges, -1)
+    least = FLAT * np.ptp(corners, axis=0).max() ** 2
+    once = abs(np.angle(turns).sum() - 2.0 * np.pi) < 1e-6
+    if len(corners) > 2 and not (turns.imag.min() > least and once):
         raise ValueError("it must be the corners of a convex polygon, anticlockwise")
     return fixed(corners)
 
@@ -247,6 +231,16 @@ class Polygon(Kept):
         return np.vstack([ring, ring[:1]])
 
 
+def beyond(ring: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """How far points (m, 2) are beyond each side (k,) of a closed convex outline, anticlockwise
+    (m)."""
+    edges = np.diff(ring, axis=0)
+    length = np.hypot(*edges.T)
+    normal = np.column_stack([edges[:, 1], -edges[:, 0]])[length > 0.0]
+    normal /= length[length > 0.0, None]
+    return points @ normal.T - (ring[:-1][length > 0.0] * normal).sum(axis=1)
+
+
 @checked
 def plate(length: Length, thickness: Length) -> Polygon:
     """Outline of a plate with round ends, about its middle, along x at angle zero.
@@ -283,6 +277,20 @@ def plate(length: Length, thickness: Length) -> Polygon:
     return Polygon([[-half, 0.0], [half, 0.0]], 0.5 * thickness)
 
 
+def granules(value: Any) -> Any:
+    """Granules of one shape, with sizes of their own that cannot be written; raises ValueError."""
+    if not is_shape(type(value)):
+        raise ValueError("it must be granules of a shape, such as dem.Disc")
+    value = resized(type(value)(*value), fixed)  # its own checks, also after _replace
+    counts = {k: len(size) for k, size in sizes_of(value).items()}
+    if is_alone(value) and len(set(counts.values())) > 1:
+        words = " and ".join(f"{count} of {k}" for k, count in counts.items())
+        raise ValueError(f"it has {words} and must have one of each a granule")
+    if value.fault:
+        raise InputError(value.fault)
+    return value
+
+
 def outline(value: Any) -> Any:
     """A Polygon, or one granule of a shape, as a copy that cannot be written; raises ValueError."""
     if isinstance(value, Polygon):
@@ -293,10 +301,7 @@ def outline(value: Any) -> Any:
         raise ValueError(
             "it must be one convex outline, and granules of this shape may have several"
         )
-    value = resized(type(value)(*value), fixed)
-    if value.fault:
-        raise InputError(value.fault)
-    return value
+    return granules(value)
 
 
 @checked
@@ -414,17 +419,12 @@ class Solid(Kept):
         c, s = np.cos(angle), np.sin(angle)
         return self.ring() @ np.array([[c, s], [-s, c]]) + np.asarray(position)
 
-    def depth(self, point: np.ndarray) -> np.ndarray:
+    def depth(self, points: np.ndarray) -> np.ndarray:
         """How far points (m, 2) relative to the position, in the frame at angle zero, are inside
         the outline (m; negative outside, and then a lower bound of the distance)."""
         if self.is_round:
-            return self.radius - np.hypot(*point.T)
-        ring = self.ring(257)[:-1]
-        edges = np.roll(ring, -1, axis=0) - ring
-        kept = np.hypot(*edges.T) > 0.0
-        along = edges[kept] / np.hypot(*edges[kept].T)[:, None]
-        beyond = (point[:, None] - ring[kept]) @ np.array([[0.0, -1.0], [1.0, 0.0]])
-        return -(beyond * along).sum(axis=-1).max(axis=1)
+            return self.radius - np.hypot(*points.T)
+        return -beyond(self.ring(257), points).max(axis=1)
 
 
 @checked
@@ -466,10 +466,7 @@ def Cylinder(
     >>> cylinder.velocity
     (0.0, 2.0)
     """
-    from dem.shapes.disc import Disc
-
-    outline = Disc(np.array([0.5 * diameter]))
-    return Solid(outline, position, 0.0, velocity, spin, friction, material)
+    return Solid(Disc([0.5 * diameter]), position, 0.0, velocity, spin, friction, material)
 
 
 def one_or_more(value: Any) -> tuple[Solid, ...]:

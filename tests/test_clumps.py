@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from test_shear import values as sheared_values
 
 import dem
 from conftest import CONFIG
@@ -15,8 +16,10 @@ from dem.base.sources import ROOT
 from dem.dynamics.energy import balance
 from dem.experiment.bed import make_bed
 from dem.experiment.config import of_values
+from dem.experiment.kinds import shear
 from dem.experiment.scene import granules as granules_of
-from dem.experiment.scene import start
+from dem.experiment.scene import make_scene, start
+from dem.packing.random import Bed
 from dem.sweep.config import load
 
 TRIMER = np.array([[0.0, 0.0, 1.0], [1.5, 0.2, 0.8], [0.6, 1.3, 0.7]])
@@ -276,6 +279,38 @@ def test_a_bed_of_two_materials_is_at_rest_and_has_the_masses_of_both():
     assert np.abs(net).max() < 1e-6 * contacts.force.max()
     softer = values | {"material": values["material"] | {"young_modulus": 1e9}}
     assert of_values(softer).bed_id != run.bed_id
+
+
+def bodies(light, heavy):
+    """Granules of two densities (kg/m3), and what has the density of the bed: mass (kg) and damping
+    (N s/m) of its lid, inertia (kg m2) of a free cylinder, rate (1/s) of shear."""
+    disc = {"kind": "disc", "granules": 60}
+    light, heavy = ({"young_modulus": 70e9, "density": density} for density in (light, heavy))
+    values = values_of(
+        "mix",
+        light=disc | {"diameter": 0.9e-3, "material": light},
+        heavy=disc | {"diameter": 1.2e-3, "material": heavy},
+        mix={"mixture": {"light": 0.3, "heavy": 0.7}, "granules": 60},
+    )
+    packing, cylinder = (values.pop(name) for name in ("packing", "cylinder"))
+    pressed = packing | {"fraction": None, "pressure": 6e7}
+    run = of_values(values | {"packing": pressed, "cylinder": cylinder | {"spin": "free"}})
+    width, height = run.configuration.box_width, 10e-3
+    bed = Bed(np.zeros((60, 2)), np.zeros(60), width, height, 0.0, 0.0, 0.0, 0.0, None)
+    scene = make_scene(run, bed)
+    lid, (solid,) = scene.walls[-1].motion, scene.solids
+    sheared = of_values(sheared_values() | {name: values[name] for name in ("shapes", "shape")})
+    return scene, [lid.mass, lid.damping, solid.spin.inertia, shear.rate_of(sheared)]
+
+
+def test_what_has_the_density_of_the_bed_has_that_of_all_its_granules_together():
+    """Mass over volume, whatever the density of the run; of granules of one density it is that."""
+    scene, mixed = bodies(2.0e3, 7.8e3)
+    mean = scene.mass.sum() / (scene.shape.area.sum() * scene.thickness)
+    assert 5.0e3 < mean < 7.0e3
+    assert_allclose(mixed, bodies(mean, mean)[1], rtol=1e-12)
+    (mass, *_), width = mixed, scene.planes[1, 2]
+    assert_allclose(mass, mean * width * scene.thickness**2, rtol=1e-12)
 
 
 def test_a_run_is_known_by_the_discs_in_a_file(tmp_path):

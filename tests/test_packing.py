@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from matplotlib.path import Path
 from numpy.testing import assert_allclose
 from reference import parting
 from twin import Twin
@@ -40,6 +41,32 @@ def test_packing_fraction_is_exact(kind, fraction):
     free = bed.width * bed.height - np.pi * small.cylinder.radius**2
     assert_allclose(0.25 * np.pi * (small.diameters**2).sum() / free, fraction, rtol=1e-12)
     assert_allclose(small.shape.area.sum() / free, fraction, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "outline",
+    [dem.Disc([1e-3]), dem.Ellipse([2e-3], [1e-3]), dem.plate(4e-3, 0.6e-3),
+     dem.Polygon([[-2e-3, -1e-3], [2e-3, -1e-3], [0.0, 2e-3]], 0.4e-3)],
+    ids=["disc", "ellipse", "plate", "wedge"],
+)  # fmt: skip
+def test_granules_begin_beside_a_solid_and_none_may_end_in_it(outline):
+    """The depth of a point is its distance to the outline; outside, negative, it is not more."""
+    solid = dem.Solid(outline, (6e-3, 5e-3), 0.7)
+    shape, room = dem.Disc(np.full(200, 0.3e-3)), Room(12e-3, 10e-3, (solid,), 1)
+    factor, state = dilute_start(shape, room)
+    assert room.depth(solid, state.position).max() < -0.99 * factor * 0.3e-3
+    points = np.random.default_rng(1).uniform(2e-3, 10e-3, (500, 2))
+    ring = solid.placed(solid.position, solid.angle)
+    start, side = ring[:-1], np.diff(ring, axis=0)
+    away = points[:, None] - start
+    along = (away * side).sum(axis=-1) / np.maximum((side**2).sum(axis=-1), 1e-30)
+    nearest = away - np.clip(along, 0.0, 1.0)[..., None] * side
+    distance = np.hypot(*np.moveaxis(nearest, -1, 0)).min(axis=1)
+    inside, depth = Path(ring).contains_points(points), room.depth(solid, points)
+    close = 1e-2 * solid.radius  # outlines are drawn with corners
+    assert inside.sum() > 10
+    assert_allclose(depth[inside], distance[inside], atol=close)
+    assert (depth[~inside] < close).all() and (-depth <= distance + close)[~inside].all()
 
 
 @pytest.mark.parametrize("kind", ["disc", "dumbbell"])

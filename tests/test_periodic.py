@@ -11,8 +11,12 @@ from numpy.testing import assert_allclose, assert_array_equal
 from test_neighbors import FORMS, owned, parts, solid
 
 import dem
+from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.cell_list import near_pairs, near_surface
+from dem.dynamics.contact_list import list_contacts
 from dem.dynamics.energy import balance
+from dem.dynamics.forces import forces
+from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.ordering import order_of
 from dem.experiment.config import of_values, parse
 from dem.experiment.observables import flow as measures
@@ -190,6 +194,30 @@ def test_where_the_box_begins_changes_no_motion(kind):
     for other in ways[1:]:
         for one, two in zip(ways[0], other, strict=True):
             assert_allclose(two, one, rtol=0.0, atol=1e-9 * np.abs(one).max())
+
+
+def test_a_polygon_across_the_sides_is_met_as_one_in_the_middle():
+    """Forces are those of the bed half a period away, whichever image of a granule is given."""
+    scene, state = crowd("disc")
+    corners = PITCH * np.array([[-0.8, -0.6], [0.9, -0.5], [0.1, 0.9]])
+    wedge = dem.Solid(dem.Polygon(corners, 0.5 * PITCH), (0.0, 0.0), 0.4, (0.3, 0.2), 500.0)
+    period = np.array(scene.periodic)
+    images = np.random.default_rng(2).integers(-3, 4, state.position.shape)
+    beds = []
+    for by, image in ((0.0, 0.0), (0.5 * period, 0.0), (0.0, images * period)):
+        solid = replace(wedge, position=tuple(by + np.array(CYLINDER.position)))
+        cut = replace(scene, solids=solid)
+        table = granule_table(cut, 0.3)
+        world = assemble(cut, moved(state, by + image).checked(cut.granules), table)
+        world = rebuild_neighbor_list(world, table)
+        forces(world, STEP, np.inf)
+        listed = list_contacts(world, np.arange(cut.granules))
+        on_solid = listed.partner == -1
+        beds.append((world.force, world.boundaries.contact_forces, listed.overlap, listed.branch))
+        assert on_solid.sum() > 3 and np.abs(world.boundaries.contact_forces).min() > 0.0
+    for other in beds[1:]:
+        for one, two in zip(beds[0], other, strict=True):
+            assert_allclose(two, one, rtol=0.0, atol=1e-12 * np.abs(one).max())
 
 
 @pytest.mark.parametrize("kind", ["disc", "dumbbell"])

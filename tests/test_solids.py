@@ -132,6 +132,36 @@ def test_a_plate_bears_the_weight_of_a_disc_and_its_torque():
     assert_allclose(result.solid_torque[-1, 1], -weight * 1.5e-3, rtol=1e-4)
 
 
+def test_every_layer_under_a_piston_bears_its_force():
+    """A plate is pressed on discs between smooth sides and carries the same force at every height;
+    the moments of all forces on the boundary, at their points, are stress times volume."""
+    load, width, height = 20.0, 9e-3, 30e-3
+    piston = dem.Drive((0.0, -load), mass=2e-4, damping=2.0)
+    plate = dem.Solid(dem.plate(width, 0.6e-3), (0.5 * width, 9.5e-3), 0.0, piston)
+    place = np.stack(np.meshgrid(np.arange(4), np.arange(4)), axis=-1).reshape(-1, 2) * 2.15e-3
+    place[:, 0] += 0.3e-3 * (np.arange(16) // 4 % 2)
+    scene, state = rough(
+        [dem.Cylinder(1e-3, (0.5 * width, 20e-3)), plate],
+        dem.State(place + 1.1e-3),
+        16,
+        dem.Material(young_modulus=1e8, restitution=0.1),
+        dem.Friction(0.3, 0.0, 0.0),
+        walls=dem.box(width, height),
+    )
+    run = dem.Simulation(scene, state)
+    run.advance(0.05)
+    area = width * scene.thickness
+    layers = run.stress(y=np.linspace(0.3e-3, 5.5e-3, 5)).contact
+    assert_allclose(layers[:, 1, 1] * area, load, rtol=1e-4)
+    contacts = run.contacts()
+    on_plate = contacts.partner == -2
+    assert_allclose(contacts.total_force[on_plate].sum(axis=0)[1], load, rtol=1e-4)
+    free = area * height - scene.thickness * sum(solid.area for solid in scene.solids)
+    edge = contacts.partner < 0
+    moment = contacts.total_force[edge].T @ contacts.point[edge]
+    assert_allclose(run.stress().contact * free, moment, atol=1e-4 * np.abs(moment).max())
+
+
 def test_a_disc_slides_down_a_steep_plate_as_coulomb_says():
     slope, mu = math.radians(60.0), 0.3
     soft = dem.Material(young_modulus=1e8, restitution=0.05)
@@ -248,6 +278,22 @@ def test_a_disc_meets_an_elliptic_solid_as_a_round_one_where_it_is_round():
     other = dem.simulate(*rough([ellipse], state), 2e-4)
     assert_allclose(other.position[-1], round_one.position[-1], rtol=0, atol=1e-9 * R)
     assert_allclose(other.angular_velocity, round_one.angular_velocity, rtol=1e-6)
+
+
+def test_solids_are_drawn_at_their_angles():
+    """Also those at rest; a line marks the angle of round ones that turn, and of no others."""
+    solids = [
+        dem.Cylinder(R, (8e-3, 0.0)),
+        dem.Cylinder(R, (8e-3, 3e-3), spin=1e5),
+        dem.Solid(BLADE, (1e-3, 0.0), 0.7),
+    ]
+    scene, state = rough(solids, dem.State([[0.0, 5e-3]]))
+    axes = dem.plot.bed(dem.simulate(scene, state, 1e-5)).axes[0]
+    drawn, marks = axes.collections[2:4]
+    ring = 1e3 * solids[2].placed((1e-3, 0.0), 0.7)  # mm
+    assert_allclose(drawn.get_paths()[2].vertices[: len(ring)], ring, atol=1e-9)
+    (mark,) = marks.get_segments()
+    assert_allclose(mark[0], [8.0, 3.0])
 
 
 # Bits

@@ -77,12 +77,6 @@ def look_ahead(boundary, rows, j, motion, at):
     motion[at + lane.VY2] += rows[j + SIX]
 
 
-@optional
-def bring(shift, p, motion, at):
-    """Body 2 of contact p to that image of it which is beside body 1."""
-    motion[at] += shift[p]
-
-
 @inlined
 def gather(turns, one, two, contacts, start, stop, lanes):
     """Motion of both bodies of each contact, from rows of dem.jit.columns one after the other.
@@ -98,8 +92,11 @@ def gather(turns, one, two, contacts, start, stop, lanes):
         i, j = EIGHT * contacts.constituent[p], EIGHT * contacts.partner[p]
         copy_four(one, i, motion, at + lane.X1)
         copy_four(two, j, motion, at + lane.X2)
-        bring(contacts.shift_x, p, motion, at + lane.X2)
-        bring(contacts.shift_y, p, motion, at + lane.Y2)
+        # body 2 to that image of it which is beside body 1
+        if contacts.shift_x is not None:
+            motion[at + lane.X2] += contacts.shift_x[p]
+        if contacts.shift_y is not None:
+            motion[at + lane.Y2] += contacts.shift_y[p]
         copy_rates(rates, one, i, motion, k, lane.W1)
         copy_rates(rates, two, j, motion, k, lane.W2)
         look_ahead(boundary, two, j, motion, at)
@@ -163,7 +160,7 @@ def find_polygon_contacts(faces, world, contacts, start, stop):
         k, p = np.uint64(q), np.uint64(start + q)
         one, b = outline(shape, contacts.constituent[p], orientation), contacts.partner[p]
         dx, dy = spacing(lanes.motion, k)
-        guess = remembered(contacts.normal_x, contacts.normal_y, p)
+        guess = last_normal(contacts, p)
         geometry = polygon_contact(faces, b, frames, shape, one, dx, dy, guess)
         store_geometry(turns, geometry, contacts, p, lanes, k)
 
@@ -241,22 +238,12 @@ def put(number, array, k):
     array[k] = number
 
 
-@optional
-def remembered(normal_x, normal_y, p):
-    """The normal that contact p had last."""
-    return normal_x[p], normal_y[p]
-
-
 @inlined
 def last_normal(contacts, p):
     """The normal that contact p had in the last step, None if it remembers none."""
-    return remembered(contacts.normal_x, contacts.normal_y, p)
-
-
-@optional
-def remember(normal_x, normal_y, p, nx, ny):
-    normal_x[p] = nx
-    normal_y[p] = ny
+    if contacts.normal_x is None:
+        return None
+    return contacts.normal_x[p], contacts.normal_y[p]
 
 
 @inlined
@@ -309,24 +296,8 @@ def store_geometry(turns, geometry, contacts, p, lanes, k):
     put(given(contacts.friction, velocity[1]), values, lane.V_TANGENT + k)
     put(given(contacts.rolling, velocity[2]), values, lane.SPIN + k)
     put_change(change, contacts, values, k)
-    remember(contacts.normal_x, contacts.normal_y, p, nx, ny)
-
-
-@inlined
-def load_geometry(shape, levers, values, k):
-    """The geometry of lane k; n2 and t2 mean nothing for walls, and no lever does where nothing
-    turns: none is then asked for. levers: of `contact_forces`."""
-    levers = either(tangential_lever(shape), levers)
-    return ContactGeometry(
-        values[lane.OVERLAP + k],
-        values[lane.NX + k],
-        values[lane.NY + k],
-        values[lane.N1 + k],
-        take(levers, values, lane.T1 + k),
-        values[lane.N2 + k],
-        take(levers, values, lane.T2 + k),
-        take(local_radius(shape), values, lane.RADIUS + k),
-    )
+    if contacts.normal_x is not None:
+        contacts.normal_x[p], contacts.normal_y[p] = nx, ny
 
 
 @inlined
@@ -336,7 +307,7 @@ def find_contacts(shape, turns, contacts, start, stop, lanes):
         k, p = np.uint64(q), np.uint64(start + q)
         dx, dy = spacing(motion, k)
         own, other = outlines(shape, sizes, values, k, p)
-        guess = remembered(contacts.normal_x, contacts.normal_y, p)
+        guess = last_normal(contacts, p)
         geometry, converged = find_contact(shape, dx, dy, own, other, guess)
         store_geometry(turns, geometry, contacts, p, lanes, k)
         put(unconverged(converged), values, lane.UNCONVERGED + k)
@@ -348,28 +319,20 @@ def unconverged(converged):
     return 0.0 if converged else 1.0
 
 
-@inlined
-def any_unconverged(values, count):
-    """Whether any of the first lanes is; nearly always none is, and vector code is fast to say
-    so."""
-    found = 0
-    for q in range(count):
-        found += values[lane.UNCONVERGED + np.uint64(q)] != 0.0
-    return found > 0
-
-
 @optional
 def refine_contacts(normal_x, shape, turns, contacts, start, stop, lanes):
     motion, values, sizes = lanes.motion, lanes.values, size_rows(contacts.sizes, shape)
-    if not any_unconverged(values, stop - start):
+    count = 0
+    for q in range(stop - start):  # nearly always none is, and vector code is fast to say so
+        count += values[lane.UNCONVERGED + np.uint64(q)] != 0.0
+    if count == 0:
         return
     for p in range(start, stop):
         k = np.uint64(p - start)
         if values[lane.UNCONVERGED + k] != 0.0:
             dx, dy = spacing(motion, k)
             own, other = outlines(shape, sizes, values, k, np.uint64(p))
-            last = normal_x[p], contacts.normal_y[p]
-            guess = refine_normal(shape, dx, dy, own, other, last)
+            guess = refine_normal(shape, dx, dy, own, other, last_normal(contacts, p))
             geometry, _ = find_contact(shape, dx, dy, own, other, guess)
             store_geometry(turns, geometry, contacts, p, lanes, k)
 
@@ -405,11 +368,16 @@ def contact_forces(friction, shape, levers, turns, contacts, start, stop, dt, la
 
     levers: not None where normal forces may exert torques, although granules are discs.
     """
-    values = lanes.values
+    values, levers = lanes.values, either(tangential_lever(shape), levers)
     roots(contacts.damping, contacts, start, stop, dt, values)
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        geometry = load_geometry(shape, levers, values, k)
+        nx, ny = values[lane.NX + k], values[lane.NY + k]
+        # n2 and t2 mean nothing for walls, and no lever does where nothing turns: none is asked for
+        n1, t1 = values[lane.N1 + k], take(levers, values, lane.T1 + k)
+        n2, t2 = values[lane.N2 + k], take(levers, values, lane.T2 + k)
+        radius = take(local_radius(shape), values, lane.RADIUS + k)
+        geometry = ContactGeometry(values[lane.OVERLAP + k], nx, ny, n1, t1, n2, t2, radius)
         spin = take(contacts.rolling, values, lane.SPIN + k)
         velocity = values[lane.V_NORMAL + k], values[lane.V_TANGENT + k], spin
         change = either(change_of_lane(turns, contacts.rolling, values, k), (None, None, None))
@@ -420,7 +388,6 @@ def contact_forces(friction, shape, levers, turns, contacts, start, stop, dt, la
         put(damped, values, lane.DAMPED + k)
         put(slid, values, lane.SLID + k)
         put(rolled, values, lane.ROLLED + k)
-        _, nx, ny, n1, t1, n2, t2, _ = geometry
         values[lane.FORCE_X + k] = minus(n * nx, times(t, ny))
         values[lane.FORCE_Y + k] = plus(n * ny, times(t, nx))
         # zero where a list has none, because other lists of the same lanes have some
@@ -470,19 +437,3 @@ def accumulate(contacts, start, stop, values, inverse_inertia, force):
         two = either(take(inverse_inertia, values, lane.TORQUE_2 + k), 0.0)
         add_four(force, FOUR * contacts.force_row[p], gx, gy, two, 0.0)
         subtract_four(force, FOUR * contacts.constituent[p], gx, gy, -one, 0.0)
-
-
-@inlined
-def boundary_reaction(contacts, p, k, values, inverse_inertia, force):
-    """Give the constituent of contact p with a boundary its share.
-
-    Returns the normal force (N) on the boundary, and the forces on it: normal (x, y) and tangential
-    (x, y).
-    """
-    gx, gy = values[lane.FORCE_X + k], values[lane.FORCE_Y + k]
-    torque = either(take(inverse_inertia, values, lane.TORQUE_1 + k), 0.0)
-    subtract_four(force, FOUR * contacts.constituent[p], gx, gy, -torque, 0.0)
-    nx, ny = values[lane.NX + k], values[lane.NY + k]
-    normal = gx * nx + gy * ny
-    hx, hy = normal * nx, normal * ny
-    return normal, (hx, hy, gx - hx, gy - hy)

@@ -78,22 +78,6 @@ def kick_driven(boundaries, b, kick, dt):
             previous_acceleration[b, c] = now
 
 
-@inlined
-def add_work(account, boundaries, b, kick, before):
-    """Work (J) of boundary b on the granules over a kick (s): at the mean of its velocities before
-    and after, as the kick changes kinetic energies. before: x, y (m/s) and spin (rad/s)."""
-    if account is not None:
-        motion, force, torque = (
-            boundaries.motion,
-            boundaries.force,
-            boundaries.contact_forces[b, 4],
-        )
-        twice = force[b, FX] * (before[0] + motion[b, VX]) + force[b, FY] * (
-            before[1] + motion[b, VY]
-        )
-        account[WORK] -= 0.5 * kick * (twice + torque * (before[2] + motion[b, W]))
-
-
 @compiled
 def move_boundaries(world, kick, dt):
     """Kick all boundaries over the time `kick` (s) and move them over dt (s).
@@ -104,6 +88,7 @@ def move_boundaries(world, kick, dt):
     boundaries, planes = world.boundaries, world.walls.planes
     motion, first = boundaries.motion, boundaries.first_waypoint
     contact_forces, impulses = boundaries.contact_forces, boundaries.impulses
+    force, account = boundaries.force, world.lanes.account
     for b in range(motion.shape[0]):
         before = motion[b, VX], motion[b, VY], motion[b, W]
         for c in range(impulses.shape[1]):
@@ -111,7 +96,11 @@ def move_boundaries(world, kick, dt):
         if first[b] < first[b + 1]:
             follow_path(boundaries, b, dt)
         kick_driven(boundaries, b, kick, dt)
-        add_work(world.lanes.account, boundaries, b, kick, before)
+        if account is not None:  # at the mean velocity, as the kick changes kinetic energies
+            twice = force[b, FX] * (before[0] + motion[b, VX])
+            twice += force[b, FY] * (before[1] + motion[b, VY])
+            twice += contact_forces[b, 4] * (before[2] + motion[b, W])
+            account[WORK] -= 0.5 * kick * twice
         motion[b, X] += dt * motion[b, VX]
         motion[b, Y] += dt * motion[b, VY]
         boundaries.angle[b] += dt * motion[b, W]
@@ -132,13 +121,13 @@ def surface_moved(surface, boundaries):
             b = surface.boundary[q]
             dx, dy = motion[b, X] - reference[b, 0], motion[b, Y] - reference[b, 1]
             if planes is not None:  # only the motion along the normal counts
-                apart = dx * planes[b, 0] + dy * planes[b, 1]
-                farthest = greater(farthest, apart * apart)
+                squared = (dx * planes[b, 0] + dy * planes[b, 1]) ** 2
             elif surface.radius is not None:
-                farthest = greater(farthest, dx * dx + dy * dy)
+                squared = dx * dx + dy * dy
             else:
                 turn = boundaries.reach[b] * abs(boundaries.angle[b] - reference[b, 2])
-                farthest = greater(farthest, (math.sqrt(dx * dx + dy * dy) + turn) ** 2)
+                squared = (math.sqrt(dx * dx + dy * dy) + turn) ** 2
+            farthest = greater(farthest, squared)
     return farthest
 
 
@@ -218,9 +207,8 @@ def driven_acceleration(boundaries):
         ax = drive[b, INVERSE_MASS] * (drive[b, EXTERNAL_FORCE] + force[b, FX])
         ay = drive[b, INVERSE_MASS + 1] * (drive[b, EXTERNAL_FORCE + 1] + force[b, FY])
         acceleration = math.sqrt(ax * ax + ay * ay)
-        if boundaries.reach[b] > 0.0:
-            torque = drive[b, EXTERNAL_FORCE + 2] + force[b, TAU]
-            acceleration += boundaries.reach[b] * drive[b, INVERSE_MASS + 2] * abs(torque)
+        torque = drive[b, EXTERNAL_FORCE + 2] + force[b, TAU]
+        acceleration += boundaries.reach[b] * drive[b, INVERSE_MASS + 2] * abs(torque)
         greatest = greater(greatest, acceleration)
     return greatest
 

@@ -12,7 +12,7 @@ import numpy as np
 from dem.base.errors import InputError
 from dem.base.provenance import compilers
 from dem.base.sources import digest, run_hash
-from dem.experiment.box import sample_parts
+from dem.experiment.box import diameters_of, sample_parts
 from dem.experiment.sections import RollingSection, ShapeSection
 from dem.laws import file_of as law_file
 from dem.laws import law_of
@@ -91,6 +91,16 @@ class Replicate:
         if len(self.materials) > 1:
             return sample_parts(self.configuration, self.label, self.seed)
         return None
+
+    @property
+    def mean_density(self) -> float:
+        """Density of the granules (kg/m3): their mass over their volume."""
+        density = np.array([material.density for material in self.materials])
+        if self.species is None:
+            return float(density[0])
+        area = np.square(diameters_of(self.configuration, self.label, self.seed))
+        denser = density[self.species] - density[0]  # zero where all are alike, to the last bit
+        return float(density[0] + np.average(denser, weights=area))
 
     @property
     def rolling(self) -> RollingSection | None:

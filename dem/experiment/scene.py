@@ -49,8 +49,9 @@ def make_scene(replicate: Replicate, bed: Bed) -> Scene:
 def _walls(replicate: Replicate, bed: Bed) -> list[Wall]:
     """Walls of the bed. The top one is pressed down where there is a pressure P; all others are at rest.
 
-    It has the mass of a row of granules, and yields at v with a damping of v sqrt(density P) per area:
-    that part of P that v is of sqrt(P / density), ninety metres a second at 30 MPa.
+    It has the mass of a row of granules of their mean density, and yields at v with a damping of
+    v sqrt(density P) per area: that part of P that v is of sqrt(P / density), ninety metres a
+    second at 30 MPa.
     """
     planes = () if bed.walls is None else bed.walls
     own, walls = replicate.configuration, [Wall(plane) for plane in planes]
@@ -62,10 +63,11 @@ def _walls(replicate: Replicate, bed: Bed) -> list[Wall]:
                 wall = replace(walls[number], friction=section.friction, material=material)
                 walls[number] = wall
     if pressure is not None and walls:
+        density = replicate.mean_density
         lid = Drive(
             force=(None, -pressure * area),
-            mass=replicate.density * area * replicate.shape.diameter,
-            damping=math.sqrt(replicate.density * pressure) * area,
+            mass=density * area * replicate.shape.diameter,
+            damping=math.sqrt(density * pressure) * area,
         )
         walls[-1] = replace(walls[-1], motion=lid)
     return walls

@@ -98,7 +98,7 @@ class CylinderSection(Section):
     direction: Angle | None = None
     """direction of the motion, anticlockwise from the right; none: upwards"""
     spin: Spin | None = None
-    """angular velocity, or free: granules turn it, as a body of their density; none: 0"""
+    """angular velocity, or free: granules turn it, as a body of their mean density; none: 0"""
     material: SolidMaterialSection | None = None
     """material; none: rigid"""
 

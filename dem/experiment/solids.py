@@ -36,7 +36,7 @@ def solids_of(replicate: Replicate, height: float, thickness: float) -> tuple[So
     for solid, section, (x, y, _) in zip(solids, sections, circles_of(own, height), strict=False):
         spin = section.spin or 0.0
         if spin == "free":
-            mass = replicate.density * solid.area * thickness
+            mass = replicate.mean_density * solid.area * thickness
             spin = Turn(inertia=mass * solid.gyration_squared)
         drawn.append(
             Solid(

@@ -100,7 +100,7 @@ class Drawing:
         axes.grid(visible=False)
 
     def move(self, frame: int) -> None:
-        """Show a frame; a line marks the angle of a round solid where solids turn."""
+        """Show a frame; a line marks the angle of each round solid that turns."""
         frames, periodic = self.frames, self.periodic
         lines, space = edges(frames.walls[frame], frames.view)
         self.walls.set_segments(1e3 * lines)
@@ -115,7 +115,7 @@ class Drawing:
             place = wrapped(frames.place[frame, [k]], periodic)
             ring = placed(outline[None], place, frames.turn[frame, [k]])
             rings += [*self._images(ring)]
-            if np.ptp(frames.turn) and np.ptp(np.hypot(*outline.T)) < 1e-9:  # round
+            if np.ptp(frames.turn[:, k]) and np.ptp(np.hypot(*outline.T)) < 1e-9:  # round
                 marks += [*self._images(np.stack([1e3 * place[0], ring[0, 0]])[None])]
         self.solids.set_verts(rings)
         self.marks.set_segments(marks)

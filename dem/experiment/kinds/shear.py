@@ -88,7 +88,7 @@ def rate_of(replicate: Replicate) -> float:
     """Rate of shear (1/s) of the inertial number I = rate sqrt(m / (pressure thickness))."""
     shear = replicate.configuration.shear
     area = 0.25 * np.pi * replicate.shape.diameter**2  # of the mean granule; the thickness cancels
-    return float(shear.inertial_number / np.sqrt(replicate.density * area / shear.pressure))
+    return float(shear.inertial_number / np.sqrt(replicate.mean_density * area / shear.pressure))
 
 
 def make_cell(replicate: Replicate, bed: Bed) -> Cell:
