@@ -28,4 +28,4 @@ class Egg(NamedTuple):
 
     @property
     def gyration_squared(self):
-        return smooth.gyration_squared(self)
+        return smooth.Smooth.gyration_squared.fget(self)

@@ -215,6 +215,24 @@ def test_a_configuration_makes_clumps_of_the_area_of_discs_of_the_diameter():
     assert run.labels()["kind"] == "clump" and 1.1 < run.shape.ratio < 1.3
 
 
+@pytest.mark.parametrize("share", [0.99, 1.01])
+def test_a_period_that_is_too_short_for_clumps_is_refused_before_a_bed_is_made(share):
+    """By the circles about their centres of mass that hold them, as a scene is."""
+    hammer = [[0.0, 0.0, 1.0], [3.0, 0.0, 0.3]]
+    values = values_of(
+        "h", h={"kind": "clump", "discs": hammer, "diameter": 1.1e-3, "granules": 200}
+    )
+    values["packing"]["size_spread"] = 0.0
+    radius = dem.Clump.of_size([1.1e-3], hammer).bounding_radius[0]
+    least = 2.5 * (radius + max(radius, 0.5 * values["cylinder"]["diameter"]))
+    values |= {"periodic": "x", "box_width": share * least}
+    if share > 1.0:
+        assert of_values(values).configuration.periodic == "x"
+        return
+    with pytest.raises(InputError, match=r"periodic is x: .* along x it must be at least"):
+        of_values(values)
+
+
 def test_a_mixture_has_its_shapes_in_their_shares_and_another_order_for_each_seed():
     values = values_of("mix", t3=T3, rod=ROD, mix=MIX)
     kinds = [np.bincount(granules_of(of_values(values | {"seed": seed})).owner) for seed in (1, 2)]

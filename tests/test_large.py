@@ -93,7 +93,10 @@ def test_several_threads_scan_a_bed_as_one_does(small_bed, kind):
     assert alone.coordination_number > 1.0
     for threads in (2, 3, small.scene().granules):
         with Threads(threads) as pool:
-            assert diagnose_together(pool, run._world, run._table, 0.0, (0.0, 0.0)) == alone
+            assert (
+                diagnose_together(pool, run.engine.world, run.engine.table, 0.0, (0.0, 0.0))
+                == alone
+            )
 
 
 def test_contacts_of_a_large_bed_name_the_granules_of_the_input():

@@ -117,7 +117,7 @@ BROKEN = {
     "depth": ({"force": lambda law, k, d, m: k * d**2 * (1 - 2.5e3 * d)}, "force does not grow"),
     "jump": (
         {"force": lambda law, k, d, m: k * (d**2 + (0.0 if d < 1e-4 else 1e-9))},
-        "force or slope jumps at an overlap of",
+        "slope is not dF/d.* beyond 9.*e-05 m, or force or slope jumps there",
     ),
     "slope": ({"slope": lambda law, k, m: k * m}, "slope is not dF/d"),
     "energy": ({"energy": lambda law, k, d, m: 0.4 * k * d**3}, "force is not dU/d"),

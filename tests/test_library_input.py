@@ -17,7 +17,7 @@ import dem
 from conftest import CONFIG
 from dem import shapes
 from dem.base.types import parsed
-from dem.dynamics.stepping import COLLAPSE, longest_step
+from dem.dynamics.stepping import COLLAPSE, Schedule, longest_step
 
 PLACES = [[2e-3, 2e-3], [5e-3, 2e-3]]
 DISCS = dem.Disc([1e-3, 1e-3])
@@ -296,8 +296,10 @@ def test_a_run_whose_step_collapses_ends_within_a_minute(spoil):
     made = scene(shape=dem.Disc(np.full(400, 1e-3)), **APART)
     run = dem.Simulation(made, dem.State(grid))
     run.advance(1e-6)
-    spoil(run._world)
-    run._progress = run._progress._replace(scanned=-1)  # as after a new list, which sees it
+    spoil(run.engine.world)
+    run.engine.progress = run.engine.progress._replace(
+        scanned=-1
+    )  # as after a new list, which sees it
     with pytest.raises(dem.StateError, match=r"the time step has shrunk too far [^\n]*fast\.$"):
         run.advance(1e-3)
 
@@ -333,14 +335,16 @@ def test_short_steps_that_a_bed_needs_are_no_collapse(small_bed, kind, extreme):
         made = replace(made, walls=[*others, replace(top, motion=light)])
     squeezed = dem.State(0.5 * small.state.position + 1e-3, angle=small.state.angle)
     run, deep = (dem.Simulation(made, each, max_overlap=1.5) for each in (small.state, squeezed))
-    diagnostics = deep._run_kernel(0.0, 0.0, 0).diagnostics
+    diagnostics = deep.engine.run(Schedule()).diagnostics
     assert diagnostics.max_overlap > 1.5
-    assert 5.0 * COLLAPSE * run._progress.first_dt < longest_step(deep._rules, diagnostics)
+    assert 5.0 * COLLAPSE * run.engine.progress.first_dt < longest_step(
+        deep.engine.rules, diagnostics
+    )
 
 
 def test_no_more_threads_start_than_the_bed_has_pieces():
     """A small bed is one piece: it runs in the thread that calls."""
-    assert simulation(threads=max(64, 4 * os.cpu_count()))._threads == 1
+    assert simulation(threads=max(64, 4 * os.cpu_count())).engine.threads == 1
 
 
 TAMPERED = {

@@ -11,8 +11,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 from conftest import STIFF
 from dem import Clump, Disc, Dumbbell, Polygon, Simulation
 from dem.dynamics.assembly import granule_table
-from dem.dynamics.cell_list import near_pairs, near_planes, near_solids
+from dem.dynamics.cell_list import near_pairs, near_surface
 from dem.dynamics.neighbor_list import share_out
+from dem.dynamics.stepping import Schedule
 from dem.dynamics.world import PATCH, Faces
 from dem.jit.compilation import compiled
 from dem.shapes import KINDS
@@ -75,6 +76,7 @@ def solid(form, place, angle, size):
     faces = Faces(np.array([0, 3]), polygon.faces, np.array([polygon.radius]))
     surface = SimpleNamespace(
         boundary=np.array([0]),
+        planes=None,
         radius=np.array([size]) if form == "circle" else None,
         faces=faces if form == "polygon" else None,
     )
@@ -102,10 +104,12 @@ def test_walls_and_solids_list_every_part_near_them(bed, angle, size, form):
     here = rows[:, :2]
     planes = np.array([[np.cos(angle), np.sin(angle), 1.0], [0.0, -1.0, -3.0]])
     gaps = planes[:, 2] - here @ planes[:, :2].T - radius[:, None]
-    part, wall = near_planes(planes, rows, radius, skin)
+    walls = SimpleNamespace(planes=planes, boundary=np.arange(2), radius=None, faces=None)
+    still = SimpleNamespace(motion=np.zeros((2, 8)))
+    part, wall = near_surface(walls, still, rows, radius, skin, (0.0, 0.0))
     assert list(zip(part, wall, strict=True)) == [tuple(row) for row in np.argwhere(gaps < skin)]
     surface, boundaries, gaps = solid(form, here[0] + 0.5, angle, size)
-    part, other = near_solids(surface, boundaries, rows, radius, skin, (0.0, 0.0))
+    part, other = near_surface(surface, boundaries, rows, radius, skin, (0.0, 0.0))
     near = gaps(here - here[0] - 0.5) - radius < skin
     assert list(part) == list(np.flatnonzero(near)) and not other.any()
 
@@ -160,8 +164,8 @@ def test_contact_memory_survives_a_new_neighbor_list(small_bed, kind, fraction):
     before = memories(run.world)
     assert all(len(springs) > 2 for springs in before)
     for skin in (1.0, 0.01):
-        run._table = granule_table(run.scene, skin)
-        run._run_kernel(0.0, 0.0, 0, initialise=True)  # as at the start of a run, in no time
+        run.engine.table = granule_table(run.scene, skin)
+        run.engine.run(Schedule(initialise=True))  # as at the start of a run, in no time
         for now, springs in zip(memories(run.world), before, strict=True):
             assert now.keys() == springs.keys()
             spring, root = np.transpose([now[pair] for pair in springs])

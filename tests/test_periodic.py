@@ -12,7 +12,7 @@ from test_neighbors import FORMS, owned, parts, solid
 
 import dem
 from dem.dynamics.assembly import assemble, granule_table
-from dem.dynamics.cell_list import near_pairs, near_solids
+from dem.dynamics.cell_list import near_pairs, near_surface
 from dem.dynamics.contact_list import list_contacts
 from dem.dynamics.energy import balance
 from dem.dynamics.forces import forces
@@ -165,7 +165,7 @@ def test_a_solid_lists_every_part_near_one_of_its_images(bed, size, form):
     there = rows[0, :2] + 0.5
     surface, boundaries, gaps = solid(form, there, 0.4, size)
     sides = tuple(each or 0.0 for each in period)
-    part, other = near_solids(surface, boundaries, rows, radius, skin, sides)
+    part, other = near_surface(surface, boundaries, rows, radius, skin, sides)
     near = gaps(least_image(rows[:, :2] - there, period)) - radius < skin
     assert list(part) == list(np.flatnonzero(near)) and not other.any()
 

@@ -3,11 +3,15 @@
 A run of many discs with it is that of the model in plain numpy: test_twin.py.
 """
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import dem
 from conftest import CONFIG
+from dem.contacts.response import rolling_moment
+from dem.laws.protocol import force, measure
 from dem.sweep.config import load
 
 R, G = 5e-3, 9.81  # m, m/s2
@@ -49,6 +53,25 @@ def test_a_disc_stays_on_a_slope_up_to_the_coefficient(share):
     before, after = run.velocity[1:, 0, 0]
     assert after - before == pytest.approx(max(pull, 0.0) * time, rel=1e-3, abs=1e-9)
     assert (after < 1e-9) == (share < 1.0)
+
+
+@pytest.mark.parametrize("law", [dem.Hertz(), dem.Linear(), dem.Line()])
+def test_a_contact_resists_rolling_as_its_normal_spring_and_its_force_do_under_any_law(law):
+    """By 3 (mu_r R)^2 dN/d(delta) a rad, and by mu_r R N at most."""
+    constant, overlap, arm = 1e6, 3e-5, 2e-4  # in N and m, arm is mu_r R
+    measured, after = (measure(law, d, 4.0 * R) for d in (overlap, (1.0 + 1e-6) * overlap))
+    normal = force(law, constant, overlap, measured)
+    stiffness = (force(law, constant, (1.0 + 1e-6) * overlap, after) - normal) / (1e-6 * overlap)
+    springs = constant, measured, measured, None, 0.0
+    moments = []
+    for angle in (1e-6, -1.0):
+        contacts = SimpleNamespace(
+            law=law, rolling=np.array([[arm], [0.0]]), rolling_moment=np.zeros(1)
+        )
+        turned = contacts.rolling, contacts, 0, normal, springs, (angle, 0.0), None
+        moments.append(rolling_moment(*turned)[0])
+    assert moments[0] == pytest.approx(-3e-6 * arm**2 * stiffness, rel=1e-5)
+    assert moments[1] == arm * normal
 
 
 def test_rolling_resistance_keeps_angular_momentum():

@@ -133,8 +133,8 @@ def larger_circle(shape, radius):
 
 def half(patch, name):
     """The round shape with half of one of its properties."""
-    function = smooth.DERIVED[name]
-    return like_round(patch, **{name: property(lambda shape: 0.5 * function(shape))})
+    whole = getattr(smooth.Smooth, name).fget
+    return like_round(patch, **{name: property(lambda shape: 0.5 * whole(shape))})
 
 
 def narrow(patch):
@@ -162,7 +162,7 @@ WRONG = {
     "centre of mass": lambda patch: new(oval(shift=0.1))(SIZES),
     "its outline has": lambda patch: new(oval(curvature=0.9))(SIZES),
     "differ": lambda patch: like_round(
-        patch, polygons=lambda s, points=64: smooth.polygons(s, points)[..., ::-1] * [1, -1]
+        patch, polygons=lambda s, points=64: smooth.Smooth.polygons(s, points)[..., ::-1] * [1, -1]
     ),
     "q of support": lambda patch: new(oval(slope=1.05))(SIZES),
     "gyration_squared is 4.23623e-07": lambda patch: new(stadium)(SIZES),

@@ -201,7 +201,7 @@ def test_a_checkpoint_within_a_step_goes_on_with_the_same_bits(bed):
     """The state lies after the last whole step, and the next one begins at that."""
     run, other = dem.Simulation(*bed), dem.Simulation(*bed)
     run.advance(0.33 * LASTS)
-    assert run._progress.seen > run._progress.time
+    assert run.engine.progress.seen > run.engine.progress.time
     saved = run.checkpoint()
     run.record(0.67 * LASTS, 1)
     other.restore(saved)

@@ -24,8 +24,7 @@ from conftest import CONFIG, KINDS, posix
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.cli.app import app
-from dem.dynamics import simulation
-from dem.dynamics.stepping import Progress
+from dem.dynamics import engine
 from dem.experiment.bed import make_bed
 from dem.experiment.kinds import drag
 from dem.experiment.run import Replicate
@@ -445,13 +444,13 @@ def moving(small_bed, bed):
 @pytest.mark.parametrize("bed", BEDS)
 def test_bits_do_not_depend_on_how_often_the_kernel_returns(small_bed, monkeypatch, bed):
     """After every step, after every seventh, or never: also with motions, threads and a ledger."""
-    monkeypatch.setattr(simulation, "BRIEF", 0.0)
-    monkeypatch.setattr(simulation, "LONG", math.inf)
+    monkeypatch.setattr(engine, "BRIEF", 0.0)
+    monkeypatch.setattr(engine, "LONG", math.inf)
     scene, state, threads, duration = moving(small_bed, bed)
     found = []
     for budget in (2**60, 1, 7):
         run = dem.Simulation(scene, state, threads=threads)
-        run._budget = budget
+        run.engine.budget = budget
         found.append(bits(run, run.record(duration / 3, 3)))
     for other in found[1:]:
         for name, values in found[0].items():
@@ -493,7 +492,6 @@ class Alarm:
         signal.signal(signal.SIGALRM, self._before)
 
 
-SEEN = Progress._fields.index("seen")  # the time (s) in what a checkpoint holds of the progress
 ENDLESS = {
     "advance": lambda run: run.advance(10.0),
     "record": lambda run: run.record(1e-9, 10_000_000),
@@ -564,11 +562,11 @@ def test_a_look_from_a_signal_handler_changes_no_bit(threads):
     scene, state = crowd()
     calm, run = (dem.Simulation(scene, state, threads=threads) for _ in range(2))
     for each in (calm, run):
-        each._budget = 3
+        each.engine.budget = 3
     seen = []
 
     def look(*_):
-        seen.append((run.time, len(run.contacts().granule), run.checkpoint()["progress"][SEEN]))
+        seen.append((run.time, len(run.contacts().granule), run.checkpoint()["progress.seen"]))
         signal.setitimer(signal.ITIMER_REAL, 0.02)
 
     wanted = calm.record(1e-4, 5)

@@ -92,9 +92,9 @@ def test_the_forces_of_contacts_move_the_granules(small_bed, kind, fraction):
     """Springs and dashpots, normal and tangential, add up to the force that accelerates each granule."""
     run = shaken(small_bed(kind, fraction=fraction))
     run.advance(2e-6)
-    progress = run._progress
+    progress = run.engine.progress
     run.advance(progress.time + progress.dt - progress.seen)  # forces are those of whole steps
-    contacts, order = run.contacts(), run._order
+    contacts, order = run.contacts(), run.engine.order
     felt = np.zeros((run.scene.granules, 2))
     np.subtract.at(felt, contacts.granule, contacts.total_force)
     pair = contacts.partner >= 0

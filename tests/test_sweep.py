@@ -403,8 +403,9 @@ def test_every_place_of_a_sweep_that_comes_with_the_code_is_a_run_of_its_own(fil
         assert len(found) == len(set(found)) > 1
 
 
-def test_runs_that_compute_the_same_motion_share_machine_code():
-    """Whatever they record; other forces need other code."""
+def test_runs_that_compute_the_same_motion_share_machine_code(tmp_path):
+    """Whatever they record, and whichever body damps; other forces need other code, and so does a law that was
+    edited."""
 
     def kernels(path="seed", value=1, observables=("drag", "snapshots"), **values):
         record = SMALL["record"] | {"observables": list(observables)}
@@ -413,12 +414,21 @@ def test_runs_that_compute_the_same_motion_share_machine_code():
 
     first = kernels()
     assert first == kernels("friction.wall", 0.0) == kernels(observables=["drag"])
+    damped = {"left": {"material": {"young_modulus": 1e9, "restitution": 0.5}}}
+    assert first == kernels("material.restitution", 1.0, walls=damped)
+    laws = []
+    for number in range(2):
+        (tmp_path / f"{number}").mkdir()
+        (tmp_path / f"{number}/mine.py").write_text(f"class Law:\n    power = {number}\n")
+        beside = str(tmp_path / f"{number}")
+        laws.append(kernels(contact={"law": "mine.Law"}, beside=beside))
     others = [
+        *laws,
         kernels("gravity", 9.81),
         kernels("material.restitution", 1.0),
         kernels(observables=["drag", "ledger"]),
     ]
-    assert len({first, *others}) == 4
+    assert len({first, *others}) == 6
 
 
 def test_an_ellipse_reads_how_its_contacts_are_found():

@@ -139,25 +139,23 @@ def find_circle_contacts(radius, shape, orientation, turns, contacts, start, sto
 
 
 @optional
-def find_outline_contacts(
-    outlines, shape, orientation, frames, turns, contacts, start, stop, lanes
-):
-    """Outlines and geometry of contacts with solids that have the outline of a granule.
-
-    frames: Boundaries.orientation.
-    """
-    values = lanes.values
+def find_outline_contacts(outlines, world, contacts, start, stop):
+    """Outlines and geometry of contacts with solids that have the outline of a granule."""
+    shape, orientation, frames = world.shape, world.orientation, world.boundaries.orientation
+    values = world.lanes.values
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         one = outline_among(outlines, shape, contacts.constituent[p], orientation)
         store_outline(one, values, lane.OUTLINE_1 + k)
         store_outline(outline(outlines, contacts.partner[p], frames), values, lane.OUTLINE_2 + k)
-    find_contacts(outlines, turns, contacts, start, stop, lanes)
+    find_contacts(outlines, world.inverse_inertia, contacts, start, stop, world.lanes)
 
 
 @optional
-def find_polygon_contacts(faces, shape, orientation, frames, turns, contacts, start, stop, lanes):
-    """Geometry of contacts with polygons, one by one; frames: Boundaries.orientation."""
+def find_polygon_contacts(faces, world, contacts, start, stop):
+    """Geometry of contacts with polygons, one by one."""
+    shape, orientation, frames = world.shape, world.orientation, world.boundaries.orientation
+    turns, lanes = world.inverse_inertia, world.lanes
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         one, b = outline(shape, contacts.constituent[p], orientation), contacts.partner[p]
@@ -213,7 +211,7 @@ def spacing(motion, k):
 def size_rows(sizes, shape):
     """The rows of Contacts.sizes: for both bodies."""
     part = sizes_of(circle(shape, 0.0))
-    return lane.rows_like(part, sizes, 0), lane.rows_like(part, sizes, len(part))
+    return load_outline(part, sizes, 0, 1), load_outline(part, sizes, len(part), 1)
 
 
 @optional

@@ -10,8 +10,7 @@ c = alpha sqrt(m* K), E* and G* the effective moduli (Pa), m* the effective mass
 import math
 
 from dem.jit.compilation import inlined
-
-TINY = 1e-300
+from dem.laws.protocol import TINY
 
 
 @inlined

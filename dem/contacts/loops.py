@@ -57,8 +57,7 @@ def boundary_contacts(surface, world, dt):
     """Add the forces of the contacts with walls, or with solids, and sum up those on them."""
     shape, frame, turns, lanes = world.shape, world.orientation, world.inverse_inertia, world.lanes
     contacts, values, planes = local(surface.contacts), lanes.values, surface.planes
-    outlines, faces, frames = surface.outlines, surface.faces, world.boundaries.orientation
-    levers = either(given(outlines, True), given(faces, True))
+    levers = either(given(surface.outlines, True), given(surface.faces, True))
     on, loads = world.boundaries.force, world.boundaries.contact_forces
     rows, others = world.constituents.reshape(-1), world.boundaries.motion.reshape(-1)
     flat, count = world.constituent_force.reshape(-1), contacts.constituent.shape[0]
@@ -67,8 +66,8 @@ def boundary_contacts(surface, world, dt):
         gather(turns, rows, others, contacts, start, stop, lanes)
         find_wall_contacts(planes, shape, frame, turns, contacts, start, stop, lanes)
         find_circle_contacts(surface.radius, shape, frame, turns, contacts, start, stop, lanes)
-        find_outline_contacts(outlines, shape, frame, frames, turns, contacts, start, stop, lanes)
-        find_polygon_contacts(faces, shape, frame, frames, turns, contacts, start, stop, lanes)
+        find_outline_contacts(surface.outlines, world, contacts, start, stop)
+        find_polygon_contacts(surface.faces, world, contacts, start, stop)
         contact_forces(contacts.friction, shape, levers, turns, contacts, start, stop, dt, lanes)
         add_losses(lanes.account, contacts, start, stop, values)
         for p in range(start, stop):

@@ -53,7 +53,7 @@ def dashpot(damping, ratio, root, slip_rate):
 
 
 @optional
-def friction_force(friction, contacts, p, normal, elastic, slip, account, dt):
+def friction_force(friction, contacts, p, normal, elastic, slip, account):
     """The spring is capped first, then spring and dashpot, so that friction does no positive work.
 
     elastic: constant and measure of the law, the measure in the last step, constant and root of the
@@ -168,7 +168,6 @@ def respond(contacts, p, geometry, velocity, change, root, dt, account):
             springs,
             (velocity[1] * dt, plus(velocity[1], change[1])),
             account,
-            dt,
         ),
         (None, None, None),
     )

@@ -33,7 +33,7 @@ from dem.jit.columns import VX, VY, W, X, Y, rows
 from dem.laws.protocol import length, slope
 from dem.motion import Drive, PrescribedMotion, Turn
 from dem.scene import Scene, State, reach
-from dem.shapes.protocol import is_alone, resized, sizes_of
+from dem.shapes.protocol import is_alone, resized
 from dem.solids import Polygon
 
 
@@ -44,10 +44,6 @@ class GranuleTable(NamedTuple):
     ----------
     law : tuple
         The law of contacts, as kernels take it.
-    root_inverse_mass : ndarray of shape (n,)
-        1/sqrt(m) (kg^-0.5), zero for held granules.
-    root_inverse_inertia : ndarray of shape (n,) or None
-        1/sqrt(I) (kg^-0.5 m^-1), zero for held granules; None where nothing turns.
     alone : bool
         Whether each granule is its own only constituent.
     arm : ndarray of shape (n,)
@@ -91,8 +87,6 @@ class GranuleTable(NamedTuple):
     """
 
     law: tuple
-    root_inverse_mass: np.ndarray
-    root_inverse_inertia: np.ndarray | None
     alone: bool
     arm: np.ndarray
     radius: np.ndarray
@@ -135,10 +129,13 @@ def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTa
     bounding, owner, arm = shape.constituent_bounding_radius, shape.owner, np.zeros(scene.granules)
     np.maximum.at(arm, owner, shape.bounding_radius[owner] - bounding)
     x, y = scene.periodic or (None, None)
+    solid_radius = np.zeros(len(scene.walls) + len(scene.solids))
+    for b, solid in enumerate(scene.solids, len(scene.walls)):
+        if not isinstance(solid.outline, Polygon):
+            solid_radius[b] = solid.outline.constituent_radius[0]
     return GranuleTable(
-        law=for_kernels(scene.law),
-        root_inverse_mass=np.sqrt(inverse_mass),
-        root_inverse_inertia=np.sqrt(inverse_inertia) if can_turn(scene, laws) else None,
+        # values that are None would be another type: these constants follow from `laws`
+        law=scene.law._replace(**{k: 0.0 for k, v in scene.law._asdict().items() if v is None}),
         alone=is_alone(shape),
         arm=arm,
         radius=shape.constituent_radius,
@@ -152,7 +149,7 @@ def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTa
         period=(x or 0.0, y or 0.0),
         laws=laws,
         species=scene.species.copy(),
-        solid_radius=np.array([0.0] * len(scene.walls) + [law_radius(s) for s in scene.solids]),
+        solid_radius=solid_radius,
         alpha=float(laws[:count, :, ALPHA].max()),
         modulus=max(modulus(scene, material, material) for material in scene.materials),
         mean_radius=float(shape.constituent_radius.mean()),
@@ -171,21 +168,9 @@ def mobilities(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     return inverse_mass, inverse_inertia
 
 
-def for_kernels(law):
-    """A law without values that are None, which would be another type: its constants follow from
-    GranuleTable.laws."""
-    return law._replace(**{name: 0.0 for name, value in law._asdict().items() if value is None})
-
-
 def modulus(scene: Scene, *materials) -> float:
     """Modulus of the law of a scene (Pa or N/m) for the elastic materials that meet."""
     return float(scene.law.modulus(effective_modulus(*materials), scene.thickness))
-
-
-def law_radius(solid) -> float:
-    """Radius in the law (m) of the outline of a solid; 0 of a polygon."""
-    outline = solid.outline
-    return 0.0 if isinstance(outline, Polygon) else float(outline.constituent_radius[0])
 
 
 def law(scene: Scene, friction: float, material, partner) -> list[float]:
@@ -277,12 +262,9 @@ def boundaries(scene: Scene) -> Boundaries:
             moved[b, W] = turn
             paths[b][:, 3] += turn  # that of the path is then zero, see Solid
     for b, path in enumerate(paths):
-        if len(path):
-            time, *columns = path.T
-            spin = moved[b, W]
-            moved[b, [VX, VY, W]] = [np.interp(0.0, time, column) for column in columns]
-            if drive[b, INVERSE_MASS + 2]:
-                moved[b, W] = spin
+        for column in (VX, VY) if drive[b, INVERSE_MASS + 2] else (VX, VY, W):
+            if len(path):
+                moved[b, column] = np.interp(0.0, path[:, 0], path[:, 1 + column - VX])
     return Boundaries(
         motion=moved,
         angle=angle,
@@ -356,41 +338,41 @@ def contacts(
 def surfaces(scene: Scene, table: GranuleTable, drive: np.ndarray) -> dict[str, Surface | None]:
     """Walls, and solids by their outlines, as members of a World."""
     walls, r = len(scene.walls), len(drive)
-    polygons = {b: s for b, s in enumerate(scene.solids, walls) if isinstance(s.outline, Polygon)}
-    circles = {b: s for b, s in enumerate(scene.solids, walls) if s.is_round}
-    others = {
-        b: s for b, s in enumerate(scene.solids, walls) if not (b in polygons or b in circles)
-    }
+    radius, rounding, first = np.zeros(r), np.zeros(r), np.zeros(r + 1, np.int64)
+    circles, polygons, faces, others = [], [], [], {}
+    for b, solid in enumerate(scene.solids, walls):
+        outline = solid.outline
+        if solid.is_round:
+            circles.append(b)
+            radius[b] = solid.radius
+        elif isinstance(outline, Polygon):
+            polygons.append(b)
+            rounding[b], first[b + 1] = outline.radius, len(outline.faces)
+            faces.append(outline.faces)
+        else:
+            others[b] = outline
 
     def surface(boundary, partner="solid", **outline) -> Surface:
         listed = contacts(scene, table, drive, partner, outline.get("outlines"))
         forms = dict.fromkeys(("planes", "radius", "outlines", "faces")) | outline
         return Surface(boundary=np.array(boundary, np.int64), **forms, contacts=listed)
 
-    radius, rounding, first, faces = np.zeros(r), np.zeros(r), np.zeros(r + 1, np.int64), []
-    for b, solid in circles.items():
-        radius[b] = solid.radius
-    for b, solid in polygons.items():
-        rounding[b], first[b + 1] = solid.outline.radius, len(solid.outline.faces)
-        faces.append(solid.outline.faces)
-    outlines = None
-    if others:
-        one = next(iter(others.values())).outline
-        sizes = {name: np.ones(r) for name in sizes_of(one)}
-        for b, solid in others.items():
-            for name, size in sizes_of(solid.outline).items():
-                sizes[name][b] = size[0]
-        outlines = surface([*others], outlines=one._replace(**sizes))
-    return {
+    members = {
         "walls": surface(range(walls), "wall", planes=scene.planes),
-        "circles": surface([*circles], radius=radius),
-        "outlines": outlines,
-        "polygons": surface(
-            [*polygons], faces=Faces(np.cumsum(first), np.concatenate(faces), rounding)
-        )
-        if faces
-        else None,
+        "circles": surface(circles, radius=radius),
+        "outlines": None,
+        "polygons": None,
     }
+    if others:
+        number = np.zeros(r, np.int64)  # of the outline of each boundary
+        number[[*others]] = range(len(others))
+        one, *more = others.values()
+        outlines = writable(one.appended(*more).take(number))
+        members["outlines"] = surface([*others], outlines=outlines)
+    if polygons:
+        listed = Faces(np.cumsum(first), np.concatenate(faces), rounding)
+        members["polygons"] = surface(polygons, faces=listed)
+    return members
 
 
 def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = False) -> World:
@@ -410,7 +392,7 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
         angle=state.angle,
         orientation=turned if scene.shape.needs_angle else None,
         inverse_mass=inverse_mass,
-        inverse_inertia=None if table.root_inverse_inertia is None else inverse_inertia,
+        inverse_inertia=inverse_inertia if can_turn(scene, table.laws) else None,
         force=force,
         constituents=bodies if table.alone else rows(count, 8),
         constituent_force=force if table.alone else rows(count, 4),

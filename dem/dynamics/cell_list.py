@@ -120,12 +120,10 @@ def near_pairs(shape, constituents, radius, skin, period):
             partner = larger
         lowest, highest = around(period[1], row, rows)
         leftmost, rightmost = around(period[0], column, columns)
-        # cells whose members follow each other
-        run = 1 if period[0] > 0.0 else rightmost - leftmost
         for r in range(lowest, highest):
-            for c in range(leftmost, rightmost, run):
+            for c in range(leftmost, rightmost):
                 cell = r % rows * columns + c % columns
-                for m in range(start[cell], start[cell + run]):
+                for m in range(start[cell], start[cell + 1]):
                     j = members[m]
                     if j <= i or owner_of(shape, j) == owner_of(shape, i):
                         continue
@@ -142,21 +140,6 @@ def near_pairs(shape, constituents, radius, skin, period):
         for p in range(first[i], first[i + 1]):
             constituent[p] = i
     return first, constituent, partner[:count].copy()
-
-
-@inlined
-def near_planes(planes, constituents, radius, skin):
-    """Constituents closer than skin (m) to a wall: sorted (constituent, partner) of Contacts."""
-    constituent = np.empty(constituents.shape[0] * planes.shape[0], np.uint32)
-    partner = np.empty_like(constituent)
-    count = 0
-    for i in range(constituents.shape[0]):
-        for k in range(planes.shape[0]):
-            height = constituents[i, X] * planes[k, 0] + constituents[i, Y] * planes[k, 1]
-            if height + radius[i] + skin > planes[k, 2]:
-                constituent[count], partner[count] = i, k
-                count += 1
-    return constituent[:count].copy(), partner[:count].copy()
 
 
 @inlined
@@ -178,27 +161,26 @@ def distance_from(faces, boundaries, b, x, y):
 
 
 @inlined
-def is_near(surface, boundaries, b, dx, dy, radius, skin):
-    """Whether a circle of a radius (m), dx, dy (m) from solid b, is closer to it than skin (m)."""
-    if surface.faces is not None:
-        return distance_from(surface.faces, boundaries, b, dx, dy) < radius + skin
-    size = boundaries.reach[b] if surface.radius is None else surface.radius[b]
-    reach = radius + size + skin
-    return dx * dx + dy * dy < reach * reach
-
-
-@inlined
-def near_solids(surface, boundaries, constituents, radius, skin, period):
-    """Constituents closer than skin (m) to a solid: sorted (constituent, partner) of Contacts."""
-    solids, motion = surface.boundary.shape[0], boundaries.motion
-    count, constituent = 0, np.empty(constituents.shape[0] * solids, np.uint32)
+def near_surface(surface, boundaries, constituents, radius, skin, period):
+    """Constituents closer than skin (m) to walls, or to solids: sorted (constituent, partner) of
+    Contacts."""
+    bodies, count = surface.boundary.shape[0], 0
+    planes, faces, size, motion = surface.planes, surface.faces, surface.radius, boundaries.motion
+    constituent = np.empty(constituents.shape[0] * bodies, np.uint32)
     partner = np.empty_like(constituent)
     for i in range(constituents.shape[0]):
-        for q in range(solids):
+        x, y = constituents[i, X], constituents[i, Y]
+        for q in range(bodies):
             b = surface.boundary[q]
-            dx = nearest(period[0], constituents[i, X] - motion[b, X])
-            dy = nearest(period[1], constituents[i, Y] - motion[b, Y])
-            if is_near(surface, boundaries, b, dx, dy, radius[i], skin):
+            dx, dy = nearest(period[0], x - motion[b, X]), nearest(period[1], y - motion[b, Y])
+            if planes is not None:
+                near = x * planes[b, 0] + y * planes[b, 1] + radius[i] + skin > planes[b, 2]
+            elif faces is not None:
+                near = distance_from(faces, boundaries, b, dx, dy) < radius[i] + skin
+            else:
+                reach = radius[i] + (boundaries.reach[b] if size is None else size[b]) + skin
+                near = dx * dx + dy * dy < reach * reach
+            if near:
                 constituent[count], partner[count] = i, b
                 count += 1
     return constituent[:count].copy(), partner[:count].copy()

@@ -15,39 +15,41 @@ from dem.base.types import refuse
 
 # of a World: what the scene holds, and what part step writes before it reads
 LEFT_OUT = "world.shape.", "world.lanes.motion", "world.lanes.values"
-SEAL = "seal"
+NUMBERS = np.ndarray, int, float
+SEAL = "sha256"
 
 
-def named_arrays(tree, path="world") -> dict:
-    """All arrays of a tree of named tuples, by their path in it; no copies."""
-    if isinstance(tree, np.ndarray):
-        return {path: tree}
-    arrays = {}
-    for name in getattr(tree, "_fields", ()):
-        arrays |= named_arrays(getattr(tree, name), f"{path}.{name}")
-    return arrays
+def mapped(tree, change, path=""):
+    """The tree of named tuples with change(part, path) in place of each part that is none."""
+    if not hasattr(tree, "_fields"):
+        return change(tree, path)
+    parts = zip(tree._fields, tree, strict=True)
+    return tree._make(mapped(part, change, f"{path}.{name}") for name, part in parts)
 
 
 def read_only(tree):
     """The tree with views of its arrays that cannot be written."""
-    if isinstance(tree, np.ndarray):
-        view = tree.view()
-        view.flags.writeable = False
-        return view
-    return tree._make(map(read_only, tree)) if hasattr(tree, "_fields") else tree
+
+    def viewed(part, path):
+        if isinstance(part, np.ndarray):
+            part = part.view()
+            part.flags.writeable = False
+        return part
+
+    return mapped(tree, viewed)
 
 
 def writable(tree):
     """The tree with copies of its arrays, which can be written; two that were one stay one."""
     copies = {}
 
-    def copied(part):
+    def copied(part, path):
         if isinstance(part, np.ndarray):
             key = part.ctypes.data, part.shape, part.dtype
             return copies.setdefault(key, part.copy())
-        return part._make(map(copied, part)) if hasattr(part, "_fields") else part
+        return part
 
-    return copied(tree)
+    return mapped(tree, copied)
 
 
 def spelled(tree):
@@ -67,27 +69,16 @@ def fingerprint(*values) -> np.ndarray:
     return np.frombuffer(hashlib.sha256(repr(spelled(values)).encode()).digest(), np.uint8)
 
 
-def numbers_of(tree) -> list[float]:
-    """All numbers of a tree of named tuples, in order."""
-    nested = [numbers_of(part) if hasattr(part, "_fields") else [float(part)] for part in tree]
-    return [number for part in nested for number in part]
+def written(**trees) -> dict:
+    """A checkpoint: copies of the arrays and numbers that a run changes, by their path in trees."""
+    arrays = {}
 
+    def keep(part, path):
+        if isinstance(part, NUMBERS) and not path.startswith(LEFT_OUT):
+            arrays[path] = np.array(part)
 
-def with_numbers(tree, numbers):
-    """The tree with these numbers in place of its own."""
-    left = iter(numbers)
-
-    def filled(part):
-        return part._make(map(filled, part)) if hasattr(part, "_fields") else type(part)(next(left))
-
-    return filled(tree)
-
-
-def written(world, **more) -> dict:
-    """A checkpoint: copies of the arrays of a World that a run changes, by their path in it, and
-    more."""
-    arrays = {k: v.copy() for k, v in named_arrays(world).items() if not k.startswith(LEFT_OUT)}
-    arrays |= {name: np.array(value) for name, value in more.items()}
+    for name, tree in trees.items():
+        mapped(tree, keep, name)
     return arrays | {SEAL: fingerprint(*sorted(arrays.items()))}
 
 
@@ -106,15 +97,19 @@ def read(saved) -> dict:
     return arrays
 
 
-def replaced(tree, arrays: dict, path="world"):
-    """The tree with the arrays of a checkpoint. One of the same shape is overwritten in place, so
-    that two that are one stay one."""
-    if isinstance(tree, np.ndarray):
-        saved = arrays.get(path, tree)
-        if saved.shape != tree.shape:
+def replaced(tree, arrays: dict, path):
+    """The tree with what a checkpoint has for it. An array of the same shape is overwritten in
+    place, so that two that are one stay one."""
+
+    def taken(part, path):
+        saved = arrays.get(path)
+        if saved is None:
+            return part
+        if not isinstance(part, np.ndarray):
+            return type(part)(saved)
+        if saved.shape != part.shape:
             return saved.copy()
-        tree[...] = saved
-        return tree
-    if not hasattr(tree, "_fields"):
-        return tree
-    return tree._make(replaced(getattr(tree, k), arrays, f"{path}.{k}") for k in tree._fields)
+        part[...] = saved
+        return part
+
+    return mapped(tree, taken, path)

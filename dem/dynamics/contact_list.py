@@ -9,6 +9,7 @@ import numpy as np
 
 from dem.contacts.blocks import last_normal, put, shifted
 from dem.contacts.response import measure_of, respond, stiffness_of
+from dem.dynamics.checkpoint import writable
 from dem.dynamics.world import Surface
 from dem.jit.address import by_address
 from dem.jit.columns import VX, VY, W, X, Y
@@ -32,41 +33,6 @@ NOT_OF_RESPONSE = (
 )
 
 
-@inlined
-def wall_contact(planes, shape, one, x, y, b):
-    """Overlap, normal, arms and curvature of a constituent at x, y and wall b."""
-    nx, ny = planes[b, 0], planes[b, 1]
-    reach, t1, rho = support(shape, one, nx, ny)
-    overlap = reach + x * nx + y * ny - planes[b, 2]
-    return overlap, nx, ny, reach - 0.5 * overlap, either(t1, 0.0), rho
-
-
-@inlined
-def contact_with(two, shape, one, contacts, p, dx, dy):
-    """The same of a constituent and another outline, dx, dy (m) from it."""
-    dx, dy = shifted(contacts, p, dx, dy)
-    contact = solve_contact(shape, dx, dy, one, two, last_normal(contacts, p))
-    return (
-        contact.overlap,
-        contact.nx,
-        contact.ny,
-        contact.n1,
-        either(contact.t1, 0.0),
-        contact.radius,
-    )
-
-
-@inlined
-def polygon_contact_of(surface, frames, shape, one, p, dx, dy):
-    """The same of a constituent and a polygon; frames: Boundaries.orientation."""
-    contacts = surface.contacts
-    dx, dy = shifted(contacts, p, dx, dy)
-    guess, b = last_normal(contacts, p), contacts.partner[p]
-    contact = polygon_contact(surface.faces, b, frames, shape, one, dx, dy, guess)
-    overlap, nx, ny, n1, t1, _, _, rho = contact
-    return overlap, nx, ny, n1, t1, rho
-
-
 @compiled(allocates=True)
 def geometries(shape, motion, orientation, others, frames, surface):
     """Rows (m, 6), one per listed contact with a surface, or between granules (`pairs_of`), seen
@@ -78,22 +44,26 @@ def geometries(shape, motion, orientation, others, frames, surface):
     for p in range(rows.shape[0]):
         i, j = contacts.constituent[p], contacts.partner[p]
         one, x, y = outline(shape, i, orientation), motion[i, X], motion[i, Y]
-        dx, dy = others[j, X] - x, others[j, Y] - y
+        dx, dy = shifted(contacts, p, others[j, X] - x, others[j, Y] - y)
+        guess = last_normal(contacts, p)
         if planes is not None:
-            contact = wall_contact(planes, shape, one, x, y, j)
+            nx, ny = planes[j, 0], planes[j, 1]
+            reach, t1, rho = support(shape, one, nx, ny)
+            overlap = reach + x * nx + y * ny - planes[j, 2]
+            contact = overlap, nx, ny, reach - 0.5 * overlap, t1, None, None, rho
         elif radius is not None:
-            contact = contact_with(circle(shape, radius[j]), shape, one, contacts, p, dx, dy)
+            contact = solve_contact(shape, dx, dy, one, circle(shape, radius[j]), guess)
         elif outlines is not None:
             one = outline_among(outlines, shape, i, orientation)
-            contact = contact_with(outline(outlines, j, frames), outlines, one, contacts, p, dx, dy)
+            contact = solve_contact(outlines, dx, dy, one, outline(outlines, j, frames), guess)
         elif faces is not None:
-            contact = polygon_contact_of(surface, frames, shape, one, p, dx, dy)
+            contact = polygon_contact(faces, j, frames, shape, one, dx, dy, guess)
         else:
-            contact = contact_with(outline(shape, j, orientation), shape, one, contacts, p, dx, dy)
-        constant = stiffness_of(contacts, p, contact[5])
+            contact = solve_contact(shape, dx, dy, one, outline(shape, j, orientation), guess)
+        overlap, nx, ny, n1, t1, _, _, rho = contact
         # number by number, because a row brings in the text of its error message
-        rows[p, 0], rows[p, 1], rows[p, 2] = contact[0], contact[1], contact[2]
-        rows[p, 3], rows[p, 4], rows[p, 5] = contact[3], contact[4], constant
+        rows[p, 0], rows[p, 1], rows[p, 2], rows[p, 3] = overlap, nx, ny, n1
+        rows[p, 4], rows[p, 5] = either(t1, 0.0), stiffness_of(contacts, p, rho)
     return rows
 
 
@@ -135,37 +105,36 @@ def deeper(worst, overlap, i, size):
 
 
 @inlined
-def deepest_with(surface, world, table, worst):
-    """Greatest overlap over the smaller radius, and its constituent, with walls or solids too."""
-    if surface is None:
-        return worst
-    motion, others = world.constituents, world.boundaries
-    rows = geometries(
-        world.shape, motion, world.orientation, others.motion, others.orientation, surface
-    )
-    for p in range(rows.shape[0]):
-        if not rows[p, 0] <= 0.0:
-            i = np.int64(surface.contacts.constituent[p])
-            worst = deeper(worst, rows[p, 0], i, table.radius[i])
-    return worst
+def deepest_of(surface, others, world, table, worst):
+    """How many contacts of a surface, or between granules, touch, and the greater of `worst` and of
+    their relative overlaps; others: motion of the partners."""
+    touching = 0
+    if surface is not None:
+        contacts, frames = surface.contacts, world.boundaries.orientation
+        motion, orientation = world.constituents, world.orientation
+        rows = geometries(world.shape, motion, orientation, others, frames, surface)
+        for p in range(rows.shape[0]):
+            if not rows[p, 0] <= 0.0:
+                i, j = np.int64(contacts.constituent[p]), np.int64(contacts.partner[p])
+                size = table.radius[i]
+                if contacts.first is not None:
+                    size = min(size, table.radius[j])
+                touching += 1
+                worst = deeper(worst, rows[p, 0], i, size)
+    return touching, worst
 
 
 @compiled(allocates=True)
 def contact_summary(world, table):
     """Number of pairs of constituents that touch, greatest overlap over the smaller radius, its
     constituent."""
-    view, touching, worst = by_address(world), 0, (0.0, 0)
-    pairs, motion = view.pairs, view.constituents
-    rows = geometries(view.shape, motion, view.orientation, motion, None, pairs_of(view))
-    for p in range(rows.shape[0]):
-        if not rows[p, 0] <= 0.0:
-            i, j = np.int64(pairs.constituent[p]), np.int64(pairs.partner[p])
-            touching += 1
-            worst = deeper(worst, rows[p, 0], i, min(table.radius[i], table.radius[j]))
-    worst = deepest_with(view.walls, view, table, worst)
-    worst = deepest_with(view.circles, view, table, worst)
-    worst = deepest_with(view.outlines, view, table, worst)
-    worst = deepest_with(view.polygons, view, table, worst)
+    view, none = by_address(world), (0.0, 0)
+    others = view.boundaries.motion
+    touching, worst = deepest_of(pairs_of(view), view.constituents, view, table, none)
+    worst = deepest_of(view.walls, others, view, table, worst)[1]
+    worst = deepest_of(view.circles, others, view, table, worst)[1]
+    worst = deepest_of(view.outlines, others, view, table, worst)[1]
+    worst = deepest_of(view.polygons, others, view, table, worst)[1]
     return touching, worst[0], worst[1]
 
 
@@ -227,33 +196,30 @@ def list_contacts(world, names: np.ndarray) -> ContactList:
         else:
             second = motion[partner]
             partner = -1 - partner + (walls if surface.planes is None else -numbers)
-        parts.append(_columns(world, names, surface.contacts, rows, partner, second))
+        columns = _columns(world, names, surface.contacts, rows, partner, second)
+        parts.append([column[rows[:, 0] > 0.0] for column in columns])
     return ContactList(*map(np.concatenate, zip(*parts, strict=True)))
 
 
 def _columns(world, names, listed, geometries, partner, second):
-    """Columns of ContactList for the listed contacts that touch; second: motion of the partners."""
-    touch = geometries[:, 0] > 0.0
-    constituent = listed.constituent[touch].astype(np.int64)
-    granule = world.shape.owner[constituent]
-    partner, first, second = partner[touch], world.bodies[granule], second[touch]
+    """Columns of ContactList for all listed contacts; second: motion of the partners."""
+    granule = world.shape.owner[listed.constituent]
+    first, centre = world.bodies[granule], world.constituents[listed.constituent][:, [X, Y]]
     for column, shift in ((X, listed.shift_x), (Y, listed.shift_y)):
         if shift is not None:
-            second[:, column] += shift[touch]
-    overlap, nx, ny, n1, t1, constant = geometries[touch].T.copy()
+            second[:, column] += shift
+    overlap, nx, ny, n1, t1, constant = geometries.T.copy()
     normal, tangent = np.column_stack([nx, ny]), np.column_stack([-ny, nx])
-    point = world.constituents[constituent][:, [X, Y]] + n1[:, None] * normal
+    point = centre + n1[:, None] * normal
     point += t1[:, None] * tangent
     apart = second[:, [X, Y]] - first[:, [X, Y]]
     branch = np.where(partner[:, None] >= 0, apart, point - first[:, [X, Y]])
     nearing = _velocity(second, point) - _velocity(first, point)
     rates = np.column_stack([(nearing * normal).sum(axis=1), (nearing * tangent).sum(axis=1)])
-    pushed = np.empty((len(rates), 3))
-    _respond_now(_copied(listed, touch, constant), overlap, normal, rates, pushed)
-    spring, moment = (
-        np.zeros(len(granule)) if memory is None else memory[touch]
-        for memory in (listed.tangential_force, listed.rolling_moment)
-    )
+    pushed, none = np.empty((len(rates), 3)), np.zeros(len(granule))
+    # a response remembers, and the bed must not see it
+    copy = writable(listed._replace(stiffness=constant, **dict.fromkeys(NOT_OF_RESPONSE)))
+    _respond_now(copy, np.maximum(overlap, 0.0), normal, rates, pushed)
     return (
         names[granule],
         partner,
@@ -262,9 +228,9 @@ def _columns(world, names, listed, geometries, partner, second):
         branch,
         overlap,
         pushed[:, 2],
-        spring,
+        none if listed.tangential_force is None else listed.tangential_force,
         pushed[:, :1] * normal + pushed[:, 1:2] * tangent,
-        moment,
+        none if listed.rolling_moment is None else listed.rolling_moment,
     )
 
 
@@ -272,22 +238,6 @@ def _velocity(motion, point):
     """Velocity (m, 2) in m/s of bodies at points: motion (m, 8), rows of dem.jit.columns."""
     arm, spin = point - motion[:, [X, Y]], motion[:, [W]]
     return motion[:, [VX, VY]] + spin * np.column_stack([-arm[:, 1], arm[:, 0]])
-
-
-def _copied(listed, touch, constant):
-    """Those that touch, to be written to: a response remembers, and the bed must not see it."""
-    kept = {"stiffness": constant} | dict.fromkeys(NOT_OF_RESPONSE)
-    if listed.length is not None:
-        kept["length"] = listed.length[touch]
-    if listed.damping is not None:
-        kept["damping"] = listed.damping[touch]
-    if listed.mass_ratio is not None:
-        kept["mass_ratio"] = listed.mass_ratio[:, touch]
-    if listed.friction is not None:
-        kept["friction"] = np.ascontiguousarray(listed.friction[:, touch])
-        kept["tangential_force"] = listed.tangential_force[touch]
-        kept["measure"] = np.empty(len(constant))
-    return listed._replace(**kept)
 
 
 @compiled

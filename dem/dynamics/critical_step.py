@@ -26,9 +26,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.contacts.response import rolling_stiffness
+from dem.contacts.response import dashpot_constant, measure_of, rolling_stiffness
+from dem.dynamics.world import DAMPING_RATIO, STIFFNESS_RATIO
 from dem.jit.compilation import inlined
-from dem.jit.optional import optional, times
+from dem.jit.optional import times
 from dem.laws.protocol import root, slope
 
 # Columns of `rows` (bodies, 12): xx, xy, yy, xr, yr, rr of stiffness (1/s2), then of damping (1/s)
@@ -51,40 +52,43 @@ class Bounds(NamedTuple):
     least: float
 
 
-@inlined
-def weight(table, i, arm):
-    """Mass-weighted size of translation and of rotation of granule i at a contact (kg^-0.5).
+class Body(NamedTuple):
+    """One of the two bodies at a contact.
 
-    table: dem.dynamics.assembly.GranuleTable; arm: moment arm of the force (m).
+    Attributes
+    ----------
+    row : int
+        Its row of Bounds.
+    size, spin : float
+        1/sqrt(m) (kg^-0.5) and 1/sqrt(I) (kg^-0.5 m^-1), zero for one that no force moves or turns.
+    arms : tuple of float
+        Moment arms (m) of the normal and of the tangential force about its centre.
+    bend : float
+        As GranuleTable.bend (1/(kg m)).
     """
-    spin, root_inverse_inertia = 0.0, table.root_inverse_inertia
-    if root_inverse_inertia is not None:
-        spin = arm * root_inverse_inertia[i]
-    return table.root_inverse_mass[i], spin
+
+    row: int
+    size: float
+    spin: float
+    arms: tuple[float, float]
+    bend: float
 
 
 @inlined
-def magnitude(size):
-    """|g| of g = (size[0] e, size[1]), with e a unit vector.
-
-    The arm of the normal force on a disc is only rounding: below 1e-9 of the rest it changes no
-    digit.
-    """
-    if abs(size[1]) <= 1e-9 * size[0]:
-        return size[0]
-    return math.hypot(size[0], size[1])
+def weight(body, kind):
+    """Mass-weighted size of translation and of rotation of a body (kg^-0.5), for the normal force
+    (kind 0) or the tangential force (1) of a contact."""
+    return body.size, body.arms[kind] * body.spin
 
 
 @inlined
 def add(rows, i, column, modulus, direction, size):
     """Add modulus g g^T, g = (size[0] e, size[1]) with e the direction, to one row of granule i."""
-    gx, gy, spin = size[0] * direction[0], size[0] * direction[1], size[1]
-    rows[i, column] += modulus * gx * gx
-    rows[i, column + 1] += modulus * gx * gy
-    rows[i, column + 2] += modulus * gy * gy
-    rows[i, column + 3] += modulus * gx * spin
-    rows[i, column + 4] += modulus * gy * spin
-    rows[i, column + 5] += modulus * spin * spin
+    g = size[0] * direction[0], size[0] * direction[1], size[1]
+    for a in range(3):
+        for b in range(a + 1):
+            rows[i, column] += modulus * g[b] * g[a]
+            column += 1
 
 
 @inlined
@@ -95,7 +99,7 @@ def add_pair(rows, pair, k, c, direction, weights):
     for a body that no force moves.
     """
     one, two = weights
-    first, second = magnitude(one), magnitude(two)
+    first, second = math.sqrt(one[0] ** 2 + one[1] ** 2), math.sqrt(two[0] ** 2 + two[1] ** 2)
     factor_1, factor_2 = 1.0 + second / max(first, TINY), 1.0 + first / max(second, TINY)
     add(rows, pair[0], STIFFNESS, factor_1 * k, direction, one)
     add(rows, pair[1], STIFFNESS, factor_2 * k, direction, two)
@@ -105,40 +109,31 @@ def add_pair(rows, pair, k, c, direction, weights):
 
 
 @inlined
-def add_contact(law, rows, pair, friction, spring, normal, along, across):
-    """Stiffness and damping of a contact; returns its normal stiffness (N/m).
+def add_contact(contacts, p, bounds, geometry, pair, one, two):
+    """Stiffness and damping of contact p between two bodies, in a pair of rows.
 
-    friction: tangential over normal stiffness and damping, or None; spring: constant and measure of
-    the law, normal damping (N s/m, or None); along, across: weights of both bodies for the normal
-    and for the tangential force.
+    geometry: overlap (m; negative: a gap), normal, and constant K of the law.
     """
-    constant, measured, damping = spring
+    overlap, nx, ny, constant = geometry
+    law, rows, held = contacts.law, bounds.rows, max(overlap, bounds.least)
+    friction, rolling, measured = contacts.friction, contacts.rolling, measure_of(contacts, p, held)
+    damping = times(
+        dashpot_constant(contacts.damping, contacts.mass_ratio, p, nx, ny),
+        root(law, held, measured),
+    )
     k = slope(law, constant, measured)
-    add_pair(rows, pair, k, damping, normal, along)
+    add_pair(rows, pair, k, damping, (nx, ny), (weight(one, 0), weight(two, 0)))
     if friction is not None:
-        k_t = friction[0] * constant * measured
-        c_t = times(friction[1], damping)
-        add_pair(rows, pair, k_t, c_t, (-normal[1], normal[0]), across)
-    return k
-
-
-@optional
-def add_rolling(rolling, contacts, rows, pair, p, elastic, spins):
-    """Rolling stiffness and damping of contact p.
-
-    elastic: constant of the law, overlap (m) and its measure; spins: 1/sqrt(I) of both bodies
-    (kg^-0.5 m^-1), zero for one that no torque turns.
-    """
-    constant, overlap, measured = elastic
-    k = rolling_stiffness(contacts, p, constant) * measured
-    c = rolling[1, p] * root(contacts.law, overlap, measured)
-    add_pair(rows, pair, k, c, (0.0, 0.0), ((0.0, spins[0]), (0.0, spins[1])))
-
-
-@inlined
-def add_force_stiffness(rows, i, k, overlap, bend):
-    """What the force at a contact of normal stiffness k (N/m) can add to the rotation."""
-    rows[i, STIFFNESS + 5] += k * max(overlap, 0.0) * bend
+        k_t = friction[STIFFNESS_RATIO, p] * constant * measured
+        c_t = times(friction[DAMPING_RATIO, p], damping)
+        add_pair(rows, pair, k_t, c_t, (-ny, nx), (weight(one, 1), weight(two, 1)))
+    if rolling is not None:
+        k_r = rolling_stiffness(contacts, p, constant) * measured
+        c_r = rolling[1, p] * root(law, held, measured)
+        add_pair(rows, pair, k_r, c_r, (0.0, 0.0), ((0.0, one.spin), (0.0, two.spin)))
+    # what the force can add to the rotation
+    rows[pair[0], STIFFNESS + 5] += k * max(overlap, 0.0) * one.bend
+    rows[pair[1], STIFFNESS + 5] += k * max(overlap, 0.0) * two.bend
 
 
 @inlined

@@ -5,27 +5,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.contacts.blocks import last_normal, shifted, take
-from dem.contacts.response import dashpot_constant, measure_of, stiffness_of
+from dem.contacts.blocks import last_normal, shifted
+from dem.contacts.response import stiffness_of
 from dem.dynamics.boundaries import boundary_weight, driven_acceleration, fastest
 from dem.dynamics.contact_list import deeper, geometries
 from dem.dynamics.critical_step import (
     COLUMNS,
+    Body,
     Bounds,
     add_contact,
-    add_force_stiffness,
-    add_rolling,
     shortest,
     stable_step,
-    weight,
 )
 from dem.dynamics.energy import kinetic
 from dem.dynamics.forces import clear, greater
-from dem.dynamics.world import DAMPING_RATIO, INVERSE_MASS, STIFFNESS_RATIO
+from dem.dynamics.world import INVERSE_MASS
 from dem.jit.address import by_address, local
 from dem.jit.columns import FX, FY, TAU, X, Y
 from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import either, optional, times
+from dem.jit.optional import either
 from dem.laws.protocol import impact_overlap, length, measure, root, slope, stiffest
 from dem.shapes.protocol import collect, first_of, outline, owner_of, solve_contact
 
@@ -62,28 +60,30 @@ class Diagnostics(NamedTuple):
 
 
 @inlined
-def moment_arms(granules, constituents, g, i, normal, point):
-    """Moment arms (m) of the normal and of the tangential force about the centre of granule g.
+def body_of(world, table, g, i, normal, point):
+    """Granule g at a contact of constituent i as a Body: its group where it is held.
 
     The contact is at point[0] n + point[1] t from the centre of constituent i.
     """
-    nx, ny = normal
+    (nx, ny), granules, constituents = normal, world.bodies, world.constituents
     x = constituents[i, X] - granules[g, X] + point[0] * nx - point[1] * ny
     y = constituents[i, Y] - granules[g, Y] + point[0] * ny + point[1] * nx
-    return x * ny - y * nx, x * nx + y * ny
+    arms, held, spin = (x * ny - y * nx, x * nx + y * ny), world.held, 0.0
+    if held is not None and held.group[g] >= 0:
+        return boundary_of(world, table, held.group[g], arms)
+    if world.inverse_inertia is not None:
+        spin = math.sqrt(world.inverse_inertia[g])
+    return Body(g, math.sqrt(world.inverse_mass[g]), spin, arms, table.bend[g])
 
 
 @inlined
-def body_of(world, table, g, arms):
-    """Row of Bounds for granule g, and `weight` for both arms: those of its group where it is
-    held."""
-    held = world.held
-    if held is not None:
-        b = held.group[g]
-        if b >= 0:
-            size = boundary_weight(world.boundaries, b, 0.0)
-            return held.group.shape[0] + b, size, size
-    return g, weight(table, g, arms[0]), weight(table, g, arms[1])
+def boundary_of(world, table, b, arms):
+    """Boundary b at a contact as a Body."""
+    boundaries = world.boundaries
+    size, spin = boundary_weight(boundaries, b, 1.0)
+    # a flat side has no curvature: its size bounds the arm
+    bend = table.bulk * boundaries.reach[b] * boundaries.drive[b, INVERSE_MASS + 2]
+    return Body(world.bodies.shape[0] + b, size, spin, arms, bend)
 
 
 @compiled
@@ -97,10 +97,9 @@ def scan_pairs(world, table, bounds, begin, end, spare):
     """
     view = by_address(world)
     shape, motion, orientation = view.shape, view.constituents, view.orientation
-    granules, contacts, table = view.bodies, local(view.pairs), local(table)
-    rows, least, radius = bounds.rows, bounds.least, table.radius
+    contacts, table, radius = local(view.pairs), local(table), table.radius
     touching, worst = 0, (0.0, 0)
-    clear(rows, begin, end)
+    clear(bounds.rows, begin, end)
     low, high = first_of(shape, begin), first_of(shape, end)
     for i in range(high):
         one = outline(shape, i, orientation)
@@ -117,35 +116,15 @@ def scan_pairs(world, table, bounds, begin, end, spare):
             if i >= low and not overlap <= 0.0:
                 touching += 1
                 worst = deeper(worst, overlap, i, min(radius[i], radius[j]))
-            # Stiffness and damping, from the surfaces of both bodies, not the middle of a gap
-            law, held, constant = contacts.law, max(overlap, least), stiffness_of(contacts, p, rho)
-            measured, g, h = measure_of(contacts, p, held), owner_of(shape, i), owner_of(shape, j)
-            apart = 0.5 * min(overlap, 0.0)
-            point_1, point_2 = (n1 + apart, either(t1, 0.0)), (-n2 - apart, either(t2, 0.0))
-            arms_1 = moment_arms(granules, motion, g, i, (nx, ny), point_1)
-            arms_2 = moment_arms(granules, motion, h, j, (nx, ny), point_2)
-            damping = times(
-                dashpot_constant(contacts.damping, contacts.mass_ratio, p, nx, ny),
-                root(law, held, measured),
-            )
-            spring = constant, measured, damping
-            body_1, body_2 = body_of(view, table, g, arms_1), body_of(view, table, h, arms_2)
-            pair = body_1[0] if i >= low else spare, body_2[0] if j < high else spare
-            along, across = (body_1[1], body_2[1]), (body_1[2], body_2[2])
-            friction = friction_of(contacts.friction, p)
-            k = add_contact(law, rows, pair, friction, spring, (nx, ny), along, across)
-            spins, elastic = table.root_inverse_inertia, (constant, held, measured)
-            spins = take(contacts.rolling, spins, g), take(contacts.rolling, spins, h)
-            add_rolling(contacts.rolling, contacts, rows, pair, p, elastic, spins)
-            add_force_stiffness(rows, pair[0], k, overlap, table.bend[g])
-            add_force_stiffness(rows, pair[1], k, overlap, table.bend[h])
+            # the points are on the surfaces of both bodies, not in the middle of a gap
+            apart, t1, t2 = 0.5 * min(overlap, 0.0), either(t1, 0.0), either(t2, 0.0)
+            g, h, normal = owner_of(shape, i), owner_of(shape, j), (nx, ny)
+            body_1 = body_of(view, table, g, i, normal, (n1 + apart, t1))
+            body_2 = body_of(view, table, h, j, normal, (-n2 - apart, t2))
+            pair = body_1.row if i >= low else spare, body_2.row if j < high else spare
+            geometry = overlap, nx, ny, stiffness_of(contacts, p, rho)
+            add_contact(contacts, p, bounds, geometry, pair, body_1, body_2)
     return touching, worst
-
-
-@optional
-def friction_of(friction, p):
-    """Tangential over normal stiffness and damping of contact p, without unit."""
-    return friction[STIFFNESS_RATIO, p], friction[DAMPING_RATIO, p]
 
 
 @inlined
@@ -162,8 +141,7 @@ def scan_surface(surface, world, table, bounds, worst):
 @compiled(allocates=True)
 def scan_contacts(surface, world, table, bounds, worst):
     """`scan_surface` of a surface that the scene has."""
-    boundaries, rows = world.boundaries, bounds.rows
-    granules, motion = world.bodies, world.constituents
+    boundaries, motion = world.boundaries, world.constituents
     moving, frames = boundaries.motion, boundaries.orientation
     contact = geometries(world.shape, motion, world.orientation, moving, frames, surface)
     contacts, constants = local(surface.contacts), local(table)
@@ -174,32 +152,14 @@ def scan_contacts(surface, world, table, bounds, worst):
         n1, t1, constant = contact[p, 3], contact[p, 4], contact[p, 5]
         if not overlap <= 0.0:
             worst = deeper(worst, overlap, i, constants.radius[i])
-        law, held = contacts.law, max(overlap, bounds.least)
-        measured = measure_of(contacts, p, held)
         n1 += 0.5 * min(overlap, 0.0)
-        arms = moment_arms(granules, motion, g, i, (nx, ny), (n1, t1))
-        damping = times(
-            dashpot_constant(contacts.damping, contacts.mass_ratio, p, nx, ny),
-            root(law, held, measured),
-        )
-        spring = constant, measured, damping
-        row, along, across = body_of(world, constants, g, arms)
-        pair, far = (row, granules.shape[0] + b), (0.0, 0.0)
+        one, far = body_of(world, constants, g, i, (nx, ny), (n1, t1)), (0.0, 0.0)
         if surface.planes is None:
             dx, dy = shifted(contacts, p, moving[b, X] - motion[i, X], moving[b, Y] - motion[i, Y])
             x, y = n1 * nx - t1 * ny - dx, n1 * ny + t1 * nx - dy
             far = x * ny - y * nx, x * nx + y * ny
-        along = along, boundary_weight(boundaries, b, far[0])
-        across = across, boundary_weight(boundaries, b, far[1])
-        friction = friction_of(contacts.friction, p)
-        k = add_contact(law, rows, pair, friction, spring, (nx, ny), along, across)
-        spin = take(contacts.rolling, constants.root_inverse_inertia, g)
-        spins, elastic = (spin, boundary_weight(boundaries, b, 1.0)[1]), (constant, held, measured)
-        add_rolling(contacts.rolling, contacts, rows, pair, p, elastic, spins)
-        add_force_stiffness(rows, g, k, overlap, constants.bend[g])
-        if boundaries.reach[b] > 0.0:  # a flat side has no curvature: its size bounds the arm
-            bend = constants.bulk * boundaries.reach[b] * boundaries.drive[b, INVERSE_MASS + 2]
-            add_force_stiffness(rows, pair[1], k, overlap, bend)
+        two, geometry = boundary_of(world, constants, b, far), (overlap, nx, ny, constant)
+        add_contact(contacts, p, bounds, geometry, (one.row, two.row), one, two)
     return worst
 
 
@@ -223,6 +183,13 @@ def expected_speed(world, skin, speed_bound):
     squared += 2.0 * skin * driven_acceleration(world.boundaries)
     squared += 2.0 * skin * math.sqrt(gravity[0] ** 2 + gravity[1] ** 2)
     return math.sqrt(squared)
+
+
+@inlined
+def usual_overlap(table, speed):
+    """Overlap (m) of a collision of two mean granules at a speed (m/s), which is not too small."""
+    radius, mass = 0.5 * table.mean_radius, 0.5 * table.mean_mass
+    return max(impact_overlap(table.law, table.modulus, radius, mass, speed), 1e-8 * radius)
 
 
 @inlined
@@ -278,10 +245,7 @@ def begin_scan(world, table, later, frame, spare):
     collect(view.shape, view.constituent_force, view.orientation, view.force, 0, granules)
     energy, speed_bound = kinetic(view, later, frame)
     speed = expected_speed(view, constants.skin, speed_bound)
-    radius, mass = 0.5 * constants.mean_radius, 0.5 * constants.mean_mass
-    least = impact_overlap(constants.law, constants.modulus, radius, mass, speed)
-    least = max(least, 1e-8 * radius)
-    return energy, speed, empty_bounds(view, least, spare)
+    return energy, speed, empty_bounds(view, usual_overlap(constants, speed), spare)
 
 
 @compiled(allocates=True)

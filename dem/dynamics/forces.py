@@ -51,23 +51,6 @@ def displaced(motion, reference, i):
 
 
 @inlined
-def farthest(motion, reference, low, high, limit):
-    """Largest squared displacement (m2) of constituents low to high; 0 if none is above `limit`.
-
-    Nearly always none is: to ask that is fast, because no granule waits for the one before.
-    """
-    far, largest = False, 0.0
-    for i in range(low, high):
-        if not displaced(motion, reference, i) <= limit:
-            far = True
-            break
-    if far:
-        for i in range(low, high):
-            largest = greater(largest, displaced(motion, reference, i))
-    return largest
-
-
-@inlined
 def sum_held_forces(world):
     """Sum up what the contacts exert on each held group, in one order for any number of threads."""
     held, force, on = world.held, world.constituent_force, world.boundaries.force
@@ -77,8 +60,8 @@ def sum_held_forces(world):
         for q in range(member.shape[0]):
             b = held.group[member[q]]
             for row in range(first_of(shape, member[q]), first_of(shape, member[q] + 1)):
-                on[b, FX] += force[row, FX]
-                on[b, FY] += force[row, FY]
+                for c in range(2):
+                    on[b, FX + c] += force[row, FX + c]
         for b in range(held.first, on.shape[0]):
             contact_forces[b, 0], contact_forces[b, 1] = on[b, FX], on[b, FY]
 
@@ -134,9 +117,19 @@ def add_forces_across_patches(world, patch):
 
 @compiled
 def farthest_of(world, patch, limit):
-    """`farthest` of a patch."""
+    """Largest squared displacement (m2) of the constituents of a patch; 0 if none is above `limit`.
+
+    Nearly always none is: to ask that is fast, because no granule waits for the one before.
+    """
+    motion, reference = world.constituents, world.reference
     low, high = constituents_of(world, patch)
-    return farthest(world.constituents, world.reference, low, high, limit)
+    for first in range(low, high):
+        if not displaced(motion, reference, first) <= limit:
+            largest = 0.0
+            for i in range(first, high):
+                largest = greater(largest, displaced(motion, reference, i))
+            return largest
+    return 0.0
 
 
 @compiled

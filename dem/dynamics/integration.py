@@ -27,7 +27,7 @@ from dem.dynamics.forces import (
 )
 from dem.dynamics.threads import LINE, barrier, leads, share_of
 from dem.dynamics.world import at_full_steps, granules_of, number_of_patches
-from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
+from dem.jit.columns import DVX, DW, FX, TAU, VX, W, X
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import given, minus, plus
 from dem.shapes.protocol import collect, place
@@ -56,22 +56,18 @@ def drift(world, kick, dt, low, high):
     """
     bodies, force, half = world.bodies, world.force, 0.5 * dt
     inverse_mass, inverse_inertia = world.inverse_mass, world.inverse_inertia
-    orientation, angle, (gx, gy) = world.orientation, world.angle, world.gravity
+    orientation, angle, gravity = world.orientation, world.angle, world.gravity
     previous, full = world.previous_acceleration, at_full_steps(world)
     collect(world.shape, world.constituent_force, orientation, force, low, high)
     for number in range(low, high):
         i = np.uint64(number)  # unsigned: no test for an index that counts from the end
-        ax, ay = force[i, FX] * inverse_mass[i] + gx, force[i, FY] * inverse_mass[i] + gy
-        vx = minus(bodies[i, VX], given(full, bodies[i, DVX])) + kick * ax
-        vy = minus(bodies[i, VY], given(full, bodies[i, DVY])) + kick * ay
-        dvx = half * extrapolated(previous, i, FX, ax)
-        dvy = half * extrapolated(previous, i, FY, ay)
-        bodies[i, VX] = plus(vx, given(full, dvx))
-        bodies[i, VY] = plus(vy, given(full, dvy))
-        bodies[i, X] += dt * vx
-        bodies[i, Y] += dt * vy
-        bodies[i, DVX] = dvx
-        bodies[i, DVY] = dvy
+        for c in range(2):
+            a = force[i, FX + c] * inverse_mass[i] + gravity[c]
+            v = minus(bodies[i, VX + c], given(full, bodies[i, DVX + c])) + kick * a
+            dv = half * extrapolated(previous, i, FX + c, a)
+            bodies[i, VX + c] = plus(v, given(full, dv))
+            bodies[i, X + c] += dt * v
+            bodies[i, DVX + c] = dv
         if inverse_inertia is not None:
             alpha = force[i, TAU] * inverse_inertia[i]
             bodies[i, W] += kick * alpha
@@ -81,24 +77,6 @@ def drift(world, kick, dt, low, high):
             rotate(orientation, i, angle[i], dt * spin)
     move_held(world.held, world, full, kick, low, high)
     place(world.shape, bodies, orientation, world.constituents, low, high)
-
-
-@inlined
-def publish_displacement(thread, moved):
-    """Let all threads know the largest squared displacement (m2) of this thread's granules."""
-    if thread is not None:
-        thread.moved[LINE * thread.number] = moved
-
-
-@inlined
-def max_displacement(thread, moved):
-    """The largest squared displacement (m2) of any thread; without threads, that of this one."""
-    if thread is None:
-        return moved
-    largest = 0.0
-    for member in range(thread.size):
-        largest = greater(largest, thread.moved[LINE * member])
-    return largest
 
 
 @inlined
@@ -136,9 +114,12 @@ def advance(world, kick, dt, steps, rebuild_at, thread):
         for patch in range(begin, end):
             if done == 0 or not knows_forces(patches, patch, begin):
                 further = greater(further, move_patch(world, kick, dt, patch, limit))
-        publish_displacement(thread, further)
-        barrier(thread)
-        moved = max_displacement(thread, further)
+        if thread is not None:  # all threads know the largest displacement
+            thread.moved[LINE * thread.number] = further
+            barrier(thread)
+            for member in range(thread.size):
+                further = greater(further, thread.moved[LINE * member])
+        moved = further
         done += 1
         last = done == steps or not moved <= limit
         integrate_account(world.lanes.account, kick)

@@ -6,7 +6,7 @@ import numpy as np
 
 from dem.contacts.blocks import shifted, sizes_of
 from dem.contacts.response import rolling_stiffness
-from dem.dynamics.cell_list import image, match, near_pairs, near_planes, near_solids
+from dem.dynamics.cell_list import image, match, near_pairs, near_surface
 from dem.dynamics.world import (
     ALPHA,
     FRICTION,
@@ -46,21 +46,12 @@ def carried(old, source):
     return new
 
 
-@inlined
-def room_for_sizes(old, shape, count):
-    """Room for the sizes of both constituents of `count` pairs."""
-    return None if old is None else np.empty((2 * len(sizes_of(circle(shape, 0.0))), count))
-
-
-@inlined
-def put_sizes(sizes, p, shape, orientation, i, j):
-    """The sizes of constituents i and j of pair p."""
-    if sizes is not None:
-        numbers = sizes_of(outline(shape, i, orientation)) + sizes_of(
-            outline(shape, j, orientation)
-        )
-        for row in range(len(numbers)):
-            sizes[row, p] = numbers[row]
+@optional
+def put_sizes(sizes, p, one, two):
+    """The sizes of both constituents of pair p."""
+    numbers = sizes_of(one) + sizes_of(two)
+    for row in range(len(numbers)):
+        sizes[row, p] = numbers[row]
 
 
 @inlined
@@ -85,7 +76,9 @@ def set_image(contacts, p, dx, dy, period):
 @inlined
 def renewed(old, first, constituent, partner, force_row, shape):
     """Contacts of a new list; stiffness, damping and sizes still to be filled."""
-    count = constituent.shape[0]
+    count, parts = constituent.shape[0], 0
+    if old.sizes is not None:
+        parts = 2 * len(sizes_of(circle(shape, 0.0)))
     source = match(constituent, partner, old.constituent, old.partner)
     return Contacts(
         first=first,
@@ -106,17 +99,23 @@ def renewed(old, first, constituent, partner, force_row, shape):
         normal_y=carried(old.normal_y, source),
         shift_x=zeros_like(old.shift_x, count),
         shift_y=zeros_like(old.shift_y, count),
-        sizes=room_for_sizes(old.sizes, shape, count),
+        sizes=zeros_like(old.sizes, (parts, count)),
     )
 
 
 @inlined
-def inverse_mass_along(world, g, c):
-    """Inverse mass (1/kg) of granule g along x or y; if it is held, that of its group."""
-    inverse_mass, held = world.inverse_mass[g], world.held
+def inverse_masses_driven(boundaries, b):
+    """Inverse mass (1/kg) of boundary b along x and y."""
+    return boundaries.drive[b, INVERSE_MASS], boundaries.drive[b, INVERSE_MASS + 1]
+
+
+@inlined
+def inverse_masses_of(world, g):
+    """Inverse mass (1/kg) of granule g along x and y; if it is held, those of its group."""
+    held = world.held
     if held is not None and held.group[g] >= 0:
-        inverse_mass += world.boundaries.drive[held.group[g], INVERSE_MASS + c]
-    return inverse_mass
+        return inverse_masses_driven(world.boundaries, held.group[g])
+    return world.inverse_mass[g], world.inverse_mass[g]
 
 
 @inlined
@@ -130,7 +129,7 @@ def set_constants(contacts, p, law, shape, radii, mass, inverse_masses):
     """Constants of contact p from its row of GranuleTable.laws, the radii of both bodies (m; zero of
     a flat one) and its effective mass m* (kg).
 
-    inverse_masses: sums of those of both bodies along x and y (1/kg).
+    inverse_masses: of both bodies, along x and y (1/kg).
     """
     one, two = radii
     radius = effective_radius(one, two)
@@ -146,8 +145,8 @@ def set_constants(contacts, p, law, shape, radii, mass, inverse_masses):
             contacts.friction[c, p] = law[FRICTION + c]
     if contacts.mass_ratio is not None:
         for c in range(2):  # where neither body yields, the mass is m* itself
-            ratio = mass * inverse_masses[c] if inverse_masses[c] > 0.0 else 1.0
-            contacts.mass_ratio[c, p] = ratio
+            both = inverse_masses[0][c] + inverse_masses[1][c]
+            contacts.mass_ratio[c, p] = mass * both if both > 0.0 else 1.0
 
 
 @optional
@@ -251,17 +250,14 @@ def list_pairs(world, table):
     for p in range(constituent.shape[0]):
         i, j = constituent[p], partner[p]
         g, h = owner_of(shape, i), owner_of(shape, j)
-        inverse_masses = (
-            inverse_mass_along(world, g, 0) + inverse_mass_along(world, h, 0),
-            inverse_mass_along(world, g, 1) + inverse_mass_along(world, h, 1),
-        )
+        inverse_masses = inverse_masses_of(world, g), inverse_masses_of(world, h)
         mass = effective_mass(held, table.mass, i, j)
         law = table.laws[table.species[h], table.species[g]]
         set_constants(new, p, law, shape, (radius[i], radius[j]), mass, inverse_masses)
         turned = world.inverse_mass[g] / radius[i] ** 2 + world.inverse_mass[h] / radius[j] ** 2
         set_rolling(table.rolling, new, p, 0, (radius[i], radius[j]), 1.0 / turned)
         set_image(new, p, rows[j, X] - rows[i, X], rows[j, Y] - rows[i, Y], period)
-        put_sizes(new.sizes, p, shape, orientation, i, j)
+        put_sizes(new.sizes, p, outline(shape, i, orientation), outline(shape, j, orientation))
     world.pairs, world.patches = new, patches
 
 
@@ -271,20 +267,14 @@ def list_surface(surface, world, table):
     if surface is None:
         return
     boundaries, rows = world.boundaries, world.constituents
-    motion, drive, materials = boundaries.motion, boundaries.drive, table.laws.shape[1]
+    motion, materials = boundaries.motion, table.laws.shape[1]
     bounding, skin, period = table.bounding, table.skin, table.period
-    if surface.planes is not None:
-        constituent, partner = near_planes(surface.planes, rows, bounding, skin)
-    else:
-        constituent, partner = near_solids(surface, boundaries, rows, bounding, skin, period)
+    constituent, partner = near_surface(surface, boundaries, rows, bounding, skin, period)
     new = renewed(surface.contacts, None, constituent, partner, partner, None)
     for p in range(constituent.shape[0]):
         i, b = constituent[p], partner[p]
         g = owner_of(world.shape, i)
-        inverse_masses = (
-            inverse_mass_along(world, g, 0) + drive[b, INVERSE_MASS],
-            inverse_mass_along(world, g, 1) + drive[b, INVERSE_MASS + 1],
-        )
+        inverse_masses = inverse_masses_of(world, g), inverse_masses_driven(boundaries, b)
         radii = table.radius[i], table.solid_radius[b]
         law = table.laws[materials + b, table.species[g]]
         set_constants(new, p, law, world.shape, radii, table.mass[i], inverse_masses)

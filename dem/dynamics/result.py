@@ -86,47 +86,43 @@ def bearings(scene: Scene, world: World) -> np.ndarray:
 
 # of a Result as a dataset: name: (dimensions, units, long name)
 RESULT = {
-    "time": (("time",), "s", "time since the start"),
-    "position": (("time", "granule", "axis"), "m", "position of the centre of the granule"),
-    "angle": (("time", "granule"), "rad", "angle of the granule, anticlockwise"),
-    "velocity": (("time", "granule", "axis"), "m s-1", "velocity of the granule"),
-    "angular_velocity": (("time", "granule"), "rad s-1", "angular velocity, anticlockwise"),
-    "solid_force": (
-        ("time", "solid", "axis"),
-        "N",
-        "mean force on the solid since the frame before",
-    ),
-    "solid_position": (("time", "solid", "axis"), "m", "position of the solid"),
-    "solid_angle": (("time", "solid"), "rad", "angle of the solid, anticlockwise"),
+    "time": ("time", "s", "time since the start"),
+    "position": ("time granule axis", "m", "position of the centre of the granule"),
+    "angle": ("time granule", "rad", "angle of the granule, anticlockwise"),
+    "velocity": ("time granule axis", "m s-1", "velocity of the granule"),
+    "angular_velocity": ("time granule", "rad s-1", "angular velocity, anticlockwise"),
+    "solid_force": ("time solid axis", "N", "mean force on the solid since the frame before"),
+    "solid_position": ("time solid axis", "m", "position of the solid"),
+    "solid_angle": ("time solid", "rad", "angle of the solid, anticlockwise"),
     "solid_torque": (
-        ("time", "solid"),
+        "time solid",
         "N m",
         "mean torque on the solid since the frame before, anticlockwise",
     ),
-    "solid_radius": (("solid",), "m", "radius of the circle that holds the solid"),
+    "solid_radius": ("solid", "m", "radius of the circle that holds the solid"),
     "solid_outline": (
-        ("solid", "point", "axis"),
+        "solid point axis",
         "m",
         "closed outline of the solid about its position at angle zero",
     ),
-    "wall_force": (("time", "wall"), "N", "mean normal force on the wall since the frame before"),
+    "wall_force": ("time wall", "N", "mean normal force on the wall since the frame before"),
     "wall_tangential_force": (
-        ("time", "wall"),
+        "time wall",
         "N",
         "mean tangential force on the wall since the frame before, along its normal turned "
         "anticlockwise by a right angle",
     ),
-    "wall_normal": (("wall", "axis"), "1", "unit normal of the wall, into the solid"),
-    "wall_offset": (("time", "wall"), "m", "distance of the wall from the origin along its normal"),
+    "wall_normal": ("wall axis", "1", "unit normal of the wall, into the solid"),
+    "wall_offset": ("time wall", "m", "distance of the wall from the origin along its normal"),
     "held_force": (
-        ("time", "group", "axis"),
+        "time group axis",
         "N",
         "mean force of the contacts on the held group since the frame before",
     ),
-    "period": (("axis",), "m", "period of the scene; not a number where it has none"),
-    "mass": (("granule",), "kg", "mass of the granule"),
-    "bounding_radius": (("granule",), "m", "radius of the circle that holds the granule"),
-    "time_step": ((), "s", "shortest time step taken"),
+    "period": ("axis", "m", "period of the scene; not a number where it has none"),
+    "mass": ("granule", "kg", "mass of the granule"),
+    "bounding_radius": ("granule", "m", "radius of the circle that holds the granule"),
+    "time_step": ("", "s", "shortest time step taken"),
 }
 
 
@@ -298,7 +294,7 @@ class Result(NamedTuple):
         if scene.periodic is not None:
             values["period"] = np.array(scene.periodic, float)  # None becomes NaN
         variables = {
-            name: (dimensions, values[name], {"units": units, "long_name": words})
+            name: (dimensions.split(), values[name], {"units": units, "long_name": words})
             for name, (dimensions, units, words) in RESULT.items()
             if values.get(name) is not None
         }

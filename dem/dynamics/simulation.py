@@ -1,32 +1,22 @@
 """A scene in motion, which you advance and look at between calls."""
 
-import math
-import threading
-import time
 import warnings
 from collections.abc import Mapping
-from contextlib import nullcontext
-from typing import Annotated, Any, NoReturn
+from copy import copy
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import InstanceOf
 
-from dem.base.errors import InputError, OverlapError, StateError
+from dem.base.errors import InputError
 from dem.base.types import Count, NotNegative, Number, Time, Unit, Velocity, checked
 from dem.dynamics.assembly import assemble, granule_table
-from dem.dynamics.checkpoint import (
-    fingerprint,
-    numbers_of,
-    read,
-    read_only,
-    replaced,
-    with_numbers,
-    writable,
-    written,
-)
+from dem.dynamics.checkpoint import fingerprint, read, read_only, replaced, writable, written
 from dem.dynamics.contact_list import ContactList, list_contacts
 from dem.dynamics.diagnostics import Diagnostics
 from dem.dynamics.energy import Ledger, balance, energies, fallen
+from dem.dynamics.engine import Engine
+from dem.dynamics.failures import endless
 from dem.dynamics.numerics import (
     MAX_OVERLAP,
     STEP_FRACTION,
@@ -38,40 +28,23 @@ from dem.dynamics.numerics import (
     check_stable,
 )
 from dem.dynamics.ordering import order_of, ordered
-from dem.dynamics.result import Record, Result, bearings, shares
+from dem.dynamics.result import Record, bearings, shares
 from dem.dynamics.skin import SKIN, skin_for
 from dem.dynamics.stepping import (
     ANGLE,
-    COLLAPSE,
-    COLLAPSED,
-    FINE,
-    LOST,
     MOST_STEPS,
-    MOST_WORK,
     OF_BED,
     OF_BOUNDARY,
-    OUTSIDE,
-    PAUSED,
     PLACE,
     TOO_DEEP,
-    TOO_LONG,
-    UNSTABLE,
-    Progress,
     Schedule,
     StepControl,
-    run_steps,
 )
 from dem.dynamics.stress import Edges, Stress, stress
-from dem.dynamics.threads import Threads
-from dem.dynamics.world import World, number_of_patches
-from dem.jit.columns import VX, VY, W, X, Y
-from dem.jit.interrupts import signals_deferred
+from dem.dynamics.world import World
+from dem.jit.columns import VX, VY, W
 from dem.motion import Turn
-from dem.scene import ARRAYS, Scene, State
-
-FIRST_BUDGET = 20_000  # constituents times steps until the kernel returns for the first time
-BRIEF, LONG = 0.05, 0.15  # s: between these it returns, so that Python can answer Ctrl-C
-MOST_FRAME_BYTES = 2**30  # of the frames of a Result
+from dem.scene import Scene, State
 
 
 class Simulation:
@@ -109,10 +82,8 @@ class Simulation:
     ----------
     scene : Scene
         The scene.
-    time : float
-        Time since the start (s).
-    steps : int
-        Number of time steps taken, without unit.
+    engine : Engine
+        Its arrays, and the calls of the kernel: for the package itself.
 
     Raises
     ------
@@ -136,9 +107,9 @@ class Simulation:
     whole step, so that the motion does not depend on when you look. `Material` and `Friction` give
     the forces.
 
-    Ctrl-C is answered within about a second. `time` and everything else then say what has been
-    simulated until then, and you can go on from there. A simulation can be pickled and copied, and
-    used in a forked process. After an error within a step it raises StateError.
+    Ctrl-C is answered within about a second, and you can go on from what has been simulated until
+    then. A simulation can be pickled and copied, and used in a forked process. After an error
+    within a step it raises StateError.
 
     Examples
     --------
@@ -153,8 +124,8 @@ class Simulation:
     >>> run.state.velocity.round(2)
     array([[-0.5,  0. ],
            [ 0.5,  0. ]])
-    >>> print(f"{run.time:g} s")
-    0.0002 s
+    >>> print(f"{run.time:g} s, {run.steps > 100}")
+    0.0002 s, True
     """
 
     @checked
@@ -173,19 +144,18 @@ class Simulation:
         check_stable(step_fraction, allow_unstable)
         if ledger and threads > 1:
             raise InputError(f"threads is {threads}; with an energy ledger it must be 1.")
-        self.scene, self.time_step = scene, time_step
-        self.step_fraction, self.max_overlap = step_fraction, max_overlap
+        self.scene, self.step_fraction = scene, step_fraction
         state, frame = state.checked(scene.granules), (0.0, 0.0)
         reached = state.boundaries
         if not (scene.walls or scene.solids or scene.held):
             x, y = np.average(state.velocity, axis=0, weights=scene.mass)
             frame = float(x), float(y)
             state.velocity -= frame
-        self._order = order_of(scene, state)
-        scene, state = ordered(scene, state, self._order)
+        order = order_of(scene, state)
+        scene, state = ordered(scene, state, order)
         table = granule_table(scene, skin or SKIN, step_fraction)
-        self._world = assemble(scene, state, table, ledger)
-        self._start = bearings(scene, self._world)
+        world = assemble(scene, state, table, ledger)
+        self._start = bearings(scene, world)
         if reached is not None and not np.array_equal(reached, self._start):
             raise InputError(
                 "state was reached with boundaries in other places or at other speeds than those "
@@ -193,24 +163,17 @@ class Simulation:
                 "of the state None."
             )
         if skin is None:
-            table = table._replace(skin=skin_for(scene, self._world, table, time_step))
-        self._table, self._progress, self._until = table, Progress(), 0.0
-        self._rules = StepControl(
+            table = table._replace(skin=skin_for(scene, world, table, time_step))
+        rules = StepControl(
             time_step=float(time_step or 0.0),
             max_overlap=float(max_overlap),
             reach=0.5 * table.skin,
             allow_unstable=allow_unstable,
             frame=frame,
         )
-        self._threads = min(threads, number_of_patches(len(self._order)))
-        self._budget = max(FIRST_BUDGET // len(self._world.constituents), 1)
-        self._lock, self._in_kernel = threading.Lock(), False
-        self._view: tuple[Progress, World, Diagnostics] | None = None
-        report = self._run_kernel(0.0, 0.0, 0, initialise=True)
-        if report.outcome:
-            self._fail(report)
-        critical = report.diagnostics.critical_time_step
-        if self._rules.time_step > critical:
+        self.engine = Engine(world, table, rules, order, threads)
+        critical = self.engine.progress.diagnostics.critical_time_step
+        if rules.time_step > critical:
             warnings.warn(
                 f"time_step is {time_step:.4g} s, longer than the critical one, {critical:.4g} s: "
                 "motions can grow.",
@@ -219,24 +182,23 @@ class Simulation:
             )
         self._at_start = (sum(balance(self._seen)), fallen(self._seen)) if ledger else None
 
+    def __getstate__(self) -> dict[str, Any]:
+        return vars(self) | {"engine": copy(self.engine)}  # which the simulation alone changes
+
+    @property
+    def _seen(self) -> World:
+        """The arrays at the time that was asked for."""
+        return self.engine.observe()[0]
+
     @property
     def time(self) -> float:
         """Time since the start (s)."""
-        return self._progress_now().seen
+        return self.engine.progress.seen
 
     @property
     def steps(self) -> int:
-        """Number of time steps taken, without unit.
-
-        Examples
-        --------
-        >>> import dem
-        >>> run = dem.Simulation(dem.Scene(dem.Disc([1e-3])), dem.State([[0, 0]]), time_step=1e-6)
-        >>> shortest = run.advance(1e-5)
-        >>> run.steps
-        10
-        """
-        return int(self._progress_now().steps)
+        """Number of time steps taken, without unit."""
+        return int(self.engine.progress.steps)
 
     @property
     def world(self) -> World:
@@ -258,7 +220,7 @@ class Simulation:
     @property
     def state(self) -> State:
         """Copy of positions (m), angles (rad), their rates (1/s) and `boundaries`."""
-        back = np.argsort(self._order)
+        back = np.argsort(self.engine.order)
         bodies, angle = self._seen.bodies[back], self._seen.angle[back]
         reached = bearings(self.scene, self._seen)
         moved = None if np.array_equal(reached, self._start) else reached
@@ -280,28 +242,16 @@ class Simulation:
         A disc bounces off the right wall and hands over its change of momentum:
 
         >>> import dem
-        >>> scene = dem.Scene(
-        ...     dem.Disc([1e-3]),
-        ...     friction=dem.Friction(),
-        ...     walls=dem.box(10e-3, 20e-3),
-        ...     solids=dem.Cylinder(diameter=2e-3, position=(5e-3, 15e-3)),
-        ... )
+        >>> walls = dem.box(10e-3, 20e-3)
+        >>> scene = dem.Scene(dem.Disc([1e-3]), friction=dem.Friction(), walls=walls)
         >>> run = dem.Simulation(scene, dem.State([[8.9e-3, 5e-3]], velocity=[[1.0, 0.0]]))
         >>> shortest = run.advance(4e-4)
         >>> left, right, bottom, top = run.collect_impulses()[1]
         >>> print(f"{right / (scene.mass[0] * (1.0 - run.state.velocity[0, 0])):.3f}")
         1.000
         """
-        walls, solids, _ = self._take_impulses()
+        walls, solids, _ = shares(self.scene, self.engine.take_impulses())
         return solids[:, :4].reshape(-1, 2, 2), walls[:, 0]
-
-    def _take_impulses(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Boundaries.impulses since the last call, of walls, solids and held groups."""
-        seen = self._seen.boundaries.impulses
-        since = seen.copy()
-        for impulses in (self._world.boundaries.impulses, seen):
-            impulses -= since
-        return shares(self.scene, since)
 
     def diagnose(self) -> Diagnostics:
         """Energy, contacts, largest overlap and critical time step at the present time.
@@ -327,12 +277,12 @@ class Simulation:
         >>> print(f"{1e6 * run.diagnose().kinetic_energy:.1f} uJ")
         24.5 uJ
         """
-        diagnostics = self._observe()[1]
-        if not diagnostics.max_overlap <= self.max_overlap:
-            value, granule = diagnostics.max_overlap, diagnostics.deepest
-            report = self._progress_now()
-            self._fail(report._replace(outcome=TOO_DEEP, value=value, granule=granule))
-        return diagnostics._replace(deepest=int(self._order[diagnostics.deepest]))
+        engine, diagnostics = self.engine, self.engine.observe()[1]
+        value, granule = diagnostics.max_overlap, diagnostics.deepest
+        if not value <= engine.rules.max_overlap:
+            report = engine.progress._replace(outcome=TOO_DEEP, value=value, granule=granule)
+            engine.fail(report)
+        return diagnostics._replace(deepest=int(engine.order[granule]))
 
     @checked
     def check_duration(self, duration: Time) -> None:
@@ -349,25 +299,22 @@ class Simulation:
         ------
         InputError
             If the run would take too many time steps.
-        OverlapError
-            If the largest overlap exceeds `max_overlap`.
 
         Examples
         --------
         >>> import dem
-        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
-        >>> state = dem.State([[0.0, 0.0], [2.1e-3, 0.0]], velocity=[[1.0, 0.0], [-1.0, 0.0]])
-        >>> run = dem.Simulation(scene, state)
+        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]))
+        >>> run = dem.Simulation(scene, dem.State([[0.0, 0.0], [2.1e-3, 0.0]]))
         >>> run.check_duration(1e6)
         Traceback (most recent call last):
             ...
         dem.base.errors.InputError: duration is 1e+06 s, more than ...
         """
         self.diagnose()
-        step = self._progress_now().dt
+        step = self.engine.progress.dt
         if not duration <= MOST_STEPS * step:
-            raise InputError(self._endless("duration", duration, step))
-        self._until = self.time + duration
+            raise endless("duration", duration, step)
+        self.engine.until = self.time + duration
 
     def contacts(self) -> ContactList:
         """All contacts at the present time.
@@ -377,10 +324,6 @@ class Simulation:
         ContactList
             Granules, points (m), normals, branch vectors (m), overlaps (m) and forces (N). A
             simulation starts without tangential springs.
-
-        See Also
-        --------
-        stress : What the contacts carry, per area.
 
         Examples
         --------
@@ -397,7 +340,7 @@ class Simulation:
         >>> print(f"{contacts.force[0]:.3f} N, {hertz:.3f} N")
         1.097 N, 1.097 N
         """
-        return list_contacts(self._seen, self._order)
+        return list_contacts(self._seen, self.engine.order)
 
     @checked
     def stress(self, x: Edges | None = None, y: Edges | None = None) -> Stress:
@@ -432,8 +375,7 @@ class Simulation:
 
         Examples
         --------
-        A disc of 1 mm radius is pressed between floor and lid, 1 um on either side. The force on
-        either over its area, 4 mm times 1 mm, is the stress:
+        A disc of 1 mm radius is pressed between floor and lid, 1 um on either side:
 
         >>> import dem
         >>> scene = dem.Scene(
@@ -446,20 +388,11 @@ class Simulation:
         >>> run = dem.Simulation(scene, dem.State([[2e-3, 0.999e-3]]))
         >>> print(f"{1e-3 * run.stress().contact[1, 1]:.0f} kPa")
         776 kPa
-        >>> print(f"{1e-3 * run.contacts().force[0] / (4e-3 * 1e-3):.0f} kPa")
-        775 kPa
         """
         if x is not None and y is not None:
             raise InputError("x and y are both given; give edges along one of them.")
-        world = self._seen
-        planes = world.walls.planes
-        _, place, _ = shares(self.scene, world.boundaries.motion)
-        angle = world.boundaries.angle[len(self.scene.walls) :]
-        rings = [
-            solid.placed(place[k, [X, Y]], angle[k]) for k, solid in enumerate(self.scene.solids)
-        ]
         bins = next(((k, np.asarray(e)) for k, e in enumerate((x, y)) if e is not None), None)
-        return stress(self.contacts(), self.state, self.scene, planes, rings, bins)
+        return stress(self.contacts(), self.state, self.scene, self._seen, bins)
 
     def ledger(self) -> Ledger:
         """Energies held, gained and lost since the start.
@@ -472,35 +405,26 @@ class Simulation:
         Raises
         ------
         InputError
-            If the simulation was made without ``ledger=True``.
+            Without ``ledger=True``.
 
         Examples
         --------
-        A cylinder moves through a bed of discs, and its work is accounted for:
+        Two discs collide head-on, and their dashpot takes three quarters of their energy:
 
         >>> import dem
-        >>> import numpy as np
-        >>> shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
-        >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 4e-3), velocity=(0.0, 1.0))
-        >>> bed = dem.pack(shape, width=8e-3, height=9e-3, solids=cylinder, seed=1)
-        >>> scene = dem.Scene(
-        ...     shape, friction=dem.Friction(), walls=bed.walls, solids=cylinder
-        ... )
-        >>> run = dem.Simulation(scene, bed.state, ledger=True)
-        >>> shortest = run.advance(1e-5)
-        >>> energies = run.ledger()
-        >>> energies.work > energies.held > 0.0
-        True
-        >>> energies.residual < 1e-3
-        True
+        >>> material = dem.Material(restitution=0.5)
+        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), material, dem.Friction())
+        >>> state = dem.State([[0.0, 0.0], [2.1e-3, 0.0]], velocity=[[1.0, 0.0], [-1.0, 0.0]])
+        >>> run = dem.Simulation(scene, state, step_fraction=0.05, ledger=True)
+        >>> shortest = run.advance(2e-4)
+        >>> print(f"{run.ledger().damped / run.ledger().before:.2f}")
+        0.75
         """
         if self._at_start is None:
             raise InputError("ledger is False; make the Simulation with ledger=True.")
-        report = self._progress_now()
+        report = self.engine.progress
         later = report.pending_kick + report.seen - report.time
         return energies(self._seen, *self._at_start, later)
-
-    # Saved and continued
 
     def checkpoint(self) -> dict[str, np.ndarray]:
         """Save the simulation as arrays, from which `restore` continues it exactly.
@@ -509,10 +433,6 @@ class Simulation:
         -------
         dict of str to ndarray
             Arrays by name (SI units), as ``numpy.savez`` takes them.
-
-        See Also
-        --------
-        restore : Continue from a checkpoint.
 
         Examples
         --------
@@ -526,8 +446,8 @@ class Simulation:
         >>> run.time
         0.0
         """
-        progress = numbers_of(self._progress_now())
-        return written(self._world, progress=progress, scene=self._fingerprint())
+        engine = self.engine
+        return written(world=engine.world, progress=engine.progress, scene=self._fingerprint())
 
     def restore(self, saved: Mapping[str, np.ndarray]) -> None:
         """Continue from a checkpoint of a simulation with the same scene and start.
@@ -544,25 +464,20 @@ class Simulation:
         InputError
             If the checkpoint is of another scene, or has arrays that no simulation writes. The
             simulation is then unchanged.
-
-        See Also
-        --------
-        checkpoint : Save a simulation; its example restores one.
         """
         saved = read(saved)
         if saved["scene"].tobytes() != self._fingerprint().tobytes():
             raise InputError("saved is no checkpoint of this simulation; it is of another scene.")
-        report = self._progress_now()
-        world = replaced(writable(self._world), saved)
-        if self._table.alone:  # a granule is its own only constituent: one array for both
+        engine = self.engine
+        progress, world = engine.progress, replaced(writable(engine.world), saved, "world")
+        if engine.table.alone:  # a granule is its own only constituent: one array for both
             world = world._replace(force=world.constituent_force)
-        self._world, self._progress = world, with_numbers(report, saved["progress"])
+        engine.world, engine.progress = world, replaced(progress, saved, "progress")
 
     def _fingerprint(self) -> np.ndarray:
         """Hash that differs between scenes, options and orders of granules in memory."""
-        return fingerprint(self.scene, self._rules, self._order, self._at_start is None)
-
-    # Motion
+        engine = self.engine
+        return fingerprint(self.scene, engine.rules, engine.order, self._at_start is None)
 
     @checked
     def set_velocity(
@@ -590,26 +505,19 @@ class Simulation:
 
         Examples
         --------
-        A cylinder that stops does no more work. Here it stops before it moves:
+        A cylinder stops before it moves:
 
         >>> import dem
-        >>> import numpy as np
-        >>> shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
         >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 4e-3), velocity=(0.0, 1.0))
-        >>> bed = dem.pack(shape, width=8e-3, height=9e-3, solids=cylinder, seed=1)
-        >>> scene = dem.Scene(
-        ...     shape, friction=dem.Friction(), walls=bed.walls, solids=cylinder
-        ... )
-        >>> run = dem.Simulation(scene, bed.state)
+        >>> scene = dem.Scene(dem.Disc([1e-3]), friction=dem.Friction(), solids=cylinder)
+        >>> run = dem.Simulation(scene, dem.State([[0.0, 0.0]]))
         >>> run.set_velocity((0.0, 0.0))
-        >>> shortest = run.advance(1e-5)
-        >>> print(f"{1e6 * run.diagnose().kinetic_energy:.3f} uJ")
-        0.000 uJ
+        >>> run.record(interval=1e-3, count=1).solid_position[0, 0].tolist()
+        [0.004, 0.004]
         """
-        if not 0 <= solid < len(self.scene.solids):
-            raise InputError(
-                f"solid is {solid}; the scene has {len(self.scene.solids)}, numbered from 0."
-            )
+        count = len(self.scene.solids)
+        if not 0 <= solid < count:
+            raise InputError(f"solid is {solid}; the scene has {count}, numbered from 0.")
         moving = self.scene.solids[solid]
         if not isinstance(moving.velocity, tuple):
             raise InputError(
@@ -617,20 +525,21 @@ class Simulation:
             )
         if spin is not None and isinstance(moving.spin, Turn):
             raise InputError(f"spin cannot be set: solids[{solid}] follows a Turn.")
-        report, seen = self._progress_now(), self._seen.boundaries
-        boundaries, ahead = self._world.boundaries, report.seen - report.time
+        report, seen = self.engine.progress, self._seen.boundaries
+        boundaries, ahead = self.engine.world.boundaries, report.seen - report.time
         b = len(self.scene.walls) + solid
         # until now, and from now on
         before, after = boundaries.waypoints[boundaries.first_waypoint[b] :][:2]
+        rates = slice(1, 3 if spin is None else 4)
         before[0] = after[0] = boundaries.time[0] + ahead
-        before[1:3] = after[1:3] = velocity
-        if spin is not None:
-            before[3] = after[3] = spin
+        before[rates] = after[rates] = (*velocity, spin)[: rates.stop - 1]
         if ahead > 0.0:
-            before[1:3] = (seen.motion[b, :2] - boundaries.motion[b, :2]) / ahead
-            if spin is not None:
-                before[3] = (seen.angle[b] - boundaries.angle[b]) / ahead
-        self._progress = report._replace(scanned=-1)
+            moved = [
+                *(seen.motion[b, :2] - boundaries.motion[b, :2]),
+                seen.angle[b] - boundaries.angle[b],
+            ]
+            before[rates] = np.array(moved)[: rates.stop - 1] / ahead
+        self.engine.progress = report._replace(scanned=-1)
 
     @checked
     def advance(self, duration: Annotated[NotNegative, Unit("s")]) -> float:
@@ -668,14 +577,14 @@ class Simulation:
         Without contact or gravity a disc moves straight on:
 
         >>> import dem
-        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
-        >>> state = dem.State([[0.0, 0.0], [2.1e-3, 0.0]], velocity=[[1.0, 0.0], [-1.0, 0.0]])
-        >>> run = dem.Simulation(scene, state)
+        >>> scene, velocity = dem.Scene(dem.Disc([1e-3])), [[1.0, 0.0]]
+        >>> run = dem.Simulation(scene, dem.State([[0.0, 0.0]], velocity))
         >>> shortest = run.advance(2e-5)
         >>> print(f"{1e6 * run.state.position[0, 0]:.3f} um")
         20.000 um
         """
-        return self._advance("duration", self.time, duration, 1)
+        schedule = Schedule(begin=self.time, interval=duration, intervals=1)
+        return self.engine.advance("duration", schedule)
 
     @checked
     def record(self, interval: Time, count: Intervals) -> Record:
@@ -705,25 +614,21 @@ class Simulation:
 
         Examples
         --------
-        A bed of discs resists a cylinder that moves upwards:
+        A disc resists a cylinder that moves upwards into it:
 
         >>> import dem
-        >>> import numpy as np
-        >>> shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
-        >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 4e-3), velocity=(0.0, 1.0))
-        >>> bed = dem.pack(shape, width=8e-3, height=9e-3, solids=cylinder, seed=1)
-        >>> scene = dem.Scene(
-        ...     shape, friction=dem.Friction(), walls=bed.walls, solids=cylinder
-        ... )
-        >>> run = dem.Simulation(scene, bed.state)
-        >>> record = run.record(interval=1e-5, count=4)
+        >>> cylinder = dem.Cylinder(diameter=2e-3, position=(0.0, -2e-3), velocity=(0.0, 1.0))
+        >>> scene = dem.Scene(dem.Disc([1e-3]), friction=dem.Friction(), solids=cylinder)
+        >>> run = dem.Simulation(scene, dem.State([[0.0, 0.0]]))
+        >>> record = run.record(interval=1e-5, count=2)
         >>> drag = -(record.normal_force + record.tangential_force)[:, 0, 1]  # N
         >>> bool((drag > 0.0).all())
         True
         """
         self.collect_impulses()
-        rows = np.zeros((count, OF_BED + OF_BOUNDARY * len(self._world.boundaries.motion)))
-        self._advance("interval * count", self.time, interval, count, rows)
+        rows = np.zeros((count, OF_BED + OF_BOUNDARY * len(self.engine.world.boundaries.motion)))
+        schedule = Schedule(begin=self.time, interval=interval, intervals=count)
+        self.engine.advance("interval * count", schedule, rows)
         self.diagnose()  # the guard on overlaps, also for the end of the last interval
         walls, solids, held = shares(self.scene, rows[:, OF_BED:].reshape(count, -1, OF_BOUNDARY))
         energy, contacts, overlap, step = rows[:, :OF_BED].T
@@ -742,296 +647,3 @@ class Simulation:
             wall_offset=walls[..., PLACE],
             held_force=held[..., :2],
         )
-
-    # Calls of the kernel
-
-    def _progress_now(self) -> Progress:
-        """How far the arrays are; raises StateError where a call has not come to its end."""
-        if self._in_kernel:
-            raise StateError(
-                "the simulation is in the midst of a step: another thread advances it, this "
-                "process was forked from it there, or an error cut it off there; wait, or make it "
-                "again."
-            )
-        return self._progress
-
-    def _observe(self) -> tuple[World, Diagnostics]:
-        """A copy of the arrays at the time that was asked for, which may lie within a step, and how
-        they are.
-
-        Lists and contact history are those of the arrays themselves.
-        """
-        report = self._progress_now()
-        if self._view is None or self._view[0] is not report:
-            schedule = Schedule(
-                begin=report.seen,
-                interval=0.0,
-                intervals=0,
-                until=self._until,
-                initialise=False,
-                observe_only=True,
-                budget=0,
-            )
-            with signals_deferred():
-                seen, observed = self._call(report, schedule, np.zeros((0, 0)))
-            # one array for granules and constituents where they are alone
-            for rows in (seen.bodies,) if self._table.alone else (seen.bodies, seen.constituents):
-                rows[:, [X, Y]] += np.multiply(self._rules.frame, report.seen)
-                rows[:, [VX, VY]] += self._rules.frame
-            self._view = report, seen, observed.diagnostics
-        return self._view[1:]
-
-    @property
-    def _seen(self) -> World:
-        """The arrays at the time that was asked for."""
-        return self._observe()[0]
-
-    def __getstate__(self) -> dict[str, Any]:
-        """For pickle and copy: no two arrays that share memory."""
-        self._progress_now()
-        return vars(self) | {"_world": writable(self._world), "_view": None, "_lock": None}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state, _lock=threading.Lock())
-
-    def _call(self, before: Progress, schedule: Schedule, record: np.ndarray) -> Any:
-        """World and Progress after one call of the kernel, the only one that a simulation needs."""
-        given = self._world, self._table, self._rules, schedule, before, record
-        if self._threads == 1:
-            return run_steps(*given, None)
-        with Threads(self._threads) as threads:
-            return run_steps.py_func(*given, threads)
-
-    def _run_kernel(
-        self,
-        begin: float,
-        interval: float,
-        intervals: int,
-        record: np.ndarray | None = None,
-        initialise: bool = False,
-    ) -> Progress:
-        """Call the kernel until it has done all intervals.
-
-        It returns every so often, also inside an interval, so that Python can answer an interrupt.
-        Bits do not depend on how often.
-        """
-        self._progress_now()
-        if not self._lock.acquire(blocking=False):
-            raise StateError(
-                "the simulation advances already, in another thread or outside this signal "
-                "handler; wait until that has ended."
-            )
-        try:
-            record = np.zeros((0, 0)) if record is None else record
-            report = self._progress._replace(outcome=FINE)
-            while True:
-                clock = time.perf_counter()
-                schedule = Schedule(
-                    begin=float(begin),
-                    interval=float(interval),
-                    intervals=intervals,
-                    until=self._until,
-                    initialise=initialise,
-                    observe_only=False,
-                    budget=self._budget,
-                )
-                # the first call compiles, and leaves nothing that is worth being kept
-                with nullcontext() if initialise else signals_deferred():
-                    self._in_kernel = True
-                    self._world, self._progress = self._call(report, schedule, record)
-                    self._in_kernel = False
-                report = self._progress
-                if report.outcome != PAUSED:
-                    return report
-                initialise, took = False, time.perf_counter() - clock
-                if took < BRIEF:
-                    self._budget *= 2
-                elif took > LONG:
-                    self._budget = max(self._budget // 2, 1)
-        finally:
-            self._lock.release()
-
-    def _advance(
-        self, name: str, begin: float, interval: float, count: int, record: np.ndarray | None = None
-    ) -> float:
-        """Advance to the end of `count` intervals (s) after a time (s); returns the shortest step
-        (s)."""
-        before = self._progress_now()
-        report = self._run_kernel(begin, interval, count, record)
-        if report.outcome == TOO_LONG and report.steps == before.steps:
-            duration = begin + interval * count - before.seen
-            raise InputError(self._endless(name, duration, report.value))
-        if report.outcome:
-            self._fail(report)
-        return report.shortest
-
-    def _endless(self, name: str, duration: float, step: float) -> str:
-        return (
-            f"{name} is {duration:g} s, more than {MOST_STEPS:.0e} time steps of {step:.3g} s: "
-            "granules are too small, stiff, light or fast for it."
-        )
-
-    # Guards: between two neighbour lists nothing moves by more than half the skin. A check at each
-    # new list therefore sees every overlap before it has grown by more than the skin.
-
-    @np.errstate(all="ignore")
-    def _fail(self, report: Progress) -> NoReturn:
-        outcome, value, granule = report.outcome, report.value, report.granule
-        when = f"at step {report.steps}, time {report.time:.6g} s"
-        lost = ~np.isfinite(self._world.bodies).all(axis=1)
-        if lost.any():
-            raise StateError(
-                f"the motion of granule {self._order[lost.argmax()]} is not a number {when}: take "
-                "a smaller time step."
-            )
-        if outcome == LOST:
-            moved = np.linalg.norm(self._world.constituents[:, :2] - self._world.reference, axis=1)
-            farthest = int(self._world.shape.owner[moved.argmax()])
-            what = f"granule {self._order[farthest]}" if moved.max() >= value else "a boundary"
-            raise StateError(
-                f"{what} moved {value:.3g} m before its contacts were listed again {when}; it may "
-                f"move {self._rules.reach:.3g} m: take a smaller time step."
-            )
-        if outcome == TOO_LONG:
-            raise StateError(
-                f"the time step has shrunk to {value:.3g} s {when}, and what remains would take "
-                f"more than {MOST_STEPS:.0e}: granules are too fast for a run of this duration."
-            )
-        if outcome == COLLAPSED:
-            raise StateError(
-                f"the time step has shrunk too far {when}: {value:.3g} s is less than {COLLAPSE:g} "
-                "of the first one, and what remains would take more than "
-                f"{MOST_WORK / len(self._order):.0e} steps: granules are too fast."
-            )
-        if outcome == UNSTABLE:
-            raise StateError(
-                f"time_step is {self._rules.time_step:.4g} s, longer than the critical one, "
-                f"{value:.4g} s, {when}: make it shorter, leave it out, or set allow_unstable."
-            )
-        if outcome == OUTSIDE:
-            planes = self._world.walls.planes
-            beyond = planes[:, :2] @ self._world.bodies[granule, :2] - planes[:, 2]
-            raise StateError(
-                f"granule {self._order[granule]} has its centre {beyond.max():.3g} m behind wall "
-                f"{beyond.argmax()} {when}: put it inside, or take a smaller time step."
-            )
-        remedy = "take a smaller time step, a stiffer material or a lower packing fraction"
-        if not report.steps:
-            remedy = "place the granules farther apart"
-        raise OverlapError(
-            f"granule {self._order[granule]} overlaps by {value:.3g} of the smaller radius {when}; "
-            f"the limit is {self._rules.max_overlap:g}: {remedy}."
-        )
-
-
-@checked
-def simulate(
-    scene: InstanceOf[Scene],
-    state: InstanceOf[State],
-    duration: Time,
-    time_step: Time | None = None,
-    frames: Intervals = 1,
-    *,
-    step_fraction: StepFraction = STEP_FRACTION,
-    max_overlap: MaxOverlap = MAX_OVERLAP,
-    skin: Skin | None = None,
-    threads: ThreadCount = 1,
-    allow_unstable: bool = False,
-) -> Result:
-    """Simulate a scene from a state and return arrays.
-
-    Parameters
-    ----------
-    scene : Scene
-        What is simulated: n granules, walls, solids.
-    state : State
-        Where the granules start, and how they move.
-    duration : float
-        Time to simulate (s).
-    time_step : float, optional
-        Time step (s); None, which is recommended, chooses it from the stiffness of the contacts.
-    frames : int
-        Number of equal intervals after each of which the state is kept (without unit). All frames
-        together must fit into a gibibyte.
-    step_fraction : float
-        As in Simulation (without unit).
-    max_overlap : float
-        As in Simulation (without unit).
-    skin : float, optional
-        As in Simulation (without unit).
-    threads : int
-        As in Simulation (without unit).
-    allow_unstable : bool
-        As in Simulation.
-
-    Returns
-    -------
-    Result
-        The start and a frame per interval, frames + 1 in all.
-
-    Raises
-    ------
-    InputError
-        If a value cannot be used.
-    RunError
-        If the run fails: StateError or OverlapError.
-
-    Examples
-    --------
-    Two discs collide in empty space and part at half their speed:
-
-    >>> import dem
-    >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
-    >>> state = dem.State([[0, 0], [2.1e-3, 0]], velocity=[[1, 0], [-1, 0]])
-    >>> result = dem.simulate(scene, state, duration=1e-4)
-    >>> result.velocity[-1, :, 0].round(1)
-    array([-0.5,  0.5])
-    """
-    run = Simulation(
-        scene,
-        state,
-        time_step,
-        step_fraction,
-        max_overlap,
-        skin,
-        threads,
-        allow_unstable=allow_unstable,
-    )
-    run.check_duration(duration)
-    interval, shortest, first = duration / frames, math.inf, _frame(run, math.nan)
-    size = 8 * (frames + 1) * sum(map(np.size, first.values()))
-    if size > MOST_FRAME_BYTES:
-        raise InputError(
-            f"frames is {frames}; of {scene.granules} granules they fill {size / 2**30:.3g} GiB, "
-            f"more than {MOST_FRAME_BYTES / 2**30:g}: keep fewer, or advance a Simulation and save "
-            "what you need."
-        )
-    series = {name: np.empty((frames + 1, *np.shape(value))) for name, value in first.items()}
-    for frame in range(frames + 1):
-        if frame:  # the last one ends at the duration itself, however many there are
-            end = duration * (frame / frames)
-            shortest = min(shortest, run._advance("duration", end, 0.0, 1))
-        for name, value in (_frame(run, interval) if frame else first).items():
-            series[name][frame] = value
-    optional: dict[str, Any] = {"held_force": None}
-    return Result(**optional | series, state=run.state, time_step=shortest, scene=scene)
-
-
-def _frame(run: Simulation, interval: float) -> dict[str, Any]:
-    """The simulation as it is, and the mean forces (N) since the frame before, an interval (s)
-    ago."""
-    world, state, (walls, solids, held) = run.world, run.state, run._take_impulses()
-    _, place, _ = shares(run.scene, world.boundaries.motion)
-    frame = {name: getattr(state, name) for name in ARRAYS} | {
-        "time": run.time,
-        "solid_force": (solids[:, :2] + solids[:, 2:4]) / interval,
-        "solid_torque": solids[:, 4] / interval,
-        "solid_position": place[:, [X, Y]],
-        "solid_angle": world.boundaries.angle[len(walls) : len(walls) + len(solids)],
-        "wall_force": walls[:, 0] / interval,
-        "wall_tangential_force": walls[:, 3] / interval,
-        "wall_offset": world.walls.planes[:, 2],
-    }
-    if world.held is not None:
-        frame["held_force"] = held[:, :2] / interval
-    return frame

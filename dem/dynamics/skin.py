@@ -9,9 +9,8 @@ import numpy as np
 
 from dem.dynamics.assembly import widest_skins
 from dem.dynamics.boundaries import fastest
-from dem.dynamics.diagnostics import step_alone
+from dem.dynamics.diagnostics import step_alone, usual_overlap
 from dem.jit.columns import VX, VY
-from dem.laws.protocol import impact_overlap
 
 # of the mean bounding radius, at least, in runs; timings of beds are flat from 0.1 to 0.2
 SKIN = 0.12
@@ -32,8 +31,7 @@ def skin_for(scene, world, table, time_step: float | None) -> float:
     """
     squared = (world.bodies[:, [VX, VY]] ** 2).sum(axis=1).mean()
     speed = math.sqrt(max(9.0 * float(squared), fastest(world.boundaries)))
-    radius, mass = 0.5 * table.mean_radius, 0.5 * table.mean_mass
-    least = max(impact_overlap(table.law, table.modulus, radius, mass, speed), 1e-8 * radius)
-    step, size = time_step or step_alone(table, least, table.fraction), table.bounding.mean()
+    usual = step_alone(table, usual_overlap(table, speed), table.fraction)
+    step, size = time_step or usual, table.bounding.mean()
     wanted = np.clip(math.sqrt(REBUILD_COST * speed * step * size), SKIN * size, WIDEST * size)
     return min([float(wanted), *widest_skins(scene)])

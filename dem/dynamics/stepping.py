@@ -14,7 +14,7 @@ from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.skin import MARGIN
 from dem.dynamics.threads import share_of
 from dem.jit.address import another, as_before, by_address, changeable, given
-from dem.jit.block_memory import Lanes, make_lanes
+from dem.jit.block_memory import Lanes
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
 
@@ -76,13 +76,13 @@ class Schedule(NamedTuple):
         Ctrl-C.
     """
 
-    begin: float
-    interval: float
-    intervals: int
-    until: float
-    initialise: bool
-    observe_only: bool
-    budget: int
+    begin: float = 0.0
+    interval: float = 0.0
+    intervals: int = 0
+    until: float = 0.0
+    initialise: bool = False
+    observe_only: bool = False
+    budget: int = 0
 
 
 class Progress(NamedTuple):
@@ -281,13 +281,6 @@ def look(world, pending_kick, ahead):
 # Several threads
 
 
-def advance_together(threads, world, kick, dt, steps, rebuild_at):
-    """dem.dynamics.integration.advance, with the same result for any number of threads."""
-    worlds = [world._replace(lanes=make_lanes()) for _ in threads.places]
-    same = map(repeat, (kick, dt, steps, rebuild_at))
-    return threads.each(advance, worlds, *same, threads.places)[0]
-
-
 def diagnose_together(threads, world, table, later, frame):
     """dem.dynamics.diagnostics.diagnose, with the same result for any number of threads.
 
@@ -305,6 +298,14 @@ def diagnose_together(threads, world, table, later, frame):
     for _, (overlap, constituent) in scans:
         worst = deeper(worst, overlap, constituent, 1.0)
     return end_scan(world, table, begun, (sum(touching for touching, _ in scans), worst))
+
+
+@inlined
+def scan(threads, world, table, later, frame):
+    """dem.dynamics.diagnostics.diagnose, by threads or without."""
+    if threads is None:
+        return diagnose(world, table, later, frame)
+    return diagnose_together(threads, world, table, later, frame)
 
 
 @compiled(allocates=True)
@@ -334,10 +335,7 @@ def run_steps(world, table, rules, schedule, before, record, threads):
         world = look(by_address(world), pending_kick, begin - time)
     view, table = changeable(world), by_address(table)
     if observe_only:
-        if threads is None:
-            diagnostics = diagnose(view, table, 0.0, rules.frame)
-        else:
-            diagnostics = diagnose_together(threads, view, table, 0.0, rules.frame)
+        diagnostics = scan(threads, view, table, 0.0, rules.frame)
     if initialise:
         view = rebuild_neighbor_list(view, table)
         forces(view, 0.0, math.inf)
@@ -351,10 +349,7 @@ def run_steps(world, table, rules, schedule, before, record, threads):
 
         # Choose the time step
         if scanned < 0:
-            if threads is None:
-                diagnostics = diagnose(view, table, pending_kick, rules.frame)
-            else:
-                diagnostics = diagnose_together(threads, view, table, pending_kick, rules.frame)
+            diagnostics = scan(threads, view, table, pending_kick, rules.frame)
             budget, scanned = budget - SCAN_COST, steps
             allowed, former = longest_step(rules, diagnostics), dt
             if dt == 0.0 or not allowed > dt:
@@ -408,7 +403,7 @@ def run_steps(world, table, rules, schedule, before, record, threads):
         if threads is None:
             done, moved = advance(view, kick, dt, count, limit, None)
         else:
-            done, moved = advance_together(threads, view, kick, dt, count, limit)
+            done, moved = threads.together(advance, view, kick, dt, count, limit)
         pending_kick = 0.5 * dt
         steps, steps_at_dt, budget = steps + done, steps_at_dt + done, budget - done
         time = later(dt_since, steps_at_dt, dt)

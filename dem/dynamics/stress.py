@@ -7,8 +7,6 @@ mean force that crosses the lines of the bin is then exact (Irving and Kirkwood 
 """
 
 import math
-from collections.abc import Sequence
-from itertools import pairwise
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -18,6 +16,8 @@ from pydantic import AfterValidator
 from dem.base.errors import InputError
 from dem.base.types import MOST, Unit, array
 from dem.dynamics.contact_list import ContactList
+from dem.dynamics.world import World
+from dem.jit.columns import X, Y
 from dem.scene import Scene, State
 
 OPEN = 1e3  # sizes of the scene: a container that reaches farther is not closed
@@ -102,22 +102,22 @@ def stress(
     contacts: ContactList,
     state: State,
     scene: Scene,
-    planes: np.ndarray,
-    rings: Sequence[np.ndarray],
+    world: World,
     bins: tuple[int, np.ndarray] | None = None,
 ) -> Stress:
-    """Stress of the granules of a scene with these contacts; planes (w, 3): its walls; rings:
-    closed outlines (points, 2) in m of its solids; bins: their axis and edges (m).
+    """Stress of the granules of a scene with these contacts; world: its walls and solids as they
+    are; bins: their axis and edges (m).
 
     Raises InputError if the container is not closed.
     """
     axis, limits = bins or (0, np.array([-np.inf, np.inf]))
     periods, position, mass = scene.periodic or (None, None), state.position, scene.mass
     period = periods[axis] if bins else None
-    area = _areas(planes, periods, axis, limits, bins)
-    for solid, ring in zip(scene.solids, rings, strict=True):
-        area = area - _taken(ring[:-1, axis], ring[:-1, 1 - axis], solid, limits, period)
-    volume = scene.thickness * area
+    below = _areas_below(_container(world.walls.planes, periods, bins), axis, limits)
+    for b, solid in enumerate(scene.solids, len(scene.walls)):
+        ring = solid.placed(world.boundaries.motion[b, [X, Y]], world.boundaries.angle[b])
+        below -= _taken(ring[:-1], solid, axis, limits, period)
+    volume = scene.thickness * np.diff(below)
 
     def held(values, start, length=0.0):
         """Sum of values (k, ...) in each bin: of lines from start (k, 2) over `length` (k, 2)."""
@@ -172,39 +172,22 @@ def _images(limits, low, high, period):
     return period * np.arange(first, last + 1)
 
 
-def _areas(planes, periods, axis, limits, bins):
-    """Area (m2) between the walls in each bin."""
-    planes = [*planes]
-    for other, period in enumerate(periods):
-        if period is not None and not (bins and other == axis):
-            across = np.eye(2)[other]
-            planes += [(*-across, 0.0), (*across, period)]
-    across, areas = np.eye(2)[axis], []
-    for low, high in pairwise(limits):
-        sides = [(*-across, -low), (*across, high)] if bins else []
-        corners = _corners(np.array(planes + sides).reshape(-1, 3))
-        x, y = corners.T
-        areas.append(0.5 * np.sum(np.roll(x, 1) * y - x * np.roll(y, 1)))
-    return np.array(areas)
-
-
-def _corners(planes):
-    """Corners (k, 2) in m of the convex region between planes (w, 3), anticlockwise.
+def _container(planes, periods, bins):
+    """Corners (k, 2) in m of the convex region between walls (w, 3), periodic sides and bins.
 
     Raises InputError if it is not closed.
     """
-    size = np.abs(planes[:, 2]).max(initial=LEAST)
-    far = OPEN * size
+    planes = [*planes]
+    for axis, period in enumerate(periods):
+        across = np.eye(2)[axis]
+        if bins and bins[0] == axis:
+            planes += [(*-across, -bins[1][0]), (*across, bins[1][-1])]
+        elif period is not None:
+            planes += [(*-across, 0.0), (*across, period)]
+    far = OPEN * max([LEAST, *(abs(plane[2]) for plane in planes)])
     corners = far * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     for nx, ny, offset in planes:
-        beyond, kept = corners @ (nx, ny) - offset, []
-        for k in range(len(corners)):
-            if (beyond[k - 1] > 0.0) != (beyond[k] > 0.0):
-                share = beyond[k - 1] / (beyond[k - 1] - beyond[k])
-                kept.append(corners[k - 1] + share * (corners[k] - corners[k - 1]))
-            if beyond[k] <= 0.0:
-                kept.append(corners[k])
-        corners = np.reshape(kept, (-1, 2))
+        corners = _clipped(corners, (nx, ny), offset)
     if (np.abs(corners) > 0.999 * far).any():
         raise InputError(
             "the container of the bed is not closed, so that it has no area; give edges of bins "
@@ -213,28 +196,35 @@ def _corners(planes):
     return corners
 
 
-def _taken(along, across, solid, limits, period):
-    """Area (m2) of a solid in each bin: of corners at places (m) along the axis of the bins."""
+def _clipped(corners, normal, offset):
+    """The part of a convex polygon of corners (k, 2) in m that is below a plane."""
+    beyond, kept = corners @ normal - offset, []
+    for k in range(len(corners)):
+        if (beyond[k - 1] > 0.0) != (beyond[k] > 0.0):
+            share = beyond[k - 1] / (beyond[k - 1] - beyond[k])
+            kept.append(corners[k - 1] + share * (corners[k] - corners[k - 1]))
+        if beyond[k] <= 0.0:
+            kept.append(corners[k])
+    return np.reshape(kept, (-1, 2))
+
+
+def _areas_below(corners, axis, limits):
+    """Areas (m2) of a convex polygon of corners (k, 2) in m below each limit (m) along an axis."""
+    below = []
+    for limit in limits:
+        x, y = _clipped(corners, np.eye(2)[axis], limit).T
+        below.append(0.5 * abs(np.sum(np.roll(x, 1) * y - x * np.roll(y, 1))))
+    return np.array(below)
+
+
+def _taken(corners, solid, axis, limits, period):
+    """Areas (m2) of a solid, of corners (k, 2) in m, below each limit (m), with its images."""
+    low, high = corners[:, axis].min(keepdims=True), corners[:, axis].max(keepdims=True)
     below = np.zeros(len(limits))
-    for shift in _images(limits, along.min(keepdims=True), along.max(keepdims=True), period):
+    for shift in _images(limits, low, high, period):
         if solid.is_round:
-            radius, centre = solid.radius, 0.5 * (along.min() + along.max())
-            u = np.clip((limits - shift - centre) / radius, -1.0, 1.0)
-            below += radius**2 * (np.arcsin(u) + u * np.sqrt(1.0 - u * u))
+            u = np.clip((limits - shift - 0.5 * (low + high)) / solid.radius, -1.0, 1.0)
+            below += solid.radius**2 * (np.arcsin(u) + u * np.sqrt(1.0 - u * u))
         else:
-            below += [_area_below(along, across, limit - shift) for limit in limits]
-    return np.diff(below)
-
-
-def _area_below(along, across, limit):
-    """Area (m2) of a convex polygon of corners where `along` is less than a limit (m)."""
-    ends, heights = [], []
-    for k in range(len(along)):
-        if (along[k - 1] > limit) != (along[k] > limit):
-            share = (limit - along[k - 1]) / (along[k] - along[k - 1])
-            ends.append(limit)
-            heights.append(across[k - 1] + share * (across[k] - across[k - 1]))
-        if along[k] <= limit:
-            ends.append(along[k])
-            heights.append(across[k])
-    return 0.5 * abs(np.dot(np.roll(ends, 1), heights) - np.dot(ends, np.roll(heights, 1)))
+            below += _areas_below(corners, axis, limits - shift)
+    return below

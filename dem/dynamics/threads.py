@@ -8,12 +8,14 @@ a short step. The threads spin instead, and yield the processor when they wait f
 import os
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from itertools import repeat
 from typing import NamedTuple
 
 import numpy as np
 from numba import types
 from numba.extending import intrinsic
 
+from dem.jit.block_memory import make_lanes
 from dem.jit.compilation import compiled, inlined
 
 SPINS = 2000  # checks of the barrier before the thread yields the processor
@@ -58,6 +60,11 @@ class Threads(ThreadPoolExecutor):
     def each(self, function, *columns) -> list:
         """Results of a function that all threads call at the same time: `map` without a queue."""
         return list(self.map(function, *columns))
+
+    def together(self, function, world, *arguments):
+        """What a compiled loop returns that all threads run, each with its lanes and its Place."""
+        worlds = [world._replace(lanes=make_lanes()) for _ in self.places]
+        return self.each(function, worlds, *map(repeat, arguments), self.places)[0]
 
 
 def _first(context, builder, signature, arguments):

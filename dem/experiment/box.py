@@ -6,6 +6,7 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.periodic import ROOM
+from dem.shapes import KINDS
 
 RATIOS = {"ellipse": 2.0, "plate": 6.0}  # length over width, where cylinder.aspect_ratio is none
 ROUNDED = 1.0 / 12.0  # of the diameter: radius of the corners of a square or a wedge
@@ -116,6 +117,14 @@ def circles_of(configuration, height: float) -> list[tuple[float, float, float]]
     ]
 
 
+def length_of(shape, diameter: float) -> float:
+    """Diameter (m) of the circle about the centre of a granule that holds it; diameter: of its
+    volume (m)."""
+    if shape.discs is None:
+        return diameter * math.sqrt(shape.ratio)
+    return 2.0 * float(KINDS[shape.kind].shape.of_size([diameter], shape.discs).bounding_radius[0])
+
+
 def check_room(configuration, label: str, *seeds: int) -> None:
     """Raise InputError where cylinder or granules do not fit for one of the seeds.
 
@@ -144,7 +153,7 @@ def _check_box(configuration, label: str, height: float, largest: float) -> None
     if cylinder is not None:
         turns = "x" in configuration.periodic, "y" in configuration.periodic
         _check_cylinder(configuration, height, where, turns)
-    length = largest * math.sqrt(max(part.ratio for part in configuration.parts_of(label)))
+    length = max(length_of(part, largest) for part in configuration.parts_of(label))
     if length > min(width, height):
         raise InputError(
             f"shapes.{label}.diameter is {shape.diameter:g} m: {where}, and a granule of length "

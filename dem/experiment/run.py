@@ -163,8 +163,11 @@ class Replicate:
     def variant(self) -> str:
         """The values that select the machine code of the run and of its bed, as text."""
         c, kind = self.configuration, self.shape.kind
-        walls = (c.at(f"walls.{name}.friction") for name in ("left", "right", "bottom", "top"))
-        frictions = c.friction.granule, c.friction.wall, c.friction.cylinder, *walls
+        bodies = "walls.left", "walls.right", "walls.bottom", "walls.top", "cylinder", "second"
+        frictions = [c.friction.granule, c.friction.wall, c.friction.cylinder]
+        frictions += [c.at(f"{body}.friction") for body in bodies]
+        sections = [c.at(f"{body}.material") for body in bodies]
+        materials = *self.materials, *map(self.material_of, sections)
         values = (
             kind,
             c.ellipse if kind == "ellipse" else None,
@@ -174,10 +177,10 @@ class Replicate:
             c.packing.preparation,
             c.packing.friction > 0,
             c.packing.pressure is not None,
-            any((*frictions, c.at("second.friction"))),
+            any(frictions),
             self.rolling is not None,
             c.at("cylinder.outline"),
-            any(material.restitution < 1 for material in self.materials),
+            any(material.restitution < 1 for material in materials),
             c.gravity > 0,
             "ledger" in c.observables,
         )

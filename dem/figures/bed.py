@@ -100,7 +100,7 @@ class Drawing:
         axes.grid(visible=False)
 
     def move(self, frame: int) -> None:
-        """Show a frame; a line marks the angle of a round solid that turns."""
+        """Show a frame; a line marks the angle of each round solid that turns."""
         frames, periodic = self.frames, self.periodic
         lines, space = edges(frames.walls[frame], frames.view)
         self.walls.set_segments(1e3 * lines)

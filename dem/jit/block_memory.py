@@ -88,17 +88,6 @@ def _store_outline(outline, values, at):
     return store
 
 
-def rows_like(like, table, row):
-    """Rows of a table from `row` on (1-D), as many as `like` has numbers."""
-
-
-@overload(rows_like, jit_options=INLINED)
-def _rows_like(like, table, row):
-    if len(like) == 0:
-        return lambda like, table, row: ()
-    return lambda like, table, row: (table[row],) + rows_like(like[1:], table, row + 1)
-
-
 def pick(rows, p):
     """Number p of each row."""
 
@@ -110,12 +99,15 @@ def _pick(rows, p):
     return lambda rows, p: (rows[0][p],) + pick(rows[1:], p)
 
 
-def load_outline(like, values, at):
-    """The outline that store_outline wrote; like: an outline of as many numbers."""
+def load_outline(like, values, at, step=ROW):
+    """The outline that store_outline wrote; like: an outline of as many numbers. Or as many rows of
+    a table from `at` on, a step apart."""
 
 
 @overload(load_outline, jit_options=INLINED)
-def _load_outline(like, values, at):
+def _load_outline(like, values, at, step=ROW):
     if len(like) == 0:
-        return lambda like, values, at: ()
-    return lambda like, values, at: (values[at],) + load_outline(like[1:], values, at + ROW)
+        return lambda like, values, at, step=ROW: ()
+    return lambda like, values, at, step=ROW: (
+        (values[at],) + load_outline(like[1:], values, at + step, step)
+    )

@@ -18,7 +18,6 @@ import numba
 from numba.core import types
 from numba.core.caching import FunctionCache
 from numba.core.compiler import CompileResult
-from numba.core.event import Listener, register
 from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 
@@ -90,12 +89,11 @@ class KernelCache(FunctionCache):
     def load_overload(self, sig, target_context):
         target_context.refresh()
         file = self._file(sig, target_context.codegen())
-        if file is None or not file.is_file():
-            return None
-        try:
-            return CompileResult._rebuild(target_context, *pickle.loads(file.read_bytes()))
-        except Exception:  # damage makes pickle and LLVM raise many errors
-            return None
+        if file is not None and file.is_file():
+            with suppress(Exception):  # damage makes pickle and LLVM raise many errors
+                return CompileResult._rebuild(target_context, *pickle.loads(file.read_bytes()))
+        _say_compiling()
+        return None
 
     def save_overload(self, sig, data):
         file = self._file(sig, data.codegen)
@@ -180,22 +178,9 @@ class Kernel(CPUDispatcher):
         return self.part.get_overload(sig)
 
 
-class _Compiling(Listener):
-    """Says once that a process compiles, because a library call then takes long."""
-
-    def on_start(self, event):
-        if isinstance(event.data["dispatcher"], Kernel):
-            _say_compiling()
-
-    def on_end(self, event):
-        """Nothing: the next call shows it."""
-
-
-register("numba:compile", _Compiling())
-
-
 @functools.cache
 def _say_compiling() -> None:
+    """Say once that a process compiles, because a library call then takes long."""
     if multiprocessing.parent_process() is None:
         say(COMPILING)
 

@@ -30,11 +30,12 @@ def question(stub):
     return asked
 
 
-def register(cls, questions, functions, members=(), defaults=None, see=""):
-    """Make a class known to the kernels, by functions that answer questions, by name.
+def register(cls, *functions, questions, members, usual, **renamed):
+    """Make a class known to the kernels: each function answers the question of its name, or of the
+    keyword that it is given for.
 
-    members: what Python asks of the class; defaults: of those that most classes have in common; see:
-    where both are described. Raises InputError for an unknown question, an unanswered one without a
+    members: what Python asks of the class, beside what the class `usual` has, whose members it gets
+    where it has none. Raises InputError for an unknown question, an unanswered one without a
     default, a missing member, or a class with the name of another one.
     """
     if any(other is not cls and other.__name__ == cls.__name__ for other in questions[0].answers):
@@ -43,17 +44,21 @@ def register(cls, questions, functions, members=(), defaults=None, see=""):
             "classes apart by their names; choose another name, or start Python, or the workers, "
             "again."
         )
+    functions = {function.__name__: function for function in functions} | renamed
     known = {question.__name__: question for question in questions}
     for name in functions.keys() - known.keys():
         raise InputError(f"{cls.__name__} answers {name}, which is no question of the kernels.")
     for name, asked in known.items():
         if name not in functions and not asked.has_default:
             raise InputError(f"{cls.__name__} does not answer the question {name} of the kernels.")
+    for name in dir(usual):
+        if not hasattr(cls, name):
+            setattr(cls, name, getattr(usual, name))
     for name in members:
         if not hasattr(cls, name):
-            if name not in (defaults or {}):
-                raise InputError(f"{cls.__name__} has no {name}; see {see}.")
-            setattr(cls, name, defaults[name])
+            raise InputError(
+                f"{cls.__name__} has no {name}; see {usual.__module__}.{usual.__name__}."
+            )
     for name, function in functions.items():
         known[name].answers[cls] = register_jitable(**INLINED)(function)  # one may call another
     remember(cls)

@@ -7,13 +7,13 @@ damping ratio zeta, for any law and at any speed (dem.contacts.force_law). Mindl
 Coulomb's cap, the bound of the time step and the energy ledger are written once, for all laws.
 
 A law is a NamedTuple. Its class selects, at compile time, the answers to the questions of the
-kernels, and has the members of `Law` for Python. `dem.check_law` tests both. Answers have no
-branches, so that they become vector code. Where an answer is passed `measured`, that is what
-`measure` has answered for the same overlap.
+kernels, and has `modulus` and the members of `Law` for Python. `dem.check_law` tests both. Answers
+have no branches, so that they become vector code. Where an answer is passed `measured`, that is
+what `measure` has answered for the same overlap.
 """
 
 import math
-from typing import Protocol
+from functools import partial
 
 from dem.jit.compilation import inlined
 from dem.jit.questions import question, register
@@ -21,34 +21,27 @@ from dem.jit.questions import question, register
 TINY = 1e-300
 
 
-class Law(Protocol):
-    """What Python asks of a law; DEFAULTS has what most have in common."""
+class Law:
+    """What Python asks of a law beside `modulus`, with what most laws have in common.
+
+    ``modulus(young, thickness)`` is the constant of two materials: their E* (Pa), or for granules
+    of a thickness (m) a stiffness (N/m).
+    """
 
     # Power of the overlap that the force nearly is. Read by packing and by the fits of jamming.
     # Wrong: a bed under a pressure takes longer, and the onset of jamming is less exact.
-    power: float
+    power = 1.0
 
     # Greatest force over normal stiffness and overlap, without unit. Read by the bound of the time
     # step. Too small: a granule that turns in a deep contact gains energy.
-    bulk: float
+    bulk = 1.0
 
     # Constant of the dashpot over the damping ratio: 2 y' over what `root` answers, without unit.
-    dashpot: float
-
-    def modulus(self, young: float, thickness: float) -> float:
-        """Constant of two materials: their E* (Pa), or for granules of a thickness (m) a stiffness
-        (N/m)."""
+    dashpot = 2.0
 
     def scale(self, modulus: float, radius: float) -> float:
         """Stiffness (N/m) of granules of a radius (m) in which forces are measured."""
-
-
-DEFAULTS = {
-    "power": 1.0,
-    "bulk": 1.0,
-    "dashpot": 2.0,
-    "scale": lambda law, modulus, radius: modulus,
-}
+        return modulus
 
 
 @question
@@ -135,7 +128,8 @@ def stiffest(law, modulus, radius, overlap):
 def impact_overlap(law, modulus, radius, mass, speed):
     """Greatest overlap (m) of an elastic collision of two like granules at a speed (m/s); radius,
     mass: R* (m) and m* (kg)."""
-    constant, second = stiffness(law, modulus, radius), length(law, 0.5, radius, radius, radius)
+    constant = stiffness(law, modulus, radius)
+    second = length(law, 0.5, 2.0 * radius, 2.0 * radius, radius)
     low, high, met = 0.0, radius, 0.5 * mass * speed * speed
     for _ in range(50):
         middle = 0.5 * (low + high)
@@ -158,14 +152,8 @@ QUESTIONS = (
     stiffest,
     impact_overlap,
 )
-MEMBERS = *Law.__annotations__, "modulus", "scale"
-
-
-def answer(cls, *functions):
-    """Make a class known to the kernels as a law: each function answers the question of its name.
-    Raises InputError as dem.jit.questions.register."""
-    named = {function.__name__: function for function in functions}
-    register(cls, QUESTIONS, named, MEMBERS, DEFAULTS, "dem.laws.protocol.Law")
+# as dem.jit.questions.register
+answer = partial(register, questions=QUESTIONS, members=("modulus",), usual=Law)
 
 
 def is_law(cls: type) -> bool:

@@ -85,7 +85,7 @@ class Job:
         if saved is None:
             return world, memory, left
         alone = world.force is world.constituent_force
-        world = replaced(world, saved)
+        world = replaced(world, saved, "world")
         if alone:  # one array where a granule is its own only constituent
             world = world._replace(force=world.constituent_force)
         return world, saved["memory"], int(saved["left"])

@@ -12,7 +12,6 @@ does, which is rare, the kick is taken back.
 
 import math
 from contextlib import nullcontext
-from itertools import repeat
 from typing import NamedTuple
 
 import numpy as np
@@ -36,8 +35,7 @@ from dem.dynamics.skin import SKIN_OF_PACKING
 from dem.dynamics.threads import Threads, barrier, leads, share_of
 from dem.dynamics.world import PATCH, World, granules_of, number_of_patches
 from dem.jit.address import as_before, by_address, changeable
-from dem.jit.block_memory import make_lanes
-from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y, rows
+from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, rows
 from dem.jit.compilation import compiled, inlined
 from dem.jit.interrupts import signals_deferred
 from dem.laws.protocol import stiffest
@@ -56,9 +54,8 @@ REST = 1e-9
 SHARE_OF_CONTACT, MOST_REST = 5e-3, 1e-6
 
 # Sums over a patch, a cache line for each: F.v, F.F, greatest F.F of a granule, v.v after the kick,
-# v.v where the kick began at rest, greatest squared displacement. Rotation counts by the radius of
-# gyration.
-POWER, PUSH, LARGEST, SPEED, SPEED_FROM_REST, MOVED, SUMS = 0, 1, 2, 3, 4, 5, 8
+# greatest squared displacement. Rotation counts by the radius of gyration.
+POWER, PUSH, LARGEST, SPEED, MOVED, SUMS = 0, 1, 2, 3, 4, 8
 
 
 @inlined
@@ -104,28 +101,18 @@ def kick(world, dt, patch, sums):
 
 
 @compiled
-def turn_back(world, back, dt, patch, sums):
-    """Move a patch over `back` (s) with its velocities before the kick, halt it, and kick it over dt
-    (s)."""
-    force, bodies, angle = world.force, world.bodies, world.angle
-    inverse_mass, inverse_inertia = world.inverse_mass, world.inverse_inertia
-    orientation = world.orientation
+def halt(world, back, patch):
+    """Move a patch over `back` (s) with its velocities before the kick, and take all off it."""
+    bodies, angle, orientation = world.bodies, world.angle, world.orientation
     low, high = granules_of(bodies.shape[0], patch)
-    speed = 0.0
     for i in range(low, high):
-        g2 = gyration(world, i)
-        bodies[i, X] += back * bodies[i, DVX]
-        bodies[i, Y] += back * bodies[i, DVY]
-        vx = dt * force[i, FX] * inverse_mass[i]
-        vy = dt * force[i, FY] * inverse_mass[i]
-        w = 0.0
-        if inverse_inertia is not None:
+        for c in range(2):
+            bodies[i, X + c] += back * bodies[i, DVX + c]
+            bodies[i, VX + c] = 0.0
+        bodies[i, W] = 0.0
+        if world.inverse_inertia is not None:
             angle[i] += back * bodies[i, DW]
             rotate(orientation, i, angle[i], back * bodies[i, DW])
-            w = dt * force[i, TAU] * inverse_inertia[i]
-        bodies[i, VX], bodies[i, VY], bodies[i, W] = vx, vy, w
-        speed += vx * vx + vy * vy + g2 * w * w
-    sums[patch, SPEED_FROM_REST] = speed
 
 
 @compiled
@@ -137,11 +124,9 @@ def move(world, alpha, factor, dt, patch):
     low, high = granules_of(bodies.shape[0], patch)
     for i in range(low, high):
         g2 = gyration(world, i)
-        vx = (1.0 - alpha) * bodies[i, VX] + factor * force[i, FX]
-        vy = (1.0 - alpha) * bodies[i, VY] + factor * force[i, FY]
-        bodies[i, VX], bodies[i, VY] = vx, vy
-        bodies[i, X] += dt * vx
-        bodies[i, Y] += dt * vy
+        for c in range(2):
+            bodies[i, VX + c] = (1.0 - alpha) * bodies[i, VX + c] + factor * force[i, FX + c]
+            bodies[i, X + c] += dt * bodies[i, VX + c]
         if g2 > 0.0:
             bodies[i, W] = (1.0 - alpha) * bodies[i, W] + factor * force[i, TAU] / g2
         if inverse_inertia is not None:
@@ -211,10 +196,12 @@ def fire(world, memory, steps, goal, sums, thread):
             back = -0.5 * dt
             downhill, alpha = 0.0, ALPHA_START
             dt = max(0.5 * dt, 0.02 * longest)
+            barrier(thread)  # now all threads have the sums
             for patch in range(begin, end):
-                turn_back(world, back, dt, patch, sums)
+                halt(world, back, patch)
+                kick(world, dt, patch, sums)
             barrier(thread)
-            speed = total(sums, SPEED_FROM_REST)
+            speed = total(sums, SPEED)
         factor = alpha * math.sqrt(speed / push) if push > 0.0 else 0.0
         for patch in range(begin, end):
             move(world, alpha, factor, dt, patch)
@@ -248,13 +235,6 @@ def fire(world, memory, steps, goal, sums, thread):
     if leads(thread):
         memory[0], memory[1], memory[2] = dt, alpha, downhill
     return done, math.sqrt(moved), largest
-
-
-def fire_together(threads, world, memory, steps, goal, sums):
-    """`fire`, with the same result for any number of threads."""
-    worlds = [world._replace(lanes=make_lanes()) for _ in threads.places]
-    same = map(repeat, (memory, steps, goal, sums))
-    return threads.each(fire, worlds, *same, threads.places)[0]
 
 
 class Goal(NamedTuple):
@@ -307,7 +287,7 @@ def settle(world, table, goal, memory, left, sums, threads):
         if threads is None:
             done, moved, largest = fire(view, memory, left - pause, goal, sums, None)
         else:
-            done, moved, largest = fire_together(threads, view, memory, left - pause, goal, sums)
+            done, moved, largest = threads.together(fire, view, memory, left - pause, goal, sums)
         left -= max(done, 1)
         if not moved <= goal.list_range:
             if not math.isfinite(moved):

@@ -173,6 +173,17 @@ class Room(NamedTuple):
         away = nearest_image(position - solid.position, self.periods)
         return solid.depth(away @ np.array([[c, -s], [s, c]]))
 
+    def bed(self, state: State, **measured: float) -> Bed:
+        """The Bed with granules in a State, and what is measured of it."""
+        return Bed(
+            wrapped(state.position, self.periods),
+            np.mod(state.angle, 2.0 * np.pi),
+            self.width,
+            self.height,
+            **measured,
+            periodic=self.periods,
+        )
+
     def name(self, shape: Any) -> str:
         """Name of a bed in an error message."""
         return f"the bed at packing fraction {shape.area.sum() / self.area:.4g} (seed {self.seed})"
@@ -367,8 +378,7 @@ def finished(shape: Any, room: Room, bed: Minimum, net_force: float | None = Non
 
     Raises PackingError if a granule is outside the box or overlaps too much.
     """
-    state = bed.state
-    position = wrapped(state.position, room.periods)
+    position = wrapped(bed.state.position, room.periods)
     lost = ((position < 0.0) | (position > room.size)).any(axis=1)
     for solid in room.solids:
         lost |= room.depth(solid, position) > 0.0
@@ -383,16 +393,12 @@ def finished(shape: Any, room: Room, bed: Minimum, net_force: float | None = Non
             f"{bed.max_overlap:.2g} of the smaller radius, at most {DEEPEST:g} is allowed: ask "
             "for a lower packing fraction."
         )
-    return Bed(
-        position=position,
-        angle=np.mod(state.angle, 2.0 * np.pi),
-        width=room.width,
-        height=room.height,
+    return room.bed(
+        bed.state,
         net_force=bed.net_force / room.unit(shape) if net_force is None else net_force,
         pressure=pressure_of(bed.world, room),
         coordination_number=2.0 * bed.touching / len(position),
         max_overlap=bed.max_overlap,
-        periodic=room.periods,
     )
 
 

@@ -16,7 +16,6 @@ from dem.dynamics.simulation import Simulation
 from dem.material import Friction, Material
 from dem.packing.job import Job
 from dem.packing.random import Bed, Room, relaxed
-from dem.periodic import wrapped
 
 PIECE = 3.0  # sqrt(diameter / gravity) between two looks
 PIECES = 200  # at most
@@ -59,20 +58,15 @@ def settle(
         raise PackingError(
             f"{room.name(shape)} cannot be made: while it settled, {error}"
         ) from None
-    end, world = run.state, run.world
     stiffness = max(modulus(scene, material, material) for material in materials)
-    walls = len(scene.walls)
+    world, walls = run.world, len(scene.walls)
     unit = scene.law.scale(stiffness, 0.5 * diameter) * 0.5 * diameter
     net_force = world.force[:, :2] + np.array(scene.gravity) / world.inverse_mass[:, None]
     pushed = float(world.boundaries.contact_forces[:walls, 0].sum())
-    return Bed(
-        position=wrapped(end.position, room.periods),
-        angle=np.mod(end.angle, 2.0 * np.pi),
-        width=room.width,
-        height=room.height,
+    return room.bed(
+        run.state,
         net_force=float(np.hypot(*net_force.T).max() / unit),
         pressure=pushed / (room.wall_length * stiffness),
         coordination_number=now.coordination_number,
         max_overlap=now.max_overlap,
-        periodic=room.periods,
     )

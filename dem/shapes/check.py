@@ -15,7 +15,8 @@ from dem.base.types import refuse
 from dem.jit.columns import FX, FY, TAU, X, Y, rows
 from dem.jit.compilation import compiled
 from dem.jit.optional import either
-from dem.shapes import of_size, smooth
+from dem.shapes import of_size
+from dem.shapes.disc import TINY
 from dem.shapes.protocol import (
     circle,
     collect,
@@ -27,10 +28,12 @@ from dem.shapes.protocol import (
     solve_contact,
     support,
 )
+from dem.shapes.smooth import Smooth
 
 DIGITS = 6  # in which outlines over bounding radii agree of granules that differ by size alone
 PAIRS = 40  # random contacts
 DEPTH = 1e-3  # overlap over size: what simulations have, well above rounding
+NEAREST = 0.02  # distance of two centres over the sum of the bounding radii: granules touch there
 STEP = 1e-6  # of finite differences, over size: errors are of STEP^2 / DEPTH^2 and 1e-16 / STEP
 CLOSE = 1e-2  # relative error of forces; a forgotten arm is wrong by 1
 SAME = 1e-6  # relative error where two ways lead to one number
@@ -63,18 +66,16 @@ def _pair(shape, orientation, bodies, constituents, order, overlaps, pushed, for
             dx = constituents[b, X] - constituents[a, X]
             dy = constituents[b, Y] - constituents[a, Y]
             one, two = outline(shape, a, orientation), outline(shape, b, orientation)
-            apart = math.sqrt(dx * dx + dy * dy)
-            guess = (dx / apart, dy / apart) if apart > 0.0 else (1.0, 0.0)
-            c = solve_contact(shape, dx, dy, one, two, guess)
-            t1, t2 = either(c.t1, 0.0), either(c.t2, 0.0)
+            apart = math.sqrt(dx * dx + dy * dy) + TINY
+            c = solve_contact(shape, dx, dy, one, two, (dx / apart, dy / apart))
             overlaps[count], push = c.overlap, max(c.overlap, 0.0)
             count += 1
             pushed[a, FX] -= push * c.nx
             pushed[a, FY] -= push * c.ny
-            pushed[a, TAU] += push * t1
+            pushed[a, TAU] += push * either(c.t1, 0.0)
             pushed[b, FX] += push * c.nx
             pushed[b, FY] += push * c.ny
-            pushed[b, TAU] -= push * t2
+            pushed[b, TAU] -= push * either(c.t2, 0.0)
     collect(shape, pushed, orientation, force, 0, len(bodies))
 
 
@@ -109,9 +110,9 @@ class Two:
         return np.column_stack([np.cos(angle), np.sin(angle)]), bodies, constituents
 
     def pair(self, at, order=(0, 1)):
-        """Overlaps (k,) in m of the constituents of the first granule, at zero, with the second, and
-        forces (2, 4); at: place (x, y) in m of the second, angles (rad) of both; order: which of
-        them is asked first."""
+        """Overlaps (k,) in m of the constituents of the first granule, at zero, with the second,
+        and forces (2, 4); at: place (x, y) in m of the second, angles (rad) of both; order: which
+        of them is asked first."""
         overlaps, force = np.zeros(self.counts.prod()), rows(2, 4)
         pushed = force if self.alone else rows(self.counts.sum(), 4)
         arrays = self._arrays([[0.0, 0.0], at[:2]], at[2:])
@@ -121,17 +122,13 @@ class Two:
     def tangents(self, numbers, angle, count, radius=0.0):
         """Angles (count + 1,) in rad of normals, and h, q, distance and arm (constituents, count +
         1) in m."""
-        turn = 2.0 * np.pi * np.arange(count + 1) / count
+        turn = np.linspace(0.0, 2.0 * np.pi, count + 1)
         normals = np.column_stack([np.cos(turn), np.sin(turn)])
         lines = np.zeros((len(numbers), 4, count + 1))
         for number, row in zip(numbers, lines, strict=True):
-            arrays = self._arrays(np.zeros((2, 2)), np.full(2, angle))
+            arrays = self._arrays(0.0, np.full(2, angle))
             _tangents(self.shape, *arrays, number, radius, normals, row)
         return turn, *lines.swapaxes(0, 1)
-
-    def constituents(self, g):
-        """Numbers of the constituents of granule g."""
-        return np.flatnonzero(self.shape.owner == g)
 
 
 def check_shape(shape) -> None:
@@ -166,7 +163,7 @@ def check_shape(shape) -> None:
         words = "be granules of a shape, such as dem.Disc, or of a class that"
         refuse("shape", shape, f"{words} dem.shapes.smooth.smooth decorates")
     name = type(shape).__name__
-    _refuse(name, [shape.fault or ""])
+    _refuse(name, [shape.fault])
     _refuse(name, _scaling(shape))
     if hasattr(shape, "of_size") and "discs" not in signature(shape.of_size).parameters:
         of_size(type(shape), 2.0 * np.sqrt(shape.area / np.pi), RATIO)
@@ -179,9 +176,8 @@ def check_shape(shape) -> None:
 
 
 def _refuse(name, sentences):
-    sentences = [*filter(None, sentences)]
-    if sentences:
-        raise InputError(" ".join(f"{name}: {sentence}" for sentence in dict.fromkeys(sentences)))
+    if sentences := list(filter(None, dict.fromkeys(sentences))):
+        raise InputError(" ".join(f"{name}: {sentence}" for sentence in sentences))
 
 
 def _pairs(shape):
@@ -198,7 +194,7 @@ def _scaling(shape):
     granules."""
     larger, n = shape.scaled(2.0), int(shape.owner[-1]) + 1
     for name, power in POWERS.items():
-        value, scaled = np.asarray(getattr(shape, name)), np.asarray(getattr(larger, name))
+        value, scaled = np.asarray(getattr(shape, name)), getattr(larger, name)
         count = np.size(shape.constituent_radius) if name.startswith("constituent") else n
         if value.shape != (count,) or not np.allclose(scaled, 2.0**power * value, rtol=SAME):
             yield (
@@ -214,24 +210,23 @@ def _outline(two):
     the centre.
     """
     shape = two.shape
-    uniform = getattr(type(shape).gyration_squared, "fget", None) is smooth.gyration_squared
-    polygons = np.asarray(shape.polygons(POINTS))
-    stated = zip(polygons, two.size, shape.area, shape.gyration_squared, strict=True)
-    for rings, size, stated_area, stated_gyration in stated:
-        area, (x, y), gyration = _moments(rings)
-        if not np.isclose(area, stated_area, rtol=NEAR):
-            yield f"area is {stated_area:g} m2; its outline has {area:g} m2."
-        if math.hypot(x, y) > NEAR * size:
-            if uniform:
-                yield (
-                    f"the centre of mass is at c = ({x:.6g}, {y:.6g}) m; it must be the centre: "
-                    "subtract c_x nx + c_y ny from the support function h, and c_y nx - c_x ny "
-                    "from q; or define gyration_squared, if the mass is not spread evenly."
-                )
-        elif not np.isclose(gyration, stated_gyration, rtol=NEAR):
-            yield f"gyration_squared is {stated_gyration:g} m2; its outline has {gyration:g} m2."
-        far = np.hypot(*rings.reshape(-1, 2).T).max()
-        if far > size * (1.0 + SAME) or size > LOOSE * far:
+    uniform = type(shape).gyration_squared is Smooth.gyration_squared
+    stated = zip(shape.polygons(POINTS), two.size, shape.area, shape.gyration_squared, strict=True)
+    for rings, size, *moments in stated:
+        *right, centre = _moments(rings @ [1.0, 1.0j])
+        off = abs(centre) > NEAR * size
+        if off and uniform:
+            yield (
+                f"the centre of mass is at c = ({centre.real:.6g}, {centre.imag:.6g}) m; it must "
+                "be the centre: subtract c_x nx + c_y ny from the support function h, and c_y nx - "
+                "c_x ny from q; or define gyration_squared, if the mass is not spread evenly."
+            )
+        names = ("area",) if off else ("area", "gyration_squared")
+        for name, value, found in zip(names, moments, right, strict=False):
+            if not np.isclose(value, found, rtol=NEAR):
+                yield f"{name} is {value:g} m2; its outline has {found:g} m2."
+        far = np.linalg.norm(rings, axis=-1).max()
+        if not far <= size * (1.0 + SAME) <= LOOSE * far:
             yield (
                 f"bounding_radius is {size:g} m; the outline reaches {far:g} m, and the circle "
                 f"must hold it and be at most {LOOSE:g} times as large."
@@ -239,29 +234,29 @@ def _outline(two):
 
 
 def _moments(rings):
-    """Area (m2), centroid (m) and squared radius of gyration about the centre (m2) of all rings."""
+    """Area (m2), squared radius of gyration about the centre (m2) and centroid x + iy (m) of all
+    rings (k, points), x + iy (m)."""
     a, b = rings[:, :-1], rings[:, 1:]
-    triangle = 0.5 * (a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
-    area = triangle.sum()
-    first = (triangle[..., None] * (a + b) / 3.0).sum(axis=(0, 1))
-    second = (triangle * (a * a + a * b + b * b).sum(axis=-1)).sum() / 6.0
-    return area, first / area, second / area
+    cross = a.conj() * b
+    triangle = 0.5 * cross.imag
+    second, area = triangle * (abs(a) ** 2 + cross.real + abs(b) ** 2), triangle.sum()
+    return area, second.sum() / 6.0 / area, (triangle * (a + b)).sum() / 3.0 / area
 
 
 def _support(two):
     """Third law: tangent lines are those of the polygons, q = dh/d(angle), and moment arms are
     bounded as stated."""
     shape, polygons = two.shape, two.shape.polygons(POINTS)
-    holds = [shape.constituent_bounding_radius[two.constituents(g)].max() for g in range(2)]
+    holds = shape.constituent_bounding_radius
     for g, size in enumerate(two.size):
-        turn, h, q, _, arm = two.tangents(two.constituents(g), 0.0, FINE)
-        slope, bend = (np.diff(values) / np.diff(turn) for values in (h, arm))
+        own = np.flatnonzero(shape.owner == g)
+        turn, h, q, _, arm = two.tangents(own, 0.0, FINE)
+        slope, bend = np.diff([h, arm]) / np.diff(turn)
         low, high = np.sort([q[:, 1:], q[:, :-1]], axis=0)  # a mean is between the ends
         if np.maximum(low - slope, slope - high).max() > NEAR * size:
             yield "q of support is not dh/d(angle): torques would be wrong."
             return
-        greatest, longest = bend.max(), np.abs(arm).max()
-        steepest = max(shape.normal_bend[g], greatest) / size
+        steepest = max(shape.normal_bend[g], bend.max()) / size
         if not steepest <= BEND:
             yield (
                 f"the outline is too flat: its radius of curvature is {steepest:.3g} times its "
@@ -269,19 +264,14 @@ def _support(two):
                 "flat sides."
             )
             return
-        if longest > shape.normal_lever[g] * (1.0 + NEAR) + SAME * size:
-            yield (
-                f"normal_lever is {shape.normal_lever[g]:g} m; normal forces have levers up to "
-                f"{longest:g} m."
-            )
-        if greatest > shape.normal_bend[g] * (1.0 + NEAR) + NEAR * size:
-            yield (
-                f"normal_bend is {shape.normal_bend[g]:g} m; the outline bends by up to "
-                f"{greatest:g} m, and the time step would be too long."
-            )
-        if np.hypot(h, q).max() > holds[g] * (1.0 + SAME):
-            yield "constituent_bounding_radius does not hold the constituent: contacts are missed."
-        turn, _, _, distance, _ = two.tangents(two.constituents(g), ANGLE, DIRECTIONS)
+        for name, stated, values, room in (
+            ("normal_lever", shape.normal_lever[g], np.abs(arm), SAME),
+            ("normal_bend", shape.normal_bend[g], bend, NEAR),
+            ("constituent_bounding_radius", holds[own].max(), np.hypot(h, q), 0.0),
+        ):
+            if values.max() > stated * (1.0 + NEAR) + room * size:
+                yield f"{name} is {stated:g} m; the outline has up to {values.max():g} m."
+        turn, _, _, distance, _ = two.tangents(own, ANGLE, DIRECTIONS)
         normals = np.column_stack([np.cos(turn - ANGLE), np.sin(turn - ANGLE)])
         apart = distance.max(axis=0) - (normals @ polygons[g].reshape(-1, 2).T).max(axis=1)
         if np.abs(apart).max() > NEAR * size:
@@ -289,67 +279,49 @@ def _support(two):
                 f"support and the outline of polygons differ, at angle {ANGLE:g} rad: walls would "
                 "touch elsewhere."
             )
-    radius = 0.37 * two.size[0]
-    _, h, q, _, _ = two.tangents([-1], 0.0, DIRECTIONS, radius)
-    if not np.allclose([h - radius, q], 0.0, atol=SAME * radius):
+    _, h, q, _, _ = two.tangents([-1], 0.0, DIRECTIONS, size)
+    if not np.allclose([h - size, q], 0.0, atol=SAME * size):
         yield "circle does not give the outline of a circle: the cylinder would be none."
 
 
 def _contacts(two):
-    """Fourth and fifth law: both granules see the same contact, and its forces have a potential."""
-    rng = np.random.default_rng(1)
-    for _ in range(PAIRS):
-        at = _touching(two, rng.uniform(0.0, 2.0 * np.pi, 2), rng.uniform(0.0, 2.0 * np.pi))
-        if at is None:
-            yield "two granules never touch, however near their centres are."
-            return
-        yield from _forces(two, at)
-
-
-def _touching(two, angles, away):
-    """Where the second granule, coming from a direction (rad), overlaps the first by DEPTH, or
-    None."""
+    """Fourth and fifth law: forces and torques are alike from both sides, and minus the gradient of
+    a potential of the overlaps."""
     from scipy.optimize import bisect
 
-    depth, reach = DEPTH * two.size.min(), two.size.sum()
+    rng, reach, size = np.random.default_rng(1), two.size.sum(), two.size.min()
+    depth, unit = DEPTH * size, np.array([size, size, 1.0, 1.0])
 
-    def at(distance):
-        return np.array([distance * math.cos(away), distance * math.sin(away), *angles])
+    def potential(at):
+        return 0.5 * (np.maximum(two.pair(at)[0], 0.0) ** 2).sum()
 
-    def excess(distance):
-        return two.pair(at(distance))[0].max() - depth
+    for away, *angles in rng.uniform(0.0, 2.0 * np.pi, (PAIRS, 3)):
+        way = np.array([math.cos(away), math.sin(away)])
 
-    steps = reach * np.linspace(1.0, 0.02, 50)
-    inside = next((k for k, distance in enumerate(steps) if excess(distance) > 0.0), None)
-    if inside is None:
-        return None
-    return at(bisect(excess, steps[inside], steps[inside - 1], xtol=1e-14 * reach))
+        def excess(distance, way=way, angles=angles):
+            return two.pair([*(distance * way), *angles])[0].max() - depth
 
-
-def _forces(two, at):
-    """Forces and torques are minus the gradient of a potential of the overlaps, and alike from both
-    sides."""
-    overlaps, force = two.pair(at)
-    size, depth = two.size.min(), overlaps.max()
-
-    def potential(place):
-        return 0.5 * (np.maximum(two.pair(place)[0], 0.0) ** 2).sum()
-
-    unit = np.array([size, size, 1.0, 1.0])
-    difference = [potential(at - step) - potential(at + step) for step in np.diag(STEP * unit)]
-    exerted = np.array([force[1, FX], force[1, FY], force[0, TAU], force[1, TAU]])
-    wrong = np.abs(exerted * unit - np.array(difference) / (2.0 * STEP)) > CLOSE * depth * size
-    change = np.abs(force - two.pair(at, (1, 0))[1])
-    if (change > NEAR * depth * np.array([1.0, 1.0, size, 1.0])).any():
-        yield "a contact depends on which of two granules is asked: swapping them changes it."
-    for broken, what in (
-        (wrong[:2], "normal of a contact is"),
-        (wrong[2:], "levers of a contact are"),
-    ):
-        if broken.any():
-            yield (
-                f"the {what} not the gradient of its overlap: bounces would make or lose energy."
-            )
+        if excess(NEAREST * reach) <= 0.0:
+            yield "two granules never touch, however near their centres are."
+            return
+        distance = bisect(excess, NEAREST * reach, reach, xtol=1e-14 * reach)
+        at = np.array([*(distance * way), *angles])
+        force, swapped = two.pair(at)[1], two.pair(at, (1, 0))[1]
+        if (np.abs(force - swapped) > NEAR * depth * np.array([1.0, 1.0, size, 1.0])).any():
+            yield "a contact depends on which of two granules is asked: swapping them changes it."
+        steps = np.diag(STEP * unit)
+        right = [(potential(at - step) - potential(at + step)) / (2.0 * STEP) for step in steps]
+        exerted = np.array([force[1, FX], force[1, FY], force[0, TAU], force[1, TAU]]) * unit
+        wrong = np.abs(exerted - right) > CLOSE * depth * size
+        for broken, what in (
+            (wrong[:2], "normal of a contact is"),
+            (wrong[2:], "levers of a contact are"),
+        ):
+            if broken.any():
+                yield (
+                    f"the {what} not the gradient of its overlap: bounces would make or lose "
+                    "energy."
+                )
 
 
 LAWS = _outline, _support, _contacts

@@ -5,18 +5,20 @@ Every contact is between discs. Mass is spread evenly over the union of the disc
 """
 
 import math
+from itertools import chain
 from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dem.base.types import LEAST, MOST, SIZES, OutlinePoints, Ratio, checked, real_array, refuse
+from dem.base.types import LEAST, MOST, SIZES, OutlinePoints, array, checked, refuse
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.shapes import disc
-from dem.shapes.protocol import Granules, answer
+from dem.shapes.protocol import Shape, answer
 
 SHAPE = "Clump"
 
+ROWS = array(None, 3, low=-MOST, high=MOST).func  # of a granule
 SAME = 1e-12  # over size: two circles are one
 SHORT = 1e-6  # rad: arcs that are not drawn
 MOST_ENTRIES = 2**22  # of an array in the search for arcs
@@ -28,7 +30,7 @@ class _Fields(NamedTuple):
     first: np.ndarray
 
 
-class Clump(_Fields, Granules):
+class Clump(_Fields, Shape):
     """Clumps of discs: each granule has any number of them, overlapping or not.
 
     Parameters
@@ -85,8 +87,7 @@ class Clump(_Fields, Granules):
     def __new__(cls, discs: Any, owner: Any = None, first: Any = None) -> Self:
         if first is not None:  # compiled code that returns clumps makes them of their fields
             return super().__new__(cls, discs, owner, first)
-        granules = _granules(discs)
-        clumps = _ragged(cls, np.concatenate(granules), [len(each) for each in granules])
+        clumps = _of_granules(cls, _granules(discs))
         place = clumps.discs[:, :2]
         place -= place[clumps.first[clumps.owner]]  # near zero, where integrals lose no digits
         place -= np.take(_moments(clumps)[1], clumps.owner, axis=0)
@@ -120,27 +121,6 @@ class Clump(_Fields, Granules):
         many.discs[:] *= factor[many.owner, None]
         return many
 
-    @checked
-    def scaled(self, factor: Ratio) -> Self:
-        """The same granules, all lengths multiplied by a factor.
-
-        Parameters
-        ----------
-        factor : float
-            Ratio of new to old lengths, without unit.
-
-        Returns
-        -------
-        Clump
-            The scaled granules.
-
-        Raises
-        ------
-        InputError
-            If `factor` is not positive.
-        """
-        return self._replace(discs=factor * self.discs)
-
     @property
     def fault(self) -> str | None:
         """What is wrong with fields that were replaced, as a sentence."""
@@ -152,16 +132,17 @@ class Clump(_Fields, Granules):
 
     def take(self, numbers: np.ndarray) -> Self:
         """The granules of these numbers, in this order."""
-        begin = self.first[numbers]
-        taken = _ragged(type(self), self.discs, self.first[np.add(numbers, 1)] - begin)
-        rows = np.arange(len(taken.owner)) + (begin - taken.first[:-1])[taken.owner]
-        return taken._replace(discs=self.discs[rows])
+        granules = self._each
+        return _of_granules(type(self), [granules[number] for number in numbers])
 
     def appended(self, *others: Self) -> Self:
         """These granules, then those of others."""
-        every = self, *others
-        counts = np.concatenate([np.diff(each.first) for each in every])
-        return _ragged(type(self), np.concatenate([each.discs for each in every]), counts)
+        return _of_granules(type(self), chain(self._each, *(each._each for each in others)))
+
+    @property
+    def _each(self) -> list[np.ndarray]:
+        """Discs (k, 3) of each granule."""
+        return np.split(self.discs, self.first[1:-1])
 
     def _greatest(self, values: np.ndarray) -> np.ndarray:
         """Of all discs of each granule."""
@@ -227,39 +208,38 @@ class Clump(_Fields, Granules):
 
 def _granules(value) -> list[np.ndarray]:
     """Discs (k, 3) of each granule; raises InputError."""
-    words = "be one list of discs (x, y, radius) in m a granule, each of a radius above zero"
     try:
-        granules = [real_array(discs) for discs in value]
-        if not all(len(d) and d.ndim == 2 and d.shape[1] == 3 for d in granules) or not granules:
-            raise ValueError
-        every = np.concatenate(granules)
+        granules = [ROWS(discs) for discs in value]
+        fits = min(discs[:, 2].min() for discs in granules) >= LEAST
     except (TypeError, ValueError):
-        refuse("Clump.discs", value, words)
-    if not (np.abs(every) <= MOST).all() or not (every[:, 2] >= LEAST).all():
+        fits = False
+    if not fits:
+        words = "be one list of discs (x, y, radius) in m a granule, each of a radius above zero"
         refuse("Clump.discs", value, words)
     return granules
 
 
-def _ragged(cls, discs, counts):
-    """Clumps of so many of these discs each."""
+def _of_granules(cls, granules):
+    """Clumps of the discs (k, 3) of each granule."""
+    granules = list(granules)
+    counts = [len(discs) for discs in granules]
     owner = np.repeat(np.arange(len(counts)), counts)
-    return cls(discs, owner, np.concatenate([[0], np.cumsum(counts)]))
+    return cls(np.concatenate(granules), owner, np.cumsum([0, *counts]))
 
 
 def _arcs(clumps):
     """Arcs of outlines: granule, centre x + iy and radius (m), begin and end (rad), by granule."""
-    counts, found = np.diff(clumps.first), []
-    for k in np.unique(counts):
-        alike = np.flatnonzero(counts == k)
-        for some in np.array_split(alike, -(-2 * len(alike) * int(k) ** 3 // MOST_ENTRIES)):
-            x, y, radius = clumps.discs[clumps.first[some] + np.arange(k)[:, None]].T
-            centre = x + 1j * y
-            begin, end, free = _free_arcs(centre, radius)
-            g, i, _ = np.nonzero(free)
-            found.append([some[g], centre[g, i], radius[g, i], begin[free], end[free]])
-    columns = [np.concatenate(column) for column in zip(*found, strict=True)]
-    order = np.argsort(columns[0], kind="stable")
-    return [column[order] for column in columns]
+    first, end = clumps.first[:-1, None], clumps.first[1:, None]
+    most, parts = int((end - first).max()), []
+    discs = clumps.discs[np.minimum(first + np.arange(most), end - 1)]  # of fewer, the last again
+    entries = 2 * len(discs) * most**3
+    for some in np.array_split(np.arange(len(discs)), -(-entries // MOST_ENTRIES)):
+        x, y, radius = np.moveaxis(discs[some], -1, 0)
+        centre = x + 1j * y
+        begin, end, free = _free_arcs(centre, radius)
+        g, i, _ = np.nonzero(free)
+        parts.append([some[g], centre[g, i], radius[g, i], begin[free], end[free]])
+    return [np.concatenate(column) for column in zip(*parts, strict=True)]
 
 
 def _free_arcs(centre, radius):

@@ -19,7 +19,7 @@ from pydantic import Field
 
 from dem.base.types import Positive, Unit, checked
 from dem.jit.compilation import inlined
-from dem.shapes.protocol import METHOD_QUESTIONS, SEPARATED, answer
+from dem.shapes.protocol import SEPARATED, answer_method
 from dem.shapes.rotation import rotated
 
 
@@ -189,4 +189,4 @@ def ellipse_normal(method, dx, dy, outline_1, outline_2, guess):
     return settle(dx, dy, outline_1, outline_2, guess[0], guess[1], method.tolerance)
 
 
-answer(CommonNormal, ellipse_contact, ellipse_normal, questions=METHOD_QUESTIONS)
+answer_method(CommonNormal, ellipse_contact, ellipse_normal)

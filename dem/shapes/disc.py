@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dem.base.types import SIZES, AspectRatio, OutlinePoints, checked
-from dem.shapes.protocol import ContactGeometry, Granules, answer, unit_circle
+from dem.shapes.protocol import ContactGeometry, Shape, answer, unit_circle
 
 SHAPE = "Disc"
 ASPECT_RATIO = 1.0  # length over width of all granules
@@ -18,7 +18,7 @@ class _Fields(NamedTuple):
 
 
 @checked
-class Disc(Granules, _Fields):
+class Disc(Shape, _Fields):
     """Discs, the cylindrical granules of the paper.
 
     Parameters
@@ -93,20 +93,14 @@ class Disc(Granules, _Fields):
         """Radius (n,) in m of the circle about the centre that holds the granule."""
         return self.radius
 
-    @property
-    def constituent_radius(self) -> np.ndarray:
-        """Radius (constituents,) in m that enters Hertz's law; a disc is its only constituent."""
-        return self.radius
+    constituent_radius = bounding_radius
 
     @property
     def normal_lever(self) -> np.ndarray:
         """Greatest distance (n,) in m of a line of normal force from the centre."""
         return np.zeros_like(self.radius)
 
-    @property
-    def normal_bend(self) -> np.ndarray:
-        """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
-        return np.zeros_like(self.radius)
+    normal_bend = normal_lever
 
     @checked
     def polygons(self, points: OutlinePoints = 64) -> np.ndarray:

@@ -12,7 +12,7 @@ from dem.base.types import SIZES, AspectRatio, OutlinePoints, checked
 from dem.jit.block_memory import ONE, TWO
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.shapes import disc
-from dem.shapes.protocol import Granules, answer, unit_circle
+from dem.shapes.protocol import Shape, answer, unit_circle
 
 SHAPE = "Dumbbell"
 ASPECT_RATIO = 2.0  # length over width of all granules
@@ -23,7 +23,7 @@ class _Fields(NamedTuple):
 
 
 @checked
-class Dumbbell(Granules, _Fields):
+class Dumbbell(Shape, _Fields):
     """Dumbbells: two equal discs joined where they touch.
 
     At angle zero the centres of the discs are one radius to the right and left of the joint.
@@ -120,10 +120,7 @@ class Dumbbell(Granules, _Fields):
         """Greatest distance (n,) in m of a line of normal force from the joint."""
         return self.radius
 
-    @property
-    def normal_bend(self) -> np.ndarray:
-        """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
-        return self.radius
+    normal_bend = normal_lever
 
     @checked
     def polygons(self, points: OutlinePoints = 64) -> np.ndarray:

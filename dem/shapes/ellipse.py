@@ -12,7 +12,7 @@ from dem.shapes.common_normal import CommonNormal, half_width
 from dem.shapes.geometric_potential import GeometricPotential
 from dem.shapes.protocol import (
     ContactGeometry,
-    Granules,
+    Shape,
     answer,
     ellipse_contact,
     ellipse_normal,
@@ -49,7 +49,7 @@ class _Fields(NamedTuple):
 
 
 @checked
-class Ellipse(Granules, _Fields):
+class Ellipse(Shape, _Fields):
     """Ellipses, the elliptical granules of the paper.
 
     Parameters

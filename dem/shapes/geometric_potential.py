@@ -14,7 +14,7 @@ from pydantic import Field
 
 from dem.base.types import Positive, Unit, checked
 from dem.jit.compilation import inlined
-from dem.shapes.protocol import METHOD_QUESTIONS, SEPARATED, answer
+from dem.shapes.protocol import SEPARATED, answer_method
 
 
 @checked
@@ -136,4 +136,4 @@ def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
     return contact, (rho1, rho2), None
 
 
-answer(GeometricPotential, ellipse_contact, questions=METHOD_QUESTIONS)
+answer_method(GeometricPotential, ellipse_contact)

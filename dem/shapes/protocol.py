@@ -2,7 +2,7 @@
 
 A granule has one or more convex *constituents*, and contacts are between constituents. A shape is a
 NamedTuple of arrays with one entry per granule, or per constituent. Its class selects, at compile
-time, the answers to the questions of the kernels, and has the members of `Shape` for Python.
+time, the answers to the questions of the kernels, and has MEMBERS and those of `Shape` for Python.
 `dem.check_shape` tests both. Conventions of a contact between constituents 1 and 2:
 
 * d = x2 - x1 (m); n is the unit normal from 1 to 2 and t = (-ny, nx) the tangent;
@@ -12,7 +12,8 @@ time, the answers to the questions of the kernels, and has the members of `Shape
   A lever that a shape does not have is None, and so is all arithmetic with it.
 """
 
-from typing import NamedTuple, Protocol, Self
+from functools import partial
+from typing import NamedTuple, Self
 
 import numpy as np
 from numba.extending import overload
@@ -41,110 +42,97 @@ class ContactGeometry(NamedTuple):
     radius: float | None
 
 
-class Shape(Protocol):
-    """What Python asks of n granules, who reads it, and what a wrong
-    answer breaks. `answer` refuses a class without all members; DEFAULTS has those that most have
-    in common.
+# What Python asks of n granules, who reads it, and what a wrong answer breaks; lengths in m. The
+# rest is in Shape. of_size(diameter, aspect_ratio) is asked only of the shapes that configurations
+# name: granules with the area of discs of these diameters (n,).
+MEMBERS = (
+    # Area (n,) in m2. Read by mass, packing and configuration. Wrong: the packing fraction, every
+    # mass and so every velocity after an impact.
+    "area",
+    # Moment of inertia over mass (n,) in m2. Read by inertia. Wrong: spins and the time step;
+    # energy is still conserved, so nothing else reveals it.
+    "gyration_squared",
+    # Radius (n,) in m of the circle about the centre of mass that holds the granule. Read by
+    # packing, ordering and the bound of how far a surface moves. Too small: contacts are noticed
+    # late; too large: packing begins looser and takes longer.
+    "bounding_radius",
+    # Radius (constituents,) in m that enters Hertz's law. Read by stiffness and by the guard of
+    # overlaps. Wrong: contacts too stiff or too soft.
+    "constituent_radius",
+    # Greatest distance (n,) in m of a line of normal force from the granule's centre. Read by the
+    # minimiser of packings, and to tell whether granules turn without friction. Too small: the
+    # minimiser's steps are too long; zero: granules do not turn.
+    "normal_lever",
+    # Greatest second derivative (n,) in m of the support distance with the granule's angle. Read by
+    # the bound of the time step. Too small: a turning granule gains energy; unbounded, as at a flat
+    # side: the step is none.
+    "normal_bend",
+    # Function of a number of points: outlines (n, rings, points, 2) in m about the centre at angle
+    # zero, closed: the first point is the last. Read by figures, films, export, report. Wrong:
+    # pictures only.
+    "polygons",
+)
 
-    Lengths in m. of_size(diameter, aspect_ratio) is asked only of the shapes that configurations
-    name: granules with the area of discs of these diameters (n,).
-    """
 
-    # Whether a contact remembers its normal. Read by the neighbour lists. Wrong: the search for a
-    # normal begins at every step from the line of centres, or contacts keep unused memory.
-    guesses: bool
+class Shape:
+    """What Python asks of a shape beside MEMBERS, with what most shapes have in common."""
+
+    __slots__ = ()
 
     # Whether an outline is cosine and sine of the angle, and then sizes that never change. The list
     # of pairs then has the sizes of both constituents. Read by the neighbour lists. Wrong: contacts
     # have the sizes of the time when the list was made.
-    lists_sizes: bool
-
-    # Why these granules cannot be used, as a sentence, or None. Read by Scene. Wrong: they run.
-    fault: str | None
+    lists_sizes = False
 
     # Whether the granule looks different when it turns. Read by the integrator. Wrong: granules
     # keep the orientation that they start with.
-    needs_angle: bool
+    needs_angle = True
 
-    # Granule (constituents,) that each constituent belongs to, in ascending order. Read by all that
-    # goes from contacts to granules. Wrong: forces act on other granules.
-    owner: np.ndarray
+    @property
+    def guesses(self) -> bool:
+        """Whether a contact remembers its normal.
 
-    # Area (n,) in m2. Read by mass, packing and configuration. Wrong: the packing fraction, every
-    # mass and so every velocity after an impact.
-    area: np.ndarray
+        Read by the neighbour lists. Wrong: the search for a normal begins at every step from the
+        line of centres, or contacts keep unused memory.
+        """
+        return False
 
-    # Moment of inertia over mass (n,) in m2. Read by inertia. Wrong: spins and the time step;
-    # energy is still conserved, so nothing else reveals it.
-    gyration_squared: np.ndarray
-
-    # Radius (n,) in m of the circle about the centre of mass that holds the granule. Read by
-    # packing, ordering and the bound of how far a surface moves. Too small: contacts are noticed
-    # late; too large: packing begins looser and takes longer.
-    bounding_radius: np.ndarray
-
-    # Radius (constituents,) in m that enters Hertz's law. Read by stiffness and by the guard of
-    # overlaps. Wrong: contacts too stiff or too soft.
-    constituent_radius: np.ndarray
-
-    # Radius (constituents,) in m of the circle about a constituent's centre that holds it. Read by
-    # the neighbour list. Too small: contacts are missed; too large: the list is long.
-    constituent_bounding_radius: np.ndarray
-
-    # Greatest distance (n,) in m of a line of normal force from the granule's centre. Read by the
-    # minimiser of packings, and to tell whether granules turn without friction. Too small: the
-    # minimiser's steps are too long; zero: granules do not turn.
-    normal_lever: np.ndarray
-
-    # Greatest second derivative (n,) in m of the support distance with the granule's angle. Read by
-    # the bound of the time step. Too small: a turning granule gains energy; unbounded, as at a flat
-    # side: the step is none.
-    normal_bend: np.ndarray
-
-    def scaled(self, factor: float) -> "Shape":
-        """The same granules, larger by a factor. Read by packing. Wrong: beds of other sizes."""
-
-    def take(self, numbers: np.ndarray) -> "Shape":
-        """The granules of these numbers, in this order. Read by ordering, tiling and mixtures.
-        Wrong: large beds."""
-
-    def appended(self, *others: "Shape") -> "Shape":
-        """These granules, then those of others of the class. Read by mixtures. Wrong: mixtures."""
-
-    def polygons(self, points: int = 64) -> np.ndarray:
-        """Outlines (n, rings, points, 2) in m about the centre at angle zero, closed: the first
-        point is the last. Read by figures, films, export, report. Wrong: pictures only."""
-
-
-class Granules:
-    """Members that most shapes have in common."""
-
-    __slots__ = ()
+    @property
+    def fault(self) -> str | None:
+        """Why these granules cannot be used, as a sentence, or None. Read by Scene."""
+        return None
 
     @property
     def owner(self) -> np.ndarray:
-        """Granule (constituents,) that each constituent belongs to, without unit."""
+        """Granule (constituents,) that each constituent belongs to, without unit, in ascending
+        order.
+
+        Read by all that goes from contacts to granules. Wrong: forces act on other granules.
+        """
         return np.arange(max(map(len, sizes_of(self).values())))
 
+    @property
+    def constituent_bounding_radius(self) -> np.ndarray:
+        """Radius (constituents,) in m of the circle about its centre that holds the constituent.
+
+        Read by the neighbour list. Too small: contacts are missed; too large: the list is long.
+        """
+        return self.bounding_radius
+
     def take(self, numbers: np.ndarray) -> Self:
-        """The granules of these numbers, in this order."""
+        """The granules of these numbers, in this order. Read by ordering, tiling and mixtures."""
         return resized(self, lambda size: size[numbers])
 
     def appended(self, *others: Self) -> Self:
-        """These granules, then those of others, alike in all but their sizes."""
+        """These granules, then those of others, alike in all but their sizes. Read by mixtures."""
         every = self, *others
         return self._replace(
             **{name: np.concatenate([getattr(s, name) for s in every]) for name in sizes_of(self)}
         )
 
-    @property
-    def constituent_bounding_radius(self) -> np.ndarray:
-        """Radius (constituents,) in m of the circle that holds the constituent."""
-        return self.bounding_radius
-
     @checked
     def scaled(self, factor: Ratio) -> Self:
-        """Granules of the same shape, all lengths multiplied by a factor.
+        """Granules of the same shape, all lengths multiplied by a factor. Read by packing.
 
         Parameters
         ----------
@@ -161,27 +149,14 @@ class Granules:
         InputError
             If `factor` is not positive.
         """
-        return resized(self, lambda size: size * factor)
+        # lengths, not numbers of constituents
+        return resized(self, lambda size: size * factor if size.dtype == float else size)
 
 
 def unit_circle(points):
     """Closed polygon (points, 2) of a circle of radius one."""
     turn = np.linspace(0.0, 2.0 * np.pi, points)
     return np.stack([np.cos(turn), np.sin(turn)], axis=-1)
-
-
-DEFAULTS = {
-    "guesses": False,
-    "lists_sizes": False,
-    "needs_angle": True,
-    "fault": None,
-    "owner": Granules.owner,
-    "scaled": Granules.scaled,
-    "take": Granules.take,
-    "appended": Granules.appended,
-    "constituent_bounding_radius": Granules.constituent_bounding_radius,
-}
-MEMBERS = *Shape.__annotations__, "scaled", "take", "appended", "polygons"
 
 
 @question
@@ -319,7 +294,11 @@ SHAPE_QUESTIONS = (
     place,
     collect,
 )
-METHOD_QUESTIONS = ellipse_contact, ellipse_normal
+# as dem.jit.questions.register
+answer = partial(register, questions=SHAPE_QUESTIONS, members=MEMBERS, usual=Shape)
+answer_method = partial(
+    register, questions=(ellipse_contact, ellipse_normal), members=(), usual=object
+)
 
 
 def is_shape(cls: type) -> bool:
@@ -345,11 +324,3 @@ def sizes_of(shape) -> dict[str, np.ndarray]:
 def resized(shape, change):
     """Granules with other arrays: what a function returns for those of each name."""
     return shape._replace(**{name: change(size) for name, size in sizes_of(shape).items()})
-
-
-def answer(cls, *functions, questions=SHAPE_QUESTIONS, **renamed):
-    """Make a class known to the kernels: each function answers the question of its name, or of
-    the keyword that it is given for. Raises InputError as dem.jit.questions.register."""
-    named = {function.__name__: function for function in functions} | renamed
-    members = MEMBERS if questions is SHAPE_QUESTIONS else ()
-    register(cls, questions, named, members, DEFAULTS, "dem.shapes.protocol.Shape")

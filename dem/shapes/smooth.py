@@ -14,6 +14,7 @@ arrays are lengths (m), one entry per granule; a plain number is the same for al
 
 import functools
 import math
+import pickle
 
 import numpy as np
 from numba.core import types
@@ -21,7 +22,7 @@ from numba.extending import overload
 
 from dem.jit.compilation import INLINED, inlined
 from dem.shapes.common_normal import LARGEST_TURN
-from dem.shapes.protocol import ContactGeometry, answer, resized
+from dem.shapes.protocol import ContactGeometry, Shape, answer, resized
 from dem.shapes.rotation import rotated
 
 TOLERANCE = 1e-4  # rad: the last turn of the normal may be as large as this; error ~ its 4th power
@@ -59,11 +60,6 @@ _SUPPORT = {}
 def _choose_support(shape, nx, ny, sizes):
     function = _SUPPORT.get(shape.instance_class)
     return function and (lambda shape, nx, ny, sizes: function(nx, ny, sizes))
-
-
-def is_smooth(cls):
-    """Whether a class is a shape by its support function."""
-    return cls in _SUPPORT
 
 
 # An outline: cosine and sine of the angle, share of the shape in it (1, or 0 for a circle), radius
@@ -165,122 +161,108 @@ def refine_normal(shape, dx, dy, outline_1, outline_2, guess):
 
 
 @functools.lru_cache(maxsize=8)
-def _sampled(cls, key):
+def _sampled(cls, sizes):
     """h, q, rho (n, ANGLES) in m of the granules, at equal steps of the angle of the normal."""
-    sizes = [value if isinstance(value, float) else np.frombuffer(value)[:, None] for value in key]
+    sizes = [np.expand_dims(size, -1) if np.ndim(size) else size for size in pickle.loads(sizes)]
     angle = 2.0 * np.pi * np.arange(ANGLES) / ANGLES
     values = _SUPPORT[cls].py_func(np.cos(angle), np.sin(angle), sizes)
-    shape = np.broadcast_shapes(*(np.shape(value) for value in (*values, *sizes)))
-    return angle, *(np.broadcast_to(value, shape) for value in values)
+    return angle, *np.broadcast_arrays(*values, *sizes, angle)[:3]
 
 
 def sampled(shape):
     """Angles (ANGLES,) in rad and h, q, rho (n, ANGLES) in m of all granules."""
-    return _sampled(
-        type(shape),
-        tuple(
-            np.ascontiguousarray(v).tobytes() if isinstance(v, np.ndarray) else float(v)
-            for v in shape
-        ),
-    )
+    return _sampled(type(shape), pickle.dumps(tuple(shape)))
 
 
 def _integral(values):
     return values.sum(axis=-1) * (2.0 * np.pi / ANGLES)
 
 
-def area(shape):
-    """Area (n,) in m2: half the integral of h rho."""
-    _, h, _, rho = sampled(shape)
-    return 0.5 * _integral(h * rho)
+class Smooth(Shape):
+    """What follows from the support function."""
 
+    __slots__ = ()
+    guesses = True
 
-def gyration_squared(shape):
-    """Squared radius of gyration (n,) in m2: moment of inertia over mass."""
-    _, h, q, rho = sampled(shape)
-    return 0.25 * _integral((h**2 + q**2) * h * rho) / area(shape)
+    @property
+    def area(self):
+        """Area (n,) in m2: half the integral of h rho."""
+        _, h, _, rho = sampled(self)
+        return 0.5 * _integral(h * rho)
 
+    @property
+    def gyration_squared(self):
+        """Squared radius of gyration (n,) in m2: moment of inertia over mass."""
+        _, h, q, rho = sampled(self)
+        return 0.25 * _integral((h**2 + q**2) * h * rho) / self.area
 
-def bounding_radius(shape):
-    """Radius (n,) in m of the circle about the centre that holds the granule."""
-    _, h, q, _ = sampled(shape)
-    return ROOM * np.hypot(h, q).max(axis=-1)
+    @property
+    def bounding_radius(self):
+        """Radius (n,) in m of the circle about the centre that holds the granule."""
+        _, h, q, _ = sampled(self)
+        return ROOM * np.hypot(h, q).max(axis=-1)
 
+    @property
+    def constituent_radius(self):
+        """Radius (n,) in m that enters Hertz's law: of the disc of equal area."""
+        return np.sqrt(self.area / np.pi)
 
-def constituent_radius(shape):
-    """Radius (n,) in m that enters Hertz's law: of the disc of equal area."""
-    return np.sqrt(area(shape) / np.pi)
+    @property
+    def normal_lever(self):
+        """Greatest distance (n,) in m of a line of normal force from the centre."""
+        return ROOM * np.abs(sampled(self)[2]).max(axis=-1)
 
+    @property
+    def normal_bend(self):
+        """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
+        _, h, _, rho = sampled(self)
+        return ROOM * np.maximum(rho - h, 0.0).max(axis=-1)
 
-def normal_lever(shape):
-    """Greatest distance (n,) in m of a line of normal force from the centre."""
-    return ROOM * np.abs(sampled(shape)[2]).max(axis=-1)
+    @property
+    def fault(self):
+        """Which granule is not convex, as a sentence, or None."""
+        angle, h, q, rho = sampled(self)
+        inwards = rho < -LEAST * np.hypot(h, q).max(axis=-1, keepdims=True)
+        if not inwards.any():
+            return None
+        g, at = np.unravel_index(rho.argmin(), rho.shape)
+        return (
+            f"granule {g} is not convex: its radius of curvature is {rho[g, at]:.3g} m where the "
+            f"normal is at {np.degrees(angle[at]):.0f} degrees; it must be positive everywhere."
+        )
 
+    def scaled(self, factor):
+        """Granules of the same shape, all lengths multiplied by a factor.
 
-def normal_bend(shape):
-    """Greatest second derivative (n,) in m of the support distance with the granule's angle."""
-    _, h, _, rho = sampled(shape)
-    return ROOM * np.maximum(rho - h, 0.0).max(axis=-1)
+        Parameters
+        ----------
+        factor : float or ndarray of shape (n,)
+            Ratio of new to old lengths, without unit.
 
+        Returns
+        -------
+        Shape
+            The scaled granules.
+        """
+        return resized(self, lambda size: factor * size)
 
-def scaled(shape, factor):
-    """Granules of the same shape, all lengths multiplied by a factor.
+    def polygons(self, points=64):
+        """Closed outlines about the centre at angle zero, to draw or sample.
 
-    Parameters
-    ----------
-    factor : float or ndarray of shape (n,)
-        Ratio of new to old lengths, without unit.
+        Parameters
+        ----------
+        points : int
+            Points of each outline, without unit, at least 2.
 
-    Returns
-    -------
-    Shape
-        The scaled granules.
-    """
-    return resized(shape, lambda size: factor * size)
-
-
-def polygons(shape, points=64):
-    """Closed outlines about the centre at angle zero, to draw or sample.
-
-    Parameters
-    ----------
-    points : int
-        Points of each outline, without unit, at least 2.
-
-    Returns
-    -------
-    ndarray of shape (n, 1, points, 2)
-        Coordinates (m); the last point of an outline is the first.
-    """
-    angle, h, q, _ = sampled(shape)
-    some = np.linspace(0, ANGLES, points).round().astype(int) % ANGLES
-    c, s, h, q = np.cos(angle[some]), np.sin(angle[some]), h[:, some], q[:, some]
-    return np.stack([h * c - q * s, h * s + q * c], axis=-1)[:, None]
-
-
-def fault(shape):
-    """Which granule is not convex, as a sentence, or None."""
-    angle, h, q, rho = sampled(shape)
-    inwards = rho < -LEAST * np.hypot(h, q).max(axis=-1, keepdims=True)
-    if not inwards.any():
-        return None
-    g = int(np.argmax(inwards.any(axis=-1)))
-    at = int(np.argmin(rho[g]))
-    return (
-        f"granule {g} is not convex: its radius of curvature is {rho[g, at]:.3g} m where the "
-        f"normal is at {np.degrees(angle[at]):.0f} degrees; it must be positive everywhere."
-    )
-
-
-DERIVED = {
-    "area": area,
-    "gyration_squared": gyration_squared,
-    "bounding_radius": bounding_radius,
-    "constituent_radius": constituent_radius,
-    "normal_lever": normal_lever,
-    "normal_bend": normal_bend,
-    "fault": fault,
-}
+        Returns
+        -------
+        ndarray of shape (n, 1, points, 2)
+            Coordinates (m); the last point of an outline is the first.
+        """
+        angle, h, q, _ = sampled(self)
+        some = np.linspace(0, ANGLES, points).round().astype(int) % ANGLES
+        c, s, h, q = np.cos(angle[some]), np.sin(angle[some]), h[:, some], q[:, some]
+        return np.stack([h * c - q * s, h * s + q * c], axis=-1)[:, None]
 
 
 def smooth(support_function):
@@ -293,12 +275,7 @@ def smooth(support_function):
 
     def make(cls):
         _SUPPORT[cls] = inlined(support_function)
-        members = {name: property(function) for name, function in DERIVED.items()}
-        for name, member in (members | {"scaled": scaled, "polygons": polygons}).items():
-            if name not in cls.__dict__:
-                setattr(cls, name, member)
-        cls.guesses = True
-        answer(cls, outline, circle, support, find_contact, refine_normal)
+        answer(cls, outline, circle, support, find_contact, refine_normal, usual=Smooth)
         return cls
 
     return make

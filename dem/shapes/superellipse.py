@@ -1,13 +1,13 @@
 """Rounded superellipse: between an ellipse (exponent 2) and a rectangle with round corners."""
 
-from typing import Annotated, NamedTuple, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
 
 from dem.base.types import SIZES, AspectRatio, Number, Unit, checked
-from dem.shapes.smooth import area, scaled, smooth
+from dem.shapes.smooth import smooth
 
 SHAPE = "Superellipse"
 
@@ -108,10 +108,10 @@ class Superellipse(NamedTuple):
         InputError
             If an argument is not in its range.
         """
-        unit = cls(
+        unit: Any = cls(
             np.array([float(aspect_ratio)]),
             np.ones(1),
             np.array([float(rounding)]),
             float(exponent),
         )
-        return scaled(unit, 0.5 * np.asarray(diameter) / np.sqrt(area(unit) / np.pi))
+        return unit.scaled(0.5 * np.asarray(diameter) / np.sqrt(unit.area / np.pi))

@@ -6,16 +6,15 @@ They have the same machine code and the same sizes of arrays, and those of one b
 from collections.abc import Iterable
 from itertools import chain, zip_longest
 
-from dem.base.sources import PACKAGE, code_hash, digest, kernel_hash, planned_codes
+from dem.base.sources import digest, run_hash
 from dem.experiment.run import Replicate
 from dem.sweep.store import Batch, batch_id
 
 
 def kernel_key(replicate: Replicate) -> str:
-    """Hash of what selects the machine code of a run: code that is compiled, and some values."""
-    file = replicate.kind.file
-    shape = {} if file.is_relative_to(PACKAGE) else planned_codes(file)
-    return digest(kernel_hash(), code_hash(shape), replicate.variant)
+    """Hash of what selects the machine code of a run: code, with that of its shape and its law, and
+    some values."""
+    return digest(run_hash(*replicate.files[-2:]), replicate.variant)
 
 
 def plan_batches(

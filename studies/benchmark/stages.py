@@ -19,10 +19,11 @@ from dem.contacts.blocks import (
 )
 from dem.contacts.loops import boundary_contacts
 from dem.dynamics.assembly import assemble, granule_table
-from dem.dynamics.forces import clear, farthest
+from dem.dynamics.forces import clear, farthest_of
 from dem.dynamics.integration import advance, drift
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.skin import SKIN
+from dem.dynamics.world import number_of_patches
 from dem.jit.address import by_address, local
 from dem.jit.block_memory import BLOCK
 from dem.jit.compilation import compiled
@@ -82,11 +83,11 @@ def boundaries(world, dt, times):
 @compiled
 def looks(world, limit, times):
     world = by_address(world)
-    rows, reference, force = world.constituents, world.reference, world.constituent_force
-    moved = 0.0
+    moved, patches = 0.0, number_of_patches(world.bodies.shape[0])
     for _ in range(times):
-        clear(force, 0, rows.shape[0])
-        moved += farthest(rows, reference, 0, rows.shape[0], limit)
+        clear(world.constituent_force, 0, world.constituents.shape[0])
+        for patch in range(patches):
+            moved += farthest_of(world, patch, limit)
     return moved
 
 

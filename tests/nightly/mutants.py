@@ -72,7 +72,7 @@ MUTANTS = (
     Mutant("dynamics/forces.py", "index", "contact_forces[b, 1] = on[b, FX], on[b, FY]", "contact_forces[b, 1] = on[b, FX], on[b, FX]", SMOOTH),
     Mutant("dynamics/forces.py", "not cleared", "force[source + c] = 0.0", "force[source + c] *= 1.0", ONE_THREAD),
     Mutant("dynamics/integration.py", "constant", "((pending_kick + half, ahead), (half, 0.0))", "((half, ahead), (half, 0.0))", BOX),
-    Mutant("dynamics/integration.py", "factor", "dvx = half * extrapolated", "dvx = dt * extrapolated", BOX),
+    Mutant("dynamics/integration.py", "factor", "dv = half * extrapolated", "dv = dt * extrapolated", BOX),
     Mutant("dynamics/integration.py", "missing term", "ahead = 2.0 * now - previous_acceleration[i, c]", "ahead = now", BOX),
     Mutant("contacts/blocks.py", "missing call", "values[lane.ROOT + k] = mean_root(law, overlap, change, length)", "pass", BOX),
     Mutant("dynamics/integration.py", "sign", "rotate(orientation, i, angle[i], dt * spin)", "rotate(orientation, i, angle[i], -dt * spin)", ELLIPSES),
@@ -82,7 +82,7 @@ MUTANTS = (
     Mutant("dynamics/boundaries.py", "sign", "end, c) - motion[b, VX + c]", "end, c) + motion[b, VX + c]", SMOOTH),
     Mutant("dynamics/boundaries.py", "factor", "account[WORK] -= 0.5 * kick", "account[WORK] -= kick", "tests/test_motion.py::test_the_work_of_a_driven_boundary_is_what_it_loses"),
     Mutant("dynamics/boundaries.py", "sign", "boundaries.angle[b], dt * motion[b, W])", "boundaries.angle[b], -dt * motion[b, W])", SOLIDS),
-    Mutant("dynamics/neighbor_list.py", "missing term", "mass * inverse_masses[c] if inverse_masses[c] > 0.0 else 1.0", "1.0", SMOOTH),
+    Mutant("dynamics/neighbor_list.py", "missing term", "mass * both if both > 0.0 else 1.0", "1.0", SMOOTH),
     Mutant("dynamics/diagnostics.py", "missing term", "squared += 2.0 * skin * driven_acceleration", "squared += 0.0 * driven_acceleration", "tests/test_motion.py::test_the_work_of_a_driven_boundary_is_what_it_loses"),
     Mutant("dynamics/neighbor_list.py", "memory lost", "new[p] = old[source[p]]", "new[p] = 0.0", BOX),
     Mutant("dynamics/neighbor_list.py", "missing term", "lowest[home] = min(lowest[home], other)", "lowest[home] = home", "tests/test_neighbors.py"),
@@ -95,7 +95,7 @@ MUTANTS = (
     Mutant("dynamics/energy.py", "constant", "total += 0.5 * squared", "total += squared", RUN),
     Mutant("laws/hertz.py", "constant", "return 0.4 * stiffness", "return 0.5 * stiffness", "tests/test_energy.py"),
     Mutant("dynamics/stress.py", "sign", "moving -= _outer", "moving += _outer", "tests/test_stress.py"),
-    Mutant("dynamics/simulation.py", "order", "back = np.argsort(self._order)", "back = self._order", ONE_THREAD),
+    Mutant("dynamics/simulation.py", "order", "back = np.argsort(self.engine.order)", "back = self.engine.order", ONE_THREAD),
     Mutant("dynamics/checkpoint.py", "not kept", '"world.shape.", "world.lanes.motion"', '"world.pairs.tangential_force", "world.lanes.motion"', STORE),
     # shapes
     Mutant("shapes/dumbbell.py", "sign", "- oy * (constituent_force", "+ oy * (constituent_force", DUMBBELLS),
@@ -154,7 +154,7 @@ MUTANTS = (
     # how kernels are compiled
     Mutant("jit/compilation.py", "missing term", "*map(str, key), *code)", "*map(str, key))", "tests/test_plugins.py"),
     Mutant("jit/optional.py", "sign", "return lambda a, b: -b", "return lambda a, b: b", ELLIPSES),
-    Mutant("jit/block_memory.py", "index", "(table[row],) + rows_like(like[1:], table, row + 1)", "(table[row],) + rows_like(like[1:], table, row)", ELLIPSES),
+    Mutant("jit/block_memory.py", "index", "load_outline(like[1:], values, at + step, step)", "load_outline(like[1:], values, at, step)", ELLIPSES),
 )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from dem.base.errors import PackingError
 from dem.dynamics.contact_list import ContactList
 from dem.experiment.bed import room_of
 from dem.experiment.run import Replicate
+from dem.laws.hertz import Hertz
 from dem.packing.compaction import Press
 
 VARIABLES = {
@@ -36,7 +37,8 @@ ASKS = {
 BED_ALONE = True
 STEP = 0.002  # of the packing fraction, while granules grow
 STEPS = 200  # at most; 0.98 would be reached after 120
-# load: mean normal stress of the contacts over E* and the mean diameter
+# load: mean normal stress of the contacts over E* and the mean diameter. JAMMED, MARGINAL and GROWN
+# are those under Hertz's law; another law has others at these overlaps, by its power.
 JAMMED = 1e-5  # about 0.001 of packing fraction beyond the onset
 MARGINAL = 1e-9  # about 2e-6 beyond it, where nearly all contacts are those of the onset
 BACK = 1e-4  # first step back, of the packing fraction
@@ -52,10 +54,10 @@ def run(replicate: Replicate, bed=None, progress=lambda done: None) -> dict:
     """Find the onset of jamming of a run; returns the variables of a run by name. Raises PackingError
     where there is none."""
     press, law = Press(*room_of(replicate)), replicate.law
-    unit = law.scale(1.0, replicate.shape.diameter)
+    unit, jammed = law.scale(1.0, replicate.shape.diameter), JAMMED ** (law.power / Hertz.power)
     for _ in range(STEPS):
-        load = press.press(press.fraction + STEP, GROWN, PATIENCE) / unit
-        if load > JAMMED and (fraction := _loosen(press, load, unit, law.power)):
+        load = press.press(press.fraction + STEP, GROWN * (jammed / JAMMED), PATIENCE) / unit
+        if load > jammed and (fraction := _loosen(press, load, unit, law.power)):
             break  # a bed that comes loose had not come to rest: it grows on
     else:
         raise PackingError(
@@ -85,7 +87,7 @@ def _loosen(press: Press, load: float, unit: float, power: float) -> float | Non
             return None
         fraction, height = press.fraction, load ** (1.0 / power)
         onset = fraction - height * (fraction - before[0]) / (height - before[1])
-        if load < MARGINAL:
+        if load < MARGINAL ** (power / Hertz.power):
             return onset
         goal = onset + (fraction - onset) / NEARER
 

@@ -73,8 +73,8 @@ LAWS = (
     Mutant(
         LISTS,
         "mean of the radii for R*",
-        "radius = one * two / (one + two)",
-        "radius = 0.5 * (one + two)",
+        "return one * two / (one + two)",
+        "return 0.5 * (one + two)",
         "normal_impact",
     ),
     Mutant(
