@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_allclose
 
 import dem
 from conftest import CONFIG
@@ -189,22 +189,6 @@ def test_contacts_of_clumps_are_those_of_their_discs(bed):
     assert sorted(zip(*pairs.tolist(), strict=True)) == sorted(
         zip(owner[i].tolist(), owner[j].tolist(), strict=True)
     )
-
-
-def test_the_number_of_threads_changes_no_bit_of_clumps():
-    """Nor does the order in memory, in which a patch has any number of discs."""
-    shape, side = mixed(1200), 35
-    place = 1.15e-3 * np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2)[:1200]
-    rng = np.random.default_rng(5)
-    state = dem.State(place, rng.normal(size=(1200, 2)), rng.uniform(0.0, 7.0, 1200))
-    scene, found = dem.Scene(shape, friction=dem.Friction()), []
-    for threads in (1, 2):
-        run = dem.Simulation(scene, state, threads=threads, max_overlap=1.5)
-        run.advance(2e-5)
-        assert len(run.contacts().force) > 100
-        found.append(vars(run.state))
-    for name, values in found[0].items():
-        assert_array_equal(found[1][name], values, name)
 
 
 # Configurations

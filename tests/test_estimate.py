@@ -54,7 +54,7 @@ def finish(state, count):
         sizes = experiment.sizes(replicate)
         row = {
             name: np.full([sizes[dimension] for dimension in dimensions], 100.0 + replicate.seed)
-            for name, (dimensions, *_) in experiment.layout(replicate.configuration).items()
+            for name, (dimensions, *_) in experiment.layout.items()
         }
         row |= {"failure": 0, "failure_reason": "", "spent": SPENT}
         state.store.keep(replicate.id, row)

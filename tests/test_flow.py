@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 from made import made
+from matplotlib.figure import Figure
 from PIL import Image
 from typer.testing import CliRunner
 
@@ -17,9 +18,15 @@ from conftest import STIFF, assert_not_blank
 from dem.analysis.one_run import open_run, read_snapshots, selected
 from dem.base.errors import InputError
 from dem.cli.app import app
+from dem.experiment.bed import diameters
+from dem.experiment.box import width_of
 from dem.experiment.observables import flow as measures
+from dem.experiment.snapshots import Snapshots
+from dem.figures.bed import Drawing
 from dem.figures.export import export
 from dem.figures.film import film, picture
+from dem.figures.frames import of_motion
+from dem.sweep.config import load
 
 
 @pytest.fixture(scope="module")
@@ -310,3 +317,26 @@ def test_a_run_of_one_file_is_filmed_by_its_name_alone(results, tmp_path):
         ran = CliRunner().invoke(app, ["draw", *map(str, words), "-o", str(output)])
         assert ran.exit_code == 0, ran.output
         assert_not_blank(output)
+
+
+def test_a_solid_at_rest_at_an_angle_is_drawn_at_this_angle():
+    """As a plate that is drawn without turning."""
+    sweep = load("config/smoke.yaml")
+    changes = {"cylinder.outline": "plate", "cylinder.angle": 0.5}
+    run = sweep.changed(changes, "c1").replicate("c1", 3.9e3, 1)
+    state = np.full((2, run.shape.granules, 2), 1e-3)
+    motion = Snapshots(
+        run,
+        np.full(2, 8e-3),
+        np.array([0.0, 1e-3]),
+        np.array([3e-3, 4e-3]),
+        state,
+        state[..., 0],
+        diameters(run),
+    )
+    drawing = Drawing(Figure().subplots(), of_motion(motion))
+    drawing.move(1)
+    (outline,) = drawing.solids.get_paths()
+    width, height = np.ptp(outline.vertices, axis=0)
+    rounded = 1e3 * width_of(run.configuration.cylinder)  # of both ends
+    assert height - rounded == pytest.approx(np.tan(0.5) * (width - rounded), rel=1e-2)

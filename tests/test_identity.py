@@ -14,8 +14,8 @@ import pytest
 
 from dem.base import sources
 from dem.base.sources import PACKAGE, ROOT, RUNS, code_hash, codes, files_of
-from dem.experiment import config
-from dem.experiment.config import EXPERIMENTS, LAYOUT
+from dem.experiment import run
+from dem.experiment.config import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES, module_of
 from dem.io import dataset
 from dem.sweep.config import load
@@ -89,6 +89,7 @@ NO_NUMBERS = {
     "experiment/kinds/__init__.py",
     "experiment/observables/__init__.py",
     "experiment/resume.py",
+    "experiment/run.py",
     "io/dataset.py",  # names of variables, whose layout has a version
 }
 
@@ -107,7 +108,7 @@ def test_all_that_sets_a_number_of_a_run_is_known():
 
 def test_a_run_depends_on_versions(monkeypatch):
     first = next(load("config/smoke.yaml").block("drag").unique()).id
-    monkeypatch.setattr(config, "compilers", lambda: "numba 0.1")
+    monkeypatch.setattr(run, "compilers", lambda: "numba 0.1")
     assert next(load("config/smoke.yaml").block("drag").unique()).id != first
 
 
@@ -124,7 +125,7 @@ def test_another_layout_of_the_files_of_runs_has_another_version():
     # names, dimensions and units; words may change
     layout = [{name: entry[:2] for name, entry in table.items()} for table in tables]
     digest = hashlib.sha256(json.dumps(layout, sort_keys=True).encode()).hexdigest()[:16]
-    assert LAYOUTS[LAYOUT] == digest
+    assert LAYOUTS[run.LAYOUT] == digest
 
 
 # Without the two packages that it imports, which other installations may not have.

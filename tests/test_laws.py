@@ -55,8 +55,8 @@ def test_a_linear_collision_lasts_half_a_period():
 
 
 def test_the_ledger_balances_under_a_law_of_lines():
-    """An oblique impact with friction and a dashpot, to 3e-4 of its energy."""
-    scene, state = head_on([[1e-3, 1e-3]], [1.0], law=dem.Line(), **THIN)
+    """An oblique impact with friction, rolling resistance and a dashpot, to 3e-4 of its energy."""
+    scene, state = head_on([[1e-3, 1e-3]], [1.0], law=dem.Line(), rolling=dem.Rolling(), **THIN)
     state.velocity[:, 1] = 0.2, -0.2
     run = dem.Simulation(scene, state, ledger=True, step_fraction=0.05)
     run.advance(4e-6)

@@ -31,6 +31,7 @@ def bed(ratio=1.0, granules=40, seed=1, **changes):
     """A run of the sweep with few granules."""
     width = 0.98e-3 * np.sqrt(granules)
     new = {"shapes.e.aspect_ratio": ratio, "shapes.e.granules": granules, "box_width": width}
+    new |= {"shapes.e.kind": "disc", "shapes.e.aspect_ratio": None} if ratio == 1.0 else {}
     return SWEEP.changed(new | changes, "e").replicate("e", 3900.0, seed)
 
 

@@ -19,7 +19,7 @@ import dem
 from conftest import CONFIG, posix
 from dem.base import plugins, sources
 from dem.base.sources import PACKAGE
-from dem.experiment.config import Replicate
+from dem.experiment.run import Replicate
 from dem.report.info import summary
 from dem.report.status import status
 from dem.sweep.config import load

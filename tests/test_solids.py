@@ -19,7 +19,12 @@ ELASTIC = dem.Material(restitution=1.0 - 1e-12)  # the kind of scene that has da
 GRAVITY = (0.0, -9.81)
 WEDGE = dem.Polygon([[-2e-3, -1e-3], [2e-3, -1e-3], [0.0, 2e-3]], radius=0.4e-3)
 BLADE = dem.plate(8e-3, 0.6e-3)
-FAR = dem.Cylinder(1e-3, (1.0, 1.0))  # the kind of scene that has round solids too
+FAR = dem.Cylinder(1e-3, (1.0, 1.0))
+# so that all scenes of discs with friction are of one kind
+OTHERS = [
+    dem.Solid(dem.Ellipse([R], [0.5 * R]), (1.0, 1.2), velocity=dem.Drive((0.0, 0.0), 1.0)),
+    dem.Solid(BLADE, (1.0, 1.4)),
+]
 
 
 def turned(vectors, angle):
@@ -31,6 +36,7 @@ def turned(vectors, angle):
 def rough(solids, state, discs=1, material=None, friction=ROUGH, **more):
     """Discs with friction and damping among solids."""
     shape = dem.Disc(np.full(discs, R))
+    solids = [*solids, *OTHERS]
     return dem.Scene(shape, material or dem.Material(), friction, solids=solids, **more), state
 
 
@@ -40,7 +46,7 @@ def rough(solids, state, discs=1, material=None, friction=ROUGH, **more):
 def momentum(run, masses, inertias):
     """Momentum (2,) and angular momentum of granules and solids that are driven."""
     scene, state = run.scene, run.state
-    moving = run.world.boundaries.motion[len(scene.walls) :]
+    moving = run.world.boundaries.motion[len(scene.walls) :][: len(masses)]
     m = np.append(scene.mass, masses)
     place = np.vstack([state.position, moving[:, :2]])
     velocity = np.vstack([state.velocity, moving[:, 2:4]])
@@ -185,7 +191,7 @@ def test_the_restitution_of_a_driven_solid_is_that_of_its_material(restitution, 
         material=dem.Material(restitution=restitution),
     )
     solid = dem.Solid(BLADE, (0.0, 0.0), 0.0, dem.Drive((0.0, 0.0), heavier * float(scene.mass[0])))
-    run = dem.Simulation(replace(scene, solids=[FAR, solid]), state)
+    run = dem.Simulation(replace(scene, solids=[FAR, solid, *OTHERS]), state)
     run.advance(1e-4)
     apart = run.state.velocity[0, 1] - run.world.boundaries.motion[1, 3]
     assert_allclose(apart, restitution, rtol=1e-2)
@@ -224,7 +230,8 @@ def test_an_ellipse_as_a_solid_is_the_same_one_held():
             [0.3, 1.2, 0.4],
         )
         oval = dem.Solid(dem.Ellipse([2e-3], [1e-3]), solid, 0.4, material=dem.Material())
-        scene = dem.Scene(shape, friction=ROUGH, solids=[oval], held=[dem.Held([2])], thickness=R)
+        solids = [oval, OTHERS[1]]
+        scene = dem.Scene(shape, friction=ROUGH, solids=solids, held=[dem.Held([2])], thickness=R)
         return state, dem.simulate(scene, state, 2e-4, 2e-8)
 
     state, free = run(0.0 * away, away)

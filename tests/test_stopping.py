@@ -27,8 +27,8 @@ from dem.cli.app import app
 from dem.dynamics import simulation
 from dem.dynamics.stepping import Progress
 from dem.experiment.bed import make_bed
-from dem.experiment.config import Replicate
 from dem.experiment.kinds import drag
+from dem.experiment.run import Replicate
 from dem.io.dataset import read
 from dem.sweep import batch as making
 from dem.sweep.combine import combine_block

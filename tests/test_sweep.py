@@ -20,7 +20,8 @@ from dem.analysis.tables import TextTable
 from dem.base.errors import InputError, RunError
 from dem.base.yaml_file import read
 from dem.cli.app import app
-from dem.experiment.config import Replicate, entries
+from dem.experiment.config import entries
+from dem.experiment.run import Replicate
 from dem.io.dataset import read as read_runs
 from dem.report.info import drag_table
 from dem.report.status import status

@@ -121,7 +121,10 @@ def scene_of(name):
             dem.Solid(OVAL, (1.2e-3, 3.75e-3), 0.3, (0.5, -1.0), TURN),
         ]
         materials = {"material": [damped, steel], "species": np.arange(20) % 2}
-        return dem.Scene(shape, friction=table, walls=WALLS, solids=solids, **materials), state
+        held = [dem.Held([9, 13], (0.5, 1.0))]
+        return dem.Scene(
+            shape, friction=table, walls=WALLS, solids=solids, held=held, **materials
+        ), state
     if name == "dumbbells":
         shape, state = granules(lambda r: dem.Dumbbell(0.55 * r))
         turning = path(*TO_AND_FRO, spin=[0.0, 900.0, -500.0, 0.0])
@@ -150,8 +153,7 @@ def scene_of(name):
         shape, state = granules(ellipses(contact="geometric_potential"))
         return dem.Scene(shape, damped, None, WALLS, cylinder), state
     shape, state = granules(lambda r: dem.Superellipse(0.9 * r, 0.8 * r, 0.3 * r, 3.0))
-    cylinder = dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), FREE)
-    return dem.Scene(shape, damped, rough, WALLS[:2], cylinder, periodic=(None, HEIGHT)), state
+    return dem.Scene(shape, damped, rough, WALLS, cylinder), state
 
 
 SCENES = (

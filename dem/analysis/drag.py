@@ -125,11 +125,14 @@ def find(dataset: xr.Dataset, shape: str) -> str | None:
 
 def densities(dataset: xr.Dataset) -> dict[str, list[str]]:
     """Shapes at more than one density: labels of their cases, from the lowest to the highest."""
-    labels = {}
-    for _, label, shape in sorted((density, c, shape) for c, shape, density in cases_of(dataset)):
-        labels.setdefault(shape, []).append(label)
-    shapes = dict.fromkeys(shape for _, shape, _ in cases_of(dataset))
-    return {shape: labels[shape] for shape in shapes if len(labels[shape]) > 1}
+    groups = {}
+    for label, shape, density in cases_of(dataset):
+        groups.setdefault(shape, []).append((density, label))
+    return {
+        shape: [label for _, label in sorted(group)]
+        for shape, group in groups.items()
+        if len(group) > 1
+    }
 
 
 def cases_of(dataset) -> list[tuple[str, str, float]]:

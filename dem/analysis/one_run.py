@@ -14,7 +14,8 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
-from dem.experiment.config import Replicate, of_values
+from dem.experiment.config import of_values
+from dem.experiment.run import Replicate
 from dem.io.dataset import LABELS, content_of
 from dem.io.lazily import open_lazily
 from dem.sweep.axis import is_written
@@ -100,23 +101,21 @@ def selected(runs: pd.DataFrame, select: list[str]) -> str:
             varied = ", ".join(name for name in runs if runs[name].nunique() > 1)
             hint = did_you_mean(key.replace(".", "_"), columns, f"; they differ in {varied}")
             raise InputError(f"its runs have no value named {key}{hint}.")
-        for tolerance in (0.0, PRINTED):  # those that are equal, else those that are printed so
-            matches = rest[[is_written(value, text, tolerance) for value in rest[name]]]
-            if not matches.empty:
-                break
-        else:
-            values = list(dict.fromkeys(map(_word, rest[name])))
-            listed = ", ".join(values[:SHOWN]) + (", ..." if len(values) > SHOWN else "")
+        exact, near = (
+            rest[[is_written(value, text, tolerance) for value in rest[name]]]
+            for tolerance in (0.0, PRINTED)
+        )
+        if near.empty:
+            listed = ", ".join(rest[name].map(_word).unique()[:SHOWN])
             raise InputError(f"there is no run with {word}; {name} is {listed}.")
-        rest = matches
+        rest = near if exact.empty else exact
     if (count := rest.index.nunique()) == 1:
         return rest.index[0]
     example, words = [], rest.map(_word)
     for name in words:
-        first = words[name].iloc[0]
         if words[name].nunique() > 1:
-            example.append(f"{name}={first}")
-            words = words[words[name] == first]
+            example.append(f"{name}={words[name].iloc[0]}")
+            words = words[words[name] == words[name].iloc[0]]
     having = f" with {' '.join(select)}" if select else ""
     raise InputError(f"it has {count} runs{having}; choose one, such as {' '.join(example)}.")
 

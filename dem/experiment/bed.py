@@ -13,7 +13,7 @@ from dem.experiment.box import (
     height_of_box,
     sample_parts,
 )
-from dem.experiment.config import Replicate
+from dem.experiment.run import Replicate
 from dem.experiment.solids import solids_of
 from dem.packing.compaction import START, compact
 from dem.packing.constant_pressure import pack_under

@@ -4,10 +4,8 @@ SI units throughout. Workflow, command line and library read values only through
 refuses values that cannot be simulated with one sentence per fault, which names key and value.
 """
 
-import json
 from collections.abc import Iterable
 from functools import cached_property
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, NamedTuple, get_origin
 
 import numpy as np
@@ -16,8 +14,6 @@ from pydantic.fields import FieldInfo
 
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
-from dem.base.provenance import compilers
-from dem.base.sources import digest, run_hash
 from dem.base.types import (
     Count,
     Density,
@@ -32,8 +28,9 @@ from dem.base.types import (
     section_of,
     unit_of,
 )
-from dem.experiment.box import check_room, sample_parts
+from dem.experiment.box import check_room
 from dem.experiment.kinds import EXPERIMENTS, Experiment
+from dem.experiment.run import Replicate
 from dem.experiment.sections import (
     ContactSection,
     CylinderSection,
@@ -52,13 +49,10 @@ from dem.experiment.sections import (
     or_file,
 )
 from dem.laws import file_of as law_file
-from dem.laws import law_of
-from dem.material import Material
 from dem.periodic import Sides
 from dem.shapes import Kind, kind_of
 
 HERTZ = "hertz"  # the law of contacts where none is named
-LAYOUT = 1  # of the files of runs: raise it where a variable comes, goes or has another meaning
 # sections that only some experiments read, by these
 SECTIONS = {
     name: tuple(kind for kind, header in EXPERIMENTS.items() if name in header["SECTIONS"])
@@ -67,32 +61,6 @@ SECTIONS = {
 UNHASHED_KEYS = "beside", "record.window", "threads"  # that no number depends on
 FIXED_KEYS = *UNHASHED_KEYS, "record.observables"  # that cannot vary in a sweep
 FORMS = "discs", "mixture"  # of a shape, nor these
-# what a bed depends on, beside its shape and how densely it is packed
-BED_KEYS = (
-    "box_width",
-    "periodic",
-    "cylinder.diameter",
-    "cylinder.start",
-    "cylinder.outline",
-    "cylinder.aspect_ratio",
-    "cylinder.angle",
-    "cylinder.direction",
-    "second.diameter",
-    "second.gap",
-    "second.bearing",
-    "packing.size_spread",
-    "packing.preparation",
-    "contact.law",
-    "contact.stiffness",
-)
-STIFFNESS = "material.young_modulus", "material.poisson_ratio"
-PACKED = "packing.fraction", "packing.friction"
-SETTLED_BY = *PACKED, "gravity", "material", "contact"
-PRESSED_BY = (
-    "packing.pressure",
-    *STIFFNESS,
-    "material.thickness",
-)
 
 
 class Configuration(Section):
@@ -292,7 +260,7 @@ class Configuration(Section):
         return known
 
     @checked
-    def replicate(self, shape: str, density: Density, seed: Seed) -> "Replicate":
+    def replicate(self, shape: str, density: Density, seed: Seed) -> Replicate:
         """One run; raises InputError if it is impossible."""
         if shape not in self.shapes:
             hint = did_you_mean(shape, self.shapes)
@@ -316,14 +284,14 @@ class Configuration(Section):
     def module(self) -> Experiment:
         """The experiment. Its code is loaded on use, so that reading results does not depend on the
         code that made them."""
-        return Experiment(self.experiment, self.beside)
+        return Experiment(self.experiment, self.beside, self)
 
     def check_files(self) -> None:
         """Raise InputError where the values name a file that cannot be used."""
         for label in self.shapes:
             self.kind_of(label)
         law_file(self.law_name, self.beside)
-        self.module.check(self)
+        self.module.check()
 
     def changed(self, changes: dict[str, Any], shape: str) -> "Configuration":
         """These values with some changed by path, and one shape only; raises InputError.
@@ -350,189 +318,6 @@ class Configuration(Section):
 
 
 Configuration.read = dict(Configuration.model_fields)
-
-
-class Replicate:
-    """One run: values of a configuration, a shape of it, a density (kg/m3) and a seed; raises
-    InputError where its granules cannot have them."""
-
-    def __init__(self, configuration: Configuration, label: str, density: float, seed: int):
-        self.configuration, self.label = configuration, label
-        self.density, self.seed = float(density), int(seed)
-        if self.rolling is not None and self.shape.kind != "disc":
-            raise InputError(
-                f"rolling is for discs, and shapes.{label}.kind is {self.shape.kind}; make the "
-                "coefficients of rolling zero, or leave this shape out of the sweep."
-            )
-
-    @property
-    def shape(self) -> ShapeSection:
-        return self.configuration.shape_of(self.label)
-
-    def material_of(self, section) -> Material:
-        """Material of granules, a wall or a solid: what a section leaves out is that of the run."""
-        plain = self.configuration.material
-        elastic = section or plain
-        return Material(
-            getattr(elastic, "density", None) or self.density,
-            elastic.young_modulus,
-            elastic.poisson_ratio,
-            elastic.restitution or plain.restitution,
-        )
-
-    @property
-    def materials(self) -> tuple[Material, ...]:
-        """Material of the granules; of a mixture one of each shape, if a shape has its own."""
-        sections = [part.material for part in self.configuration.parts_of(self.label)]
-        return tuple(map(self.material_of, sections if any(sections) else [None]))
-
-    @property
-    def species(self) -> np.ndarray | None:
-        """Which of the materials (n,) each granule is of; None if there is one."""
-        if len(self.materials) > 1:
-            return sample_parts(self.configuration, self.label, self.seed)
-        return None
-
-    @property
-    def rolling(self) -> RollingSection | None:
-        """Rolling resistance; coefficients of zero are none for granules that are no discs."""
-        rolling = self.configuration.rolling
-        return rolling if rolling and (rolling.resists or self.shape.kind == "disc") else None
-
-    @property
-    def kind(self) -> Kind:
-        """The kind of its granules; raises InputError where its file cannot be used."""
-        return self.configuration.kind_of(self.label)
-
-    @property
-    def law(self):
-        """The law of contacts, under which the bed is packed too."""
-        c = self.configuration
-        law, stiffness = law_of(c.law_name, c.beside), c.contact.stiffness
-        return law() if stiffness is None else law(stiffness)
-
-    @property
-    def coordinates(self) -> dict:
-        """Shape, density and seed."""
-        return {"shape": self.label, "density": self.density, "seed": self.seed}
-
-    def values(self, beside: bool = True) -> dict:
-        """All values as plain groups, in the form that `of_values` takes; beside: with the folder
-        of shapes of a user's own, which is no part of what the run is."""
-        values = self.configuration.values()
-        if not beside:
-            values.pop("beside", None)
-        values["shapes"] = self.configuration.with_parts(self.label, values["shapes"])
-        return values | self.coordinates
-
-    def with_shapes(self, folder: Path | str | None) -> "Replicate":
-        """The same run, where the files of shapes of a user's own are in a folder."""
-        if folder is None:
-            return self
-        beside = {"beside": str(Path(folder).resolve())}
-        return Replicate(self.configuration.model_copy(update=beside), *self.coordinates.values())
-
-    def labels(self) -> dict:
-        """What tells this run from others."""
-        shape = self.shape
-        return self.coordinates | {
-            "kind": "mixture" if shape.mixture else shape.kind,
-            "aspect_ratio": shape.ratio,
-            "diameter": shape.diameter,
-            "granules": shape.granules,
-        }
-
-    def at(self, path: str):
-        """The value at a path, or the shape, density or seed."""
-        return self.coordinates.get(path, self.configuration.at(path))
-
-    def words(self) -> str:
-        """The run in words, for sentences."""
-        return f"{self.label} at {self.density:.10g} kg/m3, seed {self.seed}"
-
-    @property
-    def variant(self) -> str:
-        """The values that select the machine code of the run and of its bed, as text."""
-        c, kind = self.configuration, self.shape.kind
-        bodies = "walls.left", "walls.right", "walls.bottom", "walls.top", "cylinder", "second"
-        frictions = [c.friction.granule, c.friction.wall, c.friction.cylinder]
-        frictions += [c.at(f"{body}.friction") for body in bodies]
-        sections = [c.at(f"{body}.material") for body in bodies]
-        materials = *self.materials, *map(self.material_of, sections)
-        values = (
-            kind,
-            c.ellipse if kind == "ellipse" else None,
-            c.law_name,
-            c.experiment,
-            c.periodic,
-            c.packing.preparation,
-            c.packing.friction > 0,
-            c.packing.pressure is not None,
-            any(frictions),
-            self.rolling is not None,
-            c.at("cylinder.outline"),
-            any(material.restitution < 1 for material in materials),
-            c.gravity > 0,
-            "ledger" in c.observables,
-        )
-        return str(values)
-
-    def _known(self, *paths: str) -> str:
-        """The values at some paths and below them that this run is known by, as text."""
-        known = self.configuration.known[self.label].items()
-        groups = *(f"{path}." for path in paths), "shape."
-        values = {path: v for path, v in known if path in paths or path.startswith(groups)}
-        return json.dumps(values, sort_keys=True)
-
-    @property
-    def _elasticity(self) -> tuple[str, ...]:
-        """Keys of elasticity, on which a bed of several materials depends."""
-        return STIFFNESS if len(self.materials) > 1 else ()
-
-    @property
-    def bed_family(self) -> str:
-        """Hash of all that the bed depends on, except packing fraction or pressure, friction and
-        seed."""
-        return digest(self._known(*BED_KEYS, *self._elasticity))
-
-    def bed_key(self) -> str:
-        """All that the bed depends on, as text."""
-        packing = self.configuration.packing
-        if packing.preparation == "settled":
-            return f"{self._known(*BED_KEYS, *SETTLED_BY)} {self.density} {self.seed}"
-        packed_by = PACKED if packing.pressure is None else PRESSED_BY
-        packed_by += self._elasticity
-        return f"{self._known(*BED_KEYS, *packed_by)} {self.seed}"
-
-    def run_key(self) -> str:
-        """All that the run depends on, as text."""
-        c = self.configuration
-        known = c.known[self.label]
-        if not c.module.constants.get("BED_ALONE"):
-            return f"{json.dumps(known, sort_keys=True)} {self.density} {self.seed}"
-        section = {k: v for k, v in known.items() if k.startswith(f"{c.module.label}.")}
-        return " ".join([c.experiment, *([json.dumps(section)] if section else ()), self.bed_key()])
-
-    @property
-    def files(self) -> tuple[Path, ...]:
-        """The files of its experiment, observables, shape and law."""
-        c = self.configuration
-        return *c.module.files(c), self.kind.file, law_file(c.law_name, c.beside)
-
-    @property
-    def source_hash(self) -> str:
-        """Hash of the code that decides the numbers of this run, and of what compiles it."""
-        return digest(run_hash(*self.files), compilers())
-
-    @cached_property
-    def id(self) -> str:
-        """Identity of the run: hash of the values that it reads and the code that it runs."""
-        return digest(self.run_key(), self.source_hash, str(LAYOUT))
-
-    @property
-    def bed_id(self) -> str:
-        """Identity of the bed of the run."""
-        return digest(self.bed_key(), compilers(), run_hash(*self.files[-2:]))
 
 
 def by_path(values: dict, head: str = "") -> dict[str, Any]:

@@ -13,8 +13,8 @@ from dem.base.files import atomic
 from dem.base.messages import say
 from dem.dynamics.result import Record
 from dem.dynamics.simulation import Simulation
-from dem.experiment.config import Replicate
 from dem.experiment.kinds import filled
+from dem.experiment.run import Replicate
 from dem.io.checksums import Changed, is_sealed, seal
 from dem.packing.random import Bed
 from dem.scene import State

@@ -7,7 +7,7 @@ import numpy as np
 
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import diameters, shaped, solids, thickness
-from dem.experiment.config import Replicate
+from dem.experiment.run import Replicate
 from dem.material import Friction, Rolling
 from dem.motion import Drive
 from dem.packing.random import Bed

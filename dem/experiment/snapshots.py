@@ -9,7 +9,7 @@ from dem.dynamics.contact_list import ContactList
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import periods, shaped, solids
 from dem.experiment.box import ahead_of
-from dem.experiment.config import Replicate
+from dem.experiment.run import Replicate
 from dem.experiment.scene import make_scene
 from dem.packing.random import Bed
 from dem.periodic import Periods

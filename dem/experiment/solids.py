@@ -1,7 +1,7 @@
 """What is drawn through the bed of a run: the cylinder, and a second one beside it."""
 
 from dem.experiment.box import ahead_of, circles_of, polygon_of, width_of
-from dem.experiment.config import Replicate
+from dem.experiment.run import Replicate
 from dem.motion import Turn
 from dem.shapes.disc import Disc
 from dem.shapes.ellipse import Ellipse

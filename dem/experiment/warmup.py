@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import diameters, packed, shaped, thickness
-from dem.experiment.config import Replicate
 from dem.experiment.observables import module_of
+from dem.experiment.run import Replicate
 from dem.experiment.scene import make_scene
 from dem.experiment.solids import solids_of
 from dem.packing.random import Room

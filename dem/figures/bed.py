@@ -10,7 +10,6 @@ from matplotlib.path import Path
 from dem.experiment.observables.flow import layers_of
 from dem.figures import style
 from dem.periodic import wrapped
-from dem.shapes.protocol import unit_circle
 from dem.solids import walls_of
 
 PLAIN, SHADED = "#eef2f6", style.LAYERS[1]
@@ -31,11 +30,6 @@ def joined(rings) -> np.ndarray:
     neck = points // NECK
     parts = left, np.roll(right, -(points // 2), axis=1)  # each begins where they meet
     return np.concatenate([each[:, neck : points - neck + 1] for each in parts], axis=1)
-
-
-def circle(diameter: float) -> np.ndarray:
-    """Outline of a cylinder, as of Drawing."""
-    return 0.5 * diameter * unit_circle(65)
 
 
 def placed(rings, position, angle) -> np.ndarray:
@@ -77,17 +71,15 @@ def shifts(periodic) -> np.ndarray:
 
 
 class Drawing:
-    """Granules, walls and solids on axes; lengths in m. What is drawn can be moved, for films.
+    """Granules, walls and solids of dem.figures.frames.Frames on axes, one frame at a time.
 
-    rings: outlines; view: lower left and upper right corner; solids: closed outlines (points, 2) of
-    solids about their positions at angle zero; periodic: periods as of dem.Scene; hatched: hatch what is solid, and number the
-    axes in mm; else draw the box alone.
+    Where the frames are boxed the box is drawn alone; else what is solid is hatched, and the axes
+    have numbers in mm.
     """
 
-    def __init__(self, axes, rings, view, solids=(), periodic=None, hatched=False):
-        self.rings, self.view, self.periodic = joined(rings), np.asarray(view), periodic
-        self.outlines = solids
-        self.shifts = shifts(periodic)
+    def __init__(self, axes, frames):
+        self.frames, self.rings, self.periodic = frames, joined(frames.rings), frames.periodic
+        self.shifts = shifts(frames.periodic)
         self.granules = PolyCollection([], **EDGE, zorder=1)
         self.forces = LineCollection([], colors="#b34700", capstyle="round", zorder=2)
         self.solids = PolyCollection([], **STEEL)
@@ -98,33 +90,32 @@ class Drawing:
         for collection in (self.granules, self.forces, self.solids, self.marks, self.walls):
             axes.add_collection(collection, autolim=False)
         self.solid = PathPatch(Path(np.empty((0, 2))), **SOLID)
-        if hatched:
+        if frames.boxed:
+            axes.set_axis_off()
+        else:
             axes.add_patch(self.solid)
             axes.set(xlabel="x (mm)", ylabel="y (mm)")
-        else:
-            axes.set_axis_off()
-        axes.set(xlim=1e3 * self.view[:, 0], ylim=1e3 * self.view[:, 1], aspect="equal")
+        xlim, ylim = 1e3 * frames.view.T
+        axes.set(xlim=xlim, ylim=ylim, aspect="equal")
         axes.grid(visible=False)
 
-    def move(self, position, angle, walls, solids=(), turns=()) -> None:
-        """Granules to positions (n, 2) in m and angles (n,) in rad; walls to planes (w, 3) as of
-        dem.Scene; solids to positions (k, 2) in m, and those that turn to angles (k,) in rad, which
-        a line marks on round ones."""
-        lines, space = edges(walls, self.view)
+    def move(self, frame: int) -> None:
+        """Show a frame; a line marks the angle of a round solid where solids turn."""
+        frames, periodic = self.frames, self.periodic
+        lines, space = edges(frames.walls[frame], frames.view)
         self.walls.set_segments(1e3 * lines)
-        (left, low), (right, high) = self.view
+        (left, low), (right, high) = frames.view
         around = np.array([[left, low], [left, high], [right, high], [right, low]])  # clockwise
-        rings = [1e3 * each[[*range(len(each)), 0]] for each in (around, space)]
+        rings = [1e3 * ring[[*range(len(ring)), 0]] for ring in (around, space)]
         self.solid.set_path(Path.make_compound_path(*map(Path, rings)))
-        rings = placed(self.rings, wrapped(np.asarray(position), self.periodic), np.asarray(angle))
-        self.granules.set_verts(self._images(rings))
+        position = wrapped(frames.position[frame], periodic)
+        self.granules.set_verts(self._images(placed(self.rings, position, frames.angle[frame])))
         rings, marks = [], []
-        for k, outline in enumerate(self.outlines):
-            turn = turns[k] if len(turns) else 0.0
-            place = wrapped(np.array([solids[k]], float), self.periodic)
-            ring = placed(outline[None], place, np.array([turn]))
+        for k, outline in enumerate(frames.solids):
+            place = wrapped(frames.place[frame, [k]], periodic)
+            ring = placed(outline[None], place, frames.turn[frame, [k]])
             rings += [*self._images(ring)]
-            if len(turns) and np.ptp(np.hypot(*outline.T)) < 1e-9:  # round: it shows no angle
+            if np.ptp(frames.turn) and np.ptp(np.hypot(*outline.T)) < 1e-9:  # round
                 marks += [*self._images(np.stack([1e3 * place[0], ring[0, 0]])[None])]
         self.solids.set_verts(rings)
         self.marks.set_segments(marks)

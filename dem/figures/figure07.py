@@ -28,7 +28,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     labels = table1(dataset)
     dataset, columns = dataset.sel(case=labels), min(COLUMNS, len(labels))
     figure, panels = style.panels(len(labels), columns, 1.3, 2.7, sharex=True)
-    numbers, x = summarise(dataset), style.displacement(dataset)
+    numbers, x = summarise(dataset), 1e3 * dataset["displacement"].values
     smooth, half = style.smoothed(dataset)
     first = smooth.sel(case=labels[0])
     for axes, label in zip(panels, labels, strict=True):
@@ -54,5 +54,5 @@ def plot(dataset: xr.Dataset) -> Figure:
         axes.set_xlabel("Displacement (mm)")
     about = f"(numbers: mean of the window{style.its_interval(dataset)})"
     figure.suptitle(f"Drag of the cylinder against its displacement\n{about}")
-    style.legend(figure, panels[-1], "outside lower center", ncols=2)
+    style.legend(figure, panels[-1], ncols=2)
     return figure

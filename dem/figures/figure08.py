@@ -38,7 +38,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     for place, (shape, label) in enumerate(cases.items()):
         (code, width, filled, paper, deviation), case = CODES[shape], dataset.sel(case=label)
         case_numbers, look = numbers.sel(case=label), style.look(case)
-        x, (curve, half) = style.displacement(case), style.smoothed(case)
+        x, (curve, half) = 1e3 * case["displacement"].values, style.smoothed(case)
         name = f"{code} ({label}), mean of {style.runs(case)}"
         line = {"color": look.color, "linestyle": look.line, "linewidth": width}
         left.plot(x, curve, zorder=3, label=name, **line)

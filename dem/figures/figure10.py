@@ -11,4 +11,4 @@ VARIABLES = ("granule_x",)
 def plot(dataset):
     """Three displacements of the first seed of each shape; raises InputError without any."""
     title = "Layers before, half-way through and after the stroke"
-    return beds(dataset, CASES["any"], "layers", title)
+    return beds(dataset, CASES["any"], "layer", title)

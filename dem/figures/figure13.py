@@ -43,5 +43,5 @@ def plot(dataset: xr.Dataset) -> Figure:
     style.finish_bars(axes, ticks, dataset)
     axes.set_title(f"Above each bar: mean drag{style.its_interval(dataset)}", loc="left")
     figure.suptitle("Mean drag by shape of the granules")
-    style.legend(figure, axes, "outside lower center", grey="mean", ncols=4)
+    style.legend(figure, axes, grey="mean", ncols=4)
     return figure

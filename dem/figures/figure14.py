@@ -41,7 +41,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     above = f"Above each group: change with density{style.its_interval(dataset)}{paper}"
     axes.set_title(above, loc="left")
     figure.suptitle("Mean drag by density of the granules")
-    style.legend(figure, axes, "outside lower center", ncols=2)
+    style.legend(figure, axes, ncols=2)
     return figure
 
 

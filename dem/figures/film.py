@@ -53,9 +53,7 @@ class Scene:
         left, *right = self.figure.subplots(
             1, 1 + beside, width_ratios=(1.15, 1.0)[: 1 + beside], squeeze=False
         )[0]
-        self.bed = bed.Drawing(
-            left, frames.rings, frames.view, frames.solids, frames.periodic, not frames.boxed
-        )
+        self.bed = bed.Drawing(left, frames)
         if color not in frames.paints:
             self._scale()
         self.mark = None
@@ -84,9 +82,7 @@ class Scene:
     def show(self, frame: int) -> None:
         """Draw one frame."""
         frames = self.frames
-        turns = frames.turn[frame] if frames.turn.size and np.ptp(frames.turn) else ()
-        place, walls = frames.place[frame], frames.walls[frame]
-        self.bed.move(frames.position[frame], frames.angle[frame], walls, place, turns)
+        self.bed.move(frame)
         if self.color in frames.paints:
             self.bed.paint(frames.paints[self.color])
         else:

@@ -70,16 +70,19 @@ def frames_of(source: Result | Snapshots) -> Frames:
     return of_motion(source) if isinstance(source, Snapshots) else of_result(source)
 
 
-def of_motion(motion: Snapshots) -> Frames:
-    """Frames of a run of the paper: the bed in its box, and the drag along the stroke."""
+def of_motion(motion: Snapshots, rings: np.ndarray | None = None) -> Frames:
+    """Frames of a run of the paper: the bed in its box, and the drag along the stroke.
+
+    rings: outlines in place of its own
+    """
     run, values = motion.replicate, motion.replicate.configuration
     width, solids = values.box_width, [motion.solids(k) for k in range(len(motion.displacement))]
     place = np.array([[solid.position for solid in row] for row in solids])
-    moved = style.millimetres(motion.displacement)
+    moved = 1e3 * motion.displacement
 
     def record(axes):
         if motion.drag is not None:
-            x = style.millimetres(motion.drag_displacement)
+            x = 1e3 * motion.drag_displacement
             axes.plot(x, motion.drag, color=style.CURVE, linewidth=0.8)
             axes.set_ylim(bottom=min(0.0, motion.drag.min()))
         axes.set(
@@ -90,7 +93,7 @@ def of_motion(motion: Snapshots) -> Frames:
         title=f"{run.label}, {run.density:g} kg/m³, seed {run.seed}",
         position=motion.position,
         angle=motion.angle,
-        rings=motion.outlines,
+        rings=motion.outlines if rings is None else rings,
         walls=np.array([bed.box_walls(width, each, motion.periodic) for each in motion.height]),
         view=bed.box_view(width, motion.height.max()),
         solids=[solid.ring() for solid in solids[0]],

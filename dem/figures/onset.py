@@ -70,5 +70,5 @@ def plot(dataset: xr.Dataset) -> Figure:
         xlabel="Aspect ratio (scaled by the root of its excess over 1)",
         ylabel="Contacts per granule there,\nrattlers left out",
     )
-    style.legend(figure, above, "outside lower center", ncols=3)
+    style.legend(figure, above, ncols=3)
     return figure

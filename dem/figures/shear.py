@@ -28,5 +28,5 @@ def plot(dataset: xr.Dataset) -> Figure:
     above.set_ylabel("Friction of the bed:\nshear over normal stress")
     below.set(xlabel="Inertial number", xscale="log", ylabel="Packing fraction")
     style.from_zero(above)
-    style.legend(figure, above, "outside lower center", ncols=2)
+    style.legend(figure, above, ncols=2)
     return figure

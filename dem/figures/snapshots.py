@@ -1,89 +1,71 @@
 """Figures 9 to 12: beds at equal displacements of the cylinder, one row per case."""
 
 import json
-from typing import NamedTuple
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.analysis.drag import find
+from dem.analysis.one_run import snapshots_of
 from dem.base.errors import InputError
+from dem.experiment.config import Configuration, of_values
+from dem.experiment.snapshots import Snapshots
 from dem.figures import bed, style
-from dem.periodic import Periods, periods_of, wrapped
+from dem.figures.frames import Frames, of_motion
 from dem.shapes import outlines
+from dem.sweep.axis import RUN_KEYS
 
 SHARES = (0.0, 0.5, 1.0)  # of the stroke: displacements that are shown
 PANEL, AROUND = 2.5, 1.2  # inches: width of a bed; height of the words around all beds
 SCALE = 5.0  # mm, of the bar
 
 
-class Bed(NamedTuple):
-    """Snapshots s of n granules in a box, of the first seed of a case. SI units.
-
-    diameters (n,):      volume diameters
-    position (s, n, 2):  centres, within the box
-    angle (s, n):        anticlockwise
-    axis (s, 2):         of the cylinder
-    height (s,):         of the box
-    width, cylinder:     of the box; diameter of the cylinder
-    periods:             of the box, as of dem.Scene
-    """
-
-    diameters: np.ndarray
-    position: np.ndarray
-    angle: np.ndarray
-    axis: np.ndarray
-    height: np.ndarray
-    width: float
-    cylinder: float
-    periods: Periods
-
-
-def bed_of(dataset: xr.Dataset, case: str) -> Bed | None:
-    """The bed of a case of snapshots.nc; None where its run failed."""
-    own, one = json.loads(dataset.attrs["configuration"]), dataset.isel(seed=0).sel(case=case)
-    known = np.isfinite(one["granule_diameter"].values)  # other cases may have more granules
-    if not known.any():
+def motion_of(dataset: xr.Dataset, case: str) -> Snapshots | None:
+    """The snapshots of the first seed of a case of snapshots.nc; None where its run failed."""
+    one = dataset.isel(seed=0).sel(case=case)
+    one = one.isel(granule=np.isfinite(one["granule_diameter"].values))  # others may have more
+    if not one.sizes["granule"]:
         return None
-    width, count = own["box_width"], one.sizes["snapshot"]
-    height = one["top_y"].values if "top_y" in one else np.full(count, float(one["box_height"]))
-    periods = periods_of(width, height[0], own["periodic"])
-    position = np.stack([one["granule_x"].values, one["granule_y"].values], axis=-1)[:, known]
-    axis = np.column_stack([np.full(count, 0.5 * width), one["cylinder_y"].values])
-    return Bed(
-        one["granule_diameter"].values[known],
-        wrapped(position, periods),
-        one["granule_angle"].values[:, known],
-        wrapped(axis, periods),
-        height,
-        width,
-        own["cylinder"]["diameter"],
-        periods,
-    )
+    values = json.loads(dataset.attrs["configuration"])
+    values = {name: values[name] for name in Configuration.read if name in values}
+    values |= {name: one[name].item() for name in RUN_KEYS}
+    variables = {str(name): variable.values for name, variable in one.variables.items()}
+    return snapshots_of(Path("snapshots.nc"), of_values(values), variables)
+
+
+def frames_of_case(motion: Snapshots) -> Frames:
+    """Frames of such snapshots, with discs in place of mixtures and of shapes in files of a user."""
+    labels = motion.replicate.labels()
+    return of_motion(motion, outlines(labels["kind"], motion.diameters, labels["aspect_ratio"]))
 
 
 @style.styled
 def beds(dataset: xr.Dataset, shapes: tuple[str, ...], colors: str, title: str) -> Figure:
-    """One row per shape, one column per displacement; colors: "cluster" or "layers".
+    """One row per shape, one column per displacement; colors: "cluster" or "layer".
 
     Raises InputError when there is none of the shapes at the density of the first case.
     """
     cases = [case for case in (find(dataset, shape) for shape in shapes) if case]
-    there = {case: found for case in cases if (found := bed_of(dataset, case))}
-    if not there:
+    motions = {case: motion for case in cases if (motion := motion_of(dataset, case))}
+    if not motions:
         raise InputError(f"there is none of the shapes {', '.join(shapes)} in the data.")
     moved = dataset["snapshot_displacement"].values
     snapshots = [int(np.abs(moved - moved[-1] * share).argmin()) for share in SHARES]
-    tall = sum(found.height.max() / found.width for found in there.values())
+    width = json.loads(dataset.attrs["configuration"])["box_width"]
+    tall = sum(motion.height.max() / width for motion in motions.values())
     figure = Figure(figsize=(style.WIDTH, AROUND + PANEL * tall))
-    grid = figure.subplots(len(there), len(snapshots), squeeze=False)
-    for row, (case, found) in zip(grid, there.items(), strict=True):
-        one = dataset.sel(case=case)
-        _row(row, found, one, snapshots, colors)
-        width, height = 1e3 * found.width, 1e3 * found.height[0]
+    grid = figure.subplots(len(motions), len(snapshots), squeeze=False)
+    for row, (case, motion) in zip(grid, motions.items(), strict=True):
+        frames = frames_of_case(motion)
+        for axes, snapshot in zip(row, snapshots, strict=True):
+            drawing = bed.Drawing(axes, frames)
+            drawing.move(snapshot)
+            drawing.paint(frames.paints[colors])
+        one, height = dataset.sel(case=case), motion.height[0]
         row[0].annotate(
-            f"{case}: {style.describe(one)}{style.drawn(one)}\nbox {width:.3g} mm \N{MULTIPLICATION SIGN} {height:.3g} mm",
+            f"{case}: {style.describe(one)}{style.drawn(one)}\nbox {1e3 * width:.3g} mm \N{MULTIPLICATION SIGN} {1e3 * height:.3g} mm",
             (-0.04, 0.5),
             rotation=90,
             xycoords="axes fraction",
@@ -91,26 +73,10 @@ def beds(dataset: xr.Dataset, shapes: tuple[str, ...], colors: str, title: str) 
             va="center",
         )
     for axes, snapshot in zip(grid[0], snapshots, strict=True):
-        shown = style.millimetres(moved[snapshot])
+        shown = 1e3 * moved[snapshot]
         axes.set_title(f"after {shown:.1f} mm" if shown else "at the start")
     look = {"color": "black", "linewidth": 3.0, "solid_capstyle": "butt", "clip_on": False}
     grid[-1, 0].plot([0.0, SCALE], [-1.2, -1.2], **look)
     grid[-1, 0].text(1.2 * SCALE, -1.2, f"{SCALE:g} mm", va="center")
     figure.suptitle(f"{title}\n(one run each, seed {int(dataset['seed'][0])})")
     return figure
-
-
-def _row(row, found: Bed, one: xr.Dataset, snapshots: list[int], colors: str) -> None:
-    """One case at several displacements."""
-    rings = outlines(str(one["kind"].values), found.diameters, float(one["aspect_ratio"]))
-    view, start = bed.box_view(found.width, found.height.max()), found.position[0]
-    if colors == "cluster":
-        paint = bed.cluster_colors(start, found.axis[0], found.cylinder)
-    else:
-        paint = bed.layer_colors(start, found.height[0])
-    for axes, snapshot in zip(row, snapshots, strict=True):
-        drawn = bed.Drawing(axes, rings, view, [bed.circle(found.cylinder)], found.periods)
-        walls = bed.box_walls(found.width, found.height[snapshot], found.periods)
-        place = found.axis[snapshot]
-        drawn.move(found.position[snapshot], found.angle[snapshot], walls, [place])
-        drawn.paint(paint)

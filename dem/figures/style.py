@@ -130,16 +130,11 @@ def its_interval(dataset: xr.Dataset) -> str:
     return " and its 95 % interval" if dataset.sizes["seed"] > 1 else ""
 
 
-def millimetres(lengths) -> np.ndarray:
-    """Lengths for an axis, from m to mm."""
-    return 1e3 * np.asarray(lengths)
-
-
 def mark_window(axes, dataset: xr.Dataset) -> float:
     """Shade the averaging window, on an axis along the whole stroke; returns its middle (mm)."""
-    edges = millimetres([dataset.attrs["window_start"], dataset.attrs["window_stop"]])
+    edges = 1e3 * np.array([dataset.attrs["window_start"], dataset.attrs["window_stop"]])
     axes.axvspan(*edges, label=f"averaging window, {window_text(dataset)}", **WINDOW)
-    axes.set_xlim(0.0, millimetres(edges_of_bins(dataset)[-1]))
+    axes.set_xlim(0.0, 1e3 * edges_of_bins(dataset)[-1])
     return edges.mean()
 
 
@@ -167,11 +162,6 @@ def bar(axes, middle: float, width: float, numbers: xr.Dataset, **options) -> fl
 def numbered(number: int) -> dict[str, str]:
     """Colour and marker of one of any number of cases."""
     return {"color": CASES[number % len(CASES)], "marker": MARKERS[number % len(MARKERS)]}
-
-
-def displacement(dataset: xr.Dataset) -> np.ndarray:
-    """Displacements of the cylinder in mm."""
-    return millimetres(dataset["displacement"])
 
 
 def smoothed(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
@@ -225,7 +215,9 @@ def finish_bars(axes, ticks: list[str], dataset: xr.Dataset) -> None:
     axes.set_ylabel(f"Mean drag from {window_text(dataset)} (N)")
 
 
-def legend(figure: Figure, axes, place: str, grey: str = "", **options) -> None:
+def legend(
+    figure: Figure, axes, place: str = "outside lower center", grey: str = "", **options
+) -> None:
     """Legend of the figure from the labels of one of its axes, each once.
 
     The patch of the label that begins with `grey` means several colours: it is shown in none.

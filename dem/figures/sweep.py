@@ -85,7 +85,7 @@ def plot(dataset: xr.Dataset, of: str | None = None) -> Figure:
     notes += [f"{len(factors) - PANELS} factors more are not shown"] * (len(factors) > PANELS)
     figure.suptitle(f"{name} over what was varied\n({'; '.join(notes)})")
     if line:
-        style.legend(figure, grid[0], "outside lower center", ncols=min(4, runs.sizes[line]))
+        style.legend(figure, grid[0], ncols=min(4, runs.sizes[line]))
     return figure
 
 

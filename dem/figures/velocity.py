@@ -52,5 +52,5 @@ def plot(dataset: xr.Dataset) -> Figure:
     if (slow := inertial_number(dataset)) is not None:
         scale = (lambda v: slow * v, lambda i: i / slow)
         above.secondary_xaxis("top", functions=scale).set_xlabel("Inertial number")
-    style.legend(figure, above, "outside lower center", ncols=2)
+    style.legend(figure, above, ncols=2)
     return figure

@@ -14,15 +14,14 @@ if TYPE_CHECKING:  # half a second to load, which what only writes files need no
     import xarray as xr
 
 CHECKED = 64_000_000  # bytes of a file that are all read to check it
-PIECE = "16MB"  # of a variable that is in memory at once, about
 
 
 def open_results(path: str | Path) -> xr.Dataset:
     """Open a file of results, such as drag.nc, of any size.
 
     A file of up to 64 MB either matches its checksum or was written by you. In a larger one each
-    variable is checked as it is read, by the sums of its format, and is a Dask array in pieces of
-    some 16 MB, so that what you compute of it takes little memory.
+    variable is checked as it is read, by the sums of its format, and is a Dask array in the pieces
+    of the file, so that what you compute of it takes little memory.
 
     Parameters
     ----------
@@ -55,18 +54,7 @@ def open_results(path: str | Path) -> xr.Dataset:
         if small := Path(path).stat().st_size <= CHECKED:
             is_sealed(path)
         try:
-            dataset = xr.open_dataset(path, engine="netcdf4")
-            if small:
-                return dataset
-            import dask  # half a second to load
-
-            with dask.config.set({"array.chunk-size": PIECE}):
-                numbers = {
-                    name: values.variable.chunk("auto")
-                    for name, values in dataset.items()
-                    if values.dtype != object  # of a text nobody knows the size
-                }
-            return dataset.assign(numbers)
+            return xr.open_dataset(path, engine="netcdf4", chunks=None if small else {})
         except (OSError, ValueError, RuntimeError):
             why = "it is cut off, damaged or another file: make it again, or copy it again"
             if Path(path).suffix in (".yaml", ".yml"):

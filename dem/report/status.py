@@ -29,7 +29,11 @@ def status(state: SweepState) -> Group:
     locked, parts, left, reasons = state.store.locked_runs(), [], [], Counter()
     for name in state.sweep.blocks:
         block = state.block(name)
-        until = block.until or _usual(block)
+        numbers = numbers_of(block.first.configuration)
+        if not numbers:
+            raise InputError(f"runs of {name} record no number, whose mean could be known.")
+        of = "drag" if "drag" in numbers else numbers[0]
+        until = block.until or Until(until=USUAL, of=of)
         results, states = state.means(block, until.variable, kept=True), {}
         for run in block.unique():
             states[run.id] = "running" if run.id in locked else "waiting"
@@ -54,19 +58,12 @@ def status(state: SweepState) -> Group:
     return Group(Text(words), *failures, *parts)
 
 
-def _usual(block: Block) -> Until:
-    names = numbers_of(block.first.configuration)
-    if not names:
-        raise InputError(f"runs of {block.name} record no number, whose mean could be known.")
-    return Until(until=USUAL, of="drag" if "drag" in names else names[0])
-
-
 def _table(block: Block, until: Until, results: dict, states: dict[str, str]) -> pd.DataFrame:
     """One row a point: its values, how many of its runs are in each state, its mean."""
     axes = block.beside_seed
     shown = [axis for axis in axes if len(axis.points) > 1] or axes[:1]
     configuration = block.first.configuration
-    units = "" if until.reference else configuration.module.layout(configuration)[until.variable][1]
+    units = "" if until.reference else configuration.module.layout[until.variable][1]
     values = {
         point: [results[run.id][0] for run in runs if run.id in results]
         for point, runs in block.replicates.items()

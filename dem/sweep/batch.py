@@ -17,7 +17,7 @@ from dem.base import provenance
 from dem.base.errors import InputError, RunError
 from dem.base.sources import PACKAGE, cache_folder, digest, run_codes, with_imports
 from dem.experiment.bed import make_bed, periods
-from dem.experiment.config import Replicate
+from dem.experiment.run import Replicate
 from dem.experiment.warmup import compile_kernels
 from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, write
 from dem.packing.random import Bed
@@ -81,7 +81,7 @@ def _rows_of(store: Store, batch: str, *names: str) -> dict[str, dict]:
 
 def recorded(replicate: Replicate) -> dict:
     """The variables that a run gives, as in dem.io.dataset."""
-    return replicate.configuration.module.layout(replicate.configuration)
+    return replicate.configuration.module.layout
 
 
 def _row(store: Store, replicate: Replicate, progress) -> dict:
@@ -137,8 +137,8 @@ def _run(store: Store, replicate: Replicate, progress) -> dict:
 def layout_of(replicate: Replicate) -> dict:
     """The variables of a batch of such runs, as in dem.io.dataset."""
     experiment = replicate.configuration.module
-    of_run = experiment.layout(replicate.configuration) | LABELS | OF_STORE
-    return experiment.along(replicate.configuration) | {
+    of_run = experiment.layout | LABELS | OF_STORE
+    return experiment.along | {
         name: (("run", *dims), *rest) for name, (dims, *rest) in of_run.items()
     }
 
@@ -147,8 +147,8 @@ def write_batch(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
     """Write the runs of a batch; what a failed run lacks is NaN."""
     first = replicates[0]
     experiment, layout = first.configuration.module, layout_of(first)
-    values, sizes = experiment.axes(first.configuration), experiment.sizes(first)
-    for name, (dims, *_) in experiment.layout(first.configuration).items():
+    values, sizes = experiment.axes, experiment.sizes(first)
+    for name, (dims, *_) in experiment.layout.items():
         gap = np.full([sizes[dim] for dim in dims], np.nan)
         values[name] = np.stack([np.asarray(row.get(name, gap), float) for row in rows])
     columns = [

@@ -70,7 +70,7 @@ def combine(
     layout, names = layout_of(block, observable)
     left, failed = set(block.points), {}
     gaps = bool(sweep.failures or partial or block.until or observable == BEDS)
-    provenance = {name: {} for name in PROVENANCE}
+    origins = []
     with create(output) as file:
         for done, path in enumerate(sorted(paths, key=str), 1):
             values, origin = read(path, (*names, "run_id", "failure", "failure_reason"))
@@ -84,8 +84,7 @@ def combine(
             if places and not file.dimensions:
                 _create_variables(file, block, layout, {n: values[n] for n in names}, gaps)
             with content_of(path):
-                for name in PROVENANCE:
-                    provenance[name][origin[name]] = None
+                origins.append([origin[name] for name in PROVENANCE])
                 for first, group in groupby(places, lambda place: place[0][:-1]):
                     points, rows = zip(*group, strict=True)
                     last = [point[-1] for point in points]
@@ -114,7 +113,8 @@ def combine(
             reasons = list(dict.fromkeys(reason for _, reason in failed.values()))
             comment = {"comment": "; ".join(reasons[:REASONS])} if reasons else {}
             add(file, "failure", block.dims, flags, attributes("failure", layout) | comment)
-        merged = {name: "; ".join(kept) for name, kept in provenance.items()}
+        origins = zip(PROVENANCE, zip(*origins, strict=True), strict=True)
+        merged = {name: "; ".join(dict.fromkeys(values)) for name, values in origins}
         if left:
             total = len(block.points)
             merged["partial"] = f"{total - len(left)} of {total} runs"
@@ -123,18 +123,17 @@ def combine(
 
 def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
     """Layout of the combined file, and the names of what its runs give."""
-    configuration = block.first.configuration
-    experiment = configuration.module
-    recorded = experiment.layout(configuration)
+    experiment = block.first.configuration.module
+    recorded = experiment.layout
     variables = {
         name: entry
-        for name, entry in experiment.variables(configuration, observable).items()
+        for name, entry in experiment.variables(observable).items()
         if name in recorded and (observable == BEDS or "granule" not in entry[0])
     }
     of_runs = variables | {name: OF_STORE[name] for name in ("run_id", "bed_family", "failure")}
     layout = {name: ((*block.dims, *dims), *rest) for name, (dims, *rest) in of_runs.items()}
     used = {dim for dims, *_ in variables.values() for dim in dims}
-    axes = experiment.along(configuration)
+    axes = experiment.along
     return layout | {n: entry for n, entry in axes.items() if set(entry[0]) & used}, list(variables)
 
 
@@ -178,9 +177,9 @@ def _labels(block: Block, layout: dict, left: set[str]) -> Iterator[tuple]:
         if entry is not None and entry.about:
             known = {name: (dims, entry.units, entry.about)}
         yield name, dims, values, attributes(name, known)
-    axes = block.first.configuration.module.axes(block.first.configuration)
+    axes = block.first.configuration.module.axes
     for run in {id(run.configuration): run for run in block.runs.values()}.values():
-        for name, values in run.configuration.module.axes(run.configuration).items():
+        for name, values in run.configuration.module.axes.items():
             if not np.array_equal(values, axes[name]):
                 raise InputError(
                     f"the coordinate {name} must be the same in all runs of {block.name}; use "

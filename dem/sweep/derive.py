@@ -8,7 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from dem.base.errors import InputError
-from dem.experiment.config import Replicate
+from dem.experiment.run import Replicate
 from dem.io.lazily import open_lazily
 from dem.sweep.axis import Derive
 

@@ -14,7 +14,8 @@ from dem.base.errors import InputError
 from dem.base.files import is_full
 from dem.base.provenance import versions
 from dem.base.sources import run_codes
-from dem.experiment.config import Replicate, of_values
+from dem.experiment.config import of_values
+from dem.experiment.run import Replicate
 from dem.io.dataset import read
 from dem.io.progress import span
 from dem.packing.cost import packing_time

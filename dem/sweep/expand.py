@@ -12,7 +12,8 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.experiment.box import check_room
-from dem.experiment.config import Configuration, Entry, Replicate
+from dem.experiment.config import Configuration, Entry
+from dem.experiment.run import Replicate
 from dem.sweep.axis import RUN_KEYS, Axis, Derive, axis_of, changes, name_of
 from dem.sweep.precision import MOST_RUNS, GridPoint, Until
 
@@ -189,7 +190,7 @@ def expand(
         raise InputError(
             f"{where} must give all runs a shape or a case; there are {', '.join(sweep.shapes)}."
         )
-    same = (*SAME, *sweep.module.table(sweep, "SIZES").values())
+    same = (*SAME, *sweep.module.table("SIZES").values())
     if same := [path for path in same if path in ways.keys() - fixed.keys()]:
         raise InputError(f"{where} varies {same[0]}, which runs of one block share; use blocks.")
     points = fixed, *(point for axis in axes for point in axis.points)
@@ -206,7 +207,7 @@ def expand(
     grid = Block(name, axes, _runs(sweep, where, fixed, axes, derived, counts), fixed)
     first = grid.first.configuration
     names = [*grid.dims, *map(name_of, ways.keys() - {axis.entry.path for axis in axes})]
-    recorded = first.module.names(first)
+    recorded = first.module.names
     if twice := [name for name in names if names.count(name) > 1 or name in recorded]:
         raise InputError(f"{where} gives files of results two things named {twice[0]}; rename one.")
     if grid.until:

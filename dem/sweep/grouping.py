@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from itertools import chain, zip_longest
 
 from dem.base.sources import digest, run_hash
-from dem.experiment.config import Replicate
+from dem.experiment.run import Replicate
 from dem.sweep.store import Batch, batch_id
 
 

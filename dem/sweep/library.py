@@ -138,8 +138,8 @@ def run_experiment(values: dict) -> xr.Dataset:
     configuration.check_files()
     experiment = configuration.module
     values = experiment.run(replicate)
-    layout = experiment.layout(configuration) | experiment.along(configuration) | LABELS
-    coordinates = experiment.axes(configuration) | replicate.labels()
+    layout = experiment.layout | experiment.along | LABELS
+    coordinates = experiment.axes | replicate.labels()
     used = {"bound", *(dim for name in values for dim in layout[name][0])}
     variables = {
         name: (layout[name][0], value, attributes(name, layout))

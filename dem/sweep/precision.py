@@ -110,7 +110,7 @@ class Until(Section):
     def check(self, where: str, configuration, labels: Sequence[str]) -> None:
         """Raise InputError where runs of a configuration have no such number; labels: of the axis
         of cases or shapes."""
-        numbers, layout = numbers_of(configuration), configuration.module.layout(configuration)
+        numbers, layout = numbers_of(configuration), configuration.module.layout
         if self.variable not in numbers:
             raise InputError(
                 f"{where}.of is {self.of!r}; {self.variable} is no number that these runs record"
@@ -130,7 +130,7 @@ class Until(Section):
 def numbers_of(configuration) -> list[str]:
     """Names of the numbers that a run gives, whose mean may be asked for: first what is measured.
     How long it took is none, because then no file would give the same runs twice."""
-    layout = configuration.module.layout(configuration)
+    layout = configuration.module.layout
     estimate = [
         n
         for n, (dims, unit, _) in layout.items()
@@ -219,10 +219,10 @@ def run_mean(run, variable: str, row: dict) -> tuple[float, str]:
     if row["failure"]:
         return math.nan, str(row["failure_reason"])
     c, values = run.configuration, np.asarray(row[variable], float)
-    last = c.module.layout(c)[variable][0][-1:]
+    last = c.module.layout[variable][0][-1:]
     if c.module.observed and last in (("displacement",), ("snapshot",)):
         axis = "displacement" if last == ("displacement",) else "snapshot_displacement"
-        displacement, (start, stop) = c.module.axes(c)[axis], c.record.window
+        displacement, (start, stop) = c.module.axes[axis], c.record.window
         values = values[..., (displacement >= start) & (displacement <= stop)]
     with np.errstate(invalid="ignore"):
         return float(np.nansum(values) / np.isfinite(values).sum()), ""

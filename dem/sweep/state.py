@@ -14,7 +14,7 @@ import numpy as np
 from dem.base.errors import InputError
 from dem.base.files import check_output
 from dem.base.yaml_file import read
-from dem.experiment.config import Replicate
+from dem.experiment.run import Replicate
 from dem.packing.cost import near_jamming
 from dem.sweep.combine import combine_block, lost_runs, read_combined
 from dem.sweep.config import CONFIG, Sweep, file_of, load, origin_of, parse, save

@@ -21,7 +21,8 @@ from filelock import FileLock
 from dem.base.errors import InputError
 from dem.base.files import atomic, write_changed
 from dem.base.provenance import compilers
-from dem.experiment.config import Replicate, of_values
+from dem.experiment.config import of_values
+from dem.experiment.run import Replicate
 from dem.io.checksums import Changed, is_sealed, seal
 from dem.io.dataset import content_of, read
 

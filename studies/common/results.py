@@ -30,7 +30,7 @@ import numpy as np
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
 from dem.base.sources import run_hash
-from dem.experiment.config import Replicate
+from dem.experiment.run import Replicate
 from dem.io.dataset import global_attributes, read, write
 from dem.sweep.expand import Block
 from dem.sweep.precision import GridPoint

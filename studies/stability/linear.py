@@ -11,7 +11,7 @@ import numpy as np
 from dem.dynamics.checkpoint import writable
 from dem.dynamics.forces import forces
 from dem.dynamics.simulation import Simulation
-from dem.experiment.config import Replicate
+from dem.experiment.run import Replicate
 from dem.sweep.config import Sweep
 from studies.stability.catalogue import Changes
 from studies.stability.scenes import changed

@@ -5,6 +5,8 @@ import pytest
 import test_library_input
 import test_motion
 from egg import Egg
+from numpy.testing import assert_array_equal
+from test_clumps import mixed
 from test_large import assert_threads_change_no_bit
 
 import dem
@@ -23,6 +25,22 @@ def test_walls_that_move_do_the_same_work_without_friction(small_bed):
 
 def test_the_number_of_threads_changes_no_bit_of_discs_that_do_not_turn():
     assert_threads_change_no_bit(None)
+
+
+def test_the_number_of_threads_changes_no_bit_of_clumps():
+    """Nor does the order in memory, in which a patch has any number of discs."""
+    shape, side = mixed(1200), 35
+    place = 1.15e-3 * np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2)[:1200]
+    rng = np.random.default_rng(5)
+    state = dem.State(place, rng.normal(size=(1200, 2)), rng.uniform(0.0, 7.0, 1200))
+    scene, found = dem.Scene(shape, friction=dem.Friction()), []
+    for threads in (1, 2):
+        run = dem.Simulation(scene, state, threads=threads, max_overlap=1.5)
+        run.advance(2e-5)
+        assert len(run.contacts().force) > 100
+        found.append(vars(run.state))
+    for name, values in found[0].items():
+        assert_array_equal(found[1][name], values, name)
 
 
 def test_granules_without_symmetry_pack():

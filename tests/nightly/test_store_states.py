@@ -87,7 +87,7 @@ class Sweeps(RuleBasedStateMachine):
         own, sizes = replicate.configuration, replicate.configuration.module.sizes(replicate)
         return {
             name: np.full([sizes[dim] for dim in dims], value_of(replicate.id))
-            for name, (dims, *_) in own.module.layout(own).items()
+            for name, (dims, *_) in own.module.layout.items()
         }
 
     def replace(self, part, target):

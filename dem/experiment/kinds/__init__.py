@@ -53,10 +53,11 @@ def filled(name: str, values, sizes: dict[str, int]) -> np.ndarray:
 
 
 class Experiment:
-    """A kind of experiment by its name or file; only `code`, and what needs it, runs a file of a user's own."""
+    """A kind of experiment by its name or file, and the configuration that asks for it; only `code`,
+    and what needs it, runs a file of a user's own."""
 
-    def __init__(self, name: str, beside: str | None = None):
-        self.name, self.beside = name, beside
+    def __init__(self, name: str, beside: str | None = None, configuration=None):
+        self.name, self.beside, self.configuration = name, beside, configuration
 
     @property
     def label(self) -> str:
@@ -115,7 +116,7 @@ class Experiment:
         """Make one run; its variables by name, each as long as `sizes` says. Raises RunError where
         they are not those of its layout."""
         values, sizes = self.code.run(replicate, *args, **options), self.sizes(replicate)
-        layout = self.layout(replicate.configuration)
+        layout = self.layout
         if wrong := set(values if isinstance(values, dict) else ()) ^ layout.keys():
             raise RunError(
                 f"the variable {min(wrong)} must be both in VARIABLES and in what {self.name} gives."
@@ -125,27 +126,30 @@ class Experiment:
             for name, value in values.items()
         }
 
-    def files(self, configuration) -> tuple[Path, ...]:
+    @property
+    def files(self) -> tuple[Path, ...]:
         """Its file and those of its observables; raises InputError where one cannot be used."""
-        names = configuration.observables if self.observed else ()
-        return self.file, *(file_of(name, configuration.beside) for name in names)
+        names = self.configuration.observables if self.observed else ()
+        return self.file, *(file_of(name, self.beside) for name in names)
 
-    def table(self, configuration, name: str) -> dict:
+    def table(self, name: str) -> dict:
         """A constant of all these files."""
-        tables = (constants(file).get(name, {}) for file in self.files(configuration))
+        tables = (constants(file).get(name, {}) for file in self.files)
         return {key: value for table in tables for key, value in table.items()}
 
-    def along(self, configuration) -> dict:
+    @property
+    def along(self) -> dict:
         """Variables along its dimensions, as VARIABLES."""
-        return (AXES if self.observed else {}) | self.table(configuration, "AXIS")
+        return (AXES if self.observed else {}) | self.table("AXIS")
 
-    def layout(self, configuration) -> dict:
+    @property
+    def layout(self) -> dict:
         """The variables of a run, as in dem.io.dataset; raises InputError where two have one name."""
         if not self.observed:
             return self.constants["VARIABLES"]
         layout = dict(OF_RUN)
-        for name in configuration.observables:
-            variables = variables_of(name, configuration.beside)
+        for name in self.configuration.observables:
+            variables = variables_of(name, self.beside)
             if twice := variables.keys() & layout.keys():
                 raise InputError(
                     f"record.observables has {name!r}; runs have a variable {min(twice)} without it, "
@@ -156,38 +160,42 @@ class Experiment:
             ("top_y", "packing.pressure"),
             ("cylinder_orientation", "cylinder.spin"),
         ):
-            if configuration.at(path) is None:  # it does not move, or turn
+            if self.configuration.at(path) is None:  # it does not move, or turn
                 layout.pop(name, None)
         return layout
 
-    def variables(self, configuration, observable: str) -> dict:
+    def variables(self, observable: str) -> dict:
         """Those of a combined file, by its name without .nc."""
         if not self.observed:
             return self.constants["VARIABLES"]
         file = f"{observable}.py"
-        name = file if file in configuration.observables else observable
-        return variables_of(name, configuration.beside) | OF_RUN
+        name = file if file in self.configuration.observables else observable
+        return variables_of(name, self.beside) | OF_RUN
 
-    def names(self, configuration) -> set[str]:
+    @property
+    def names(self) -> set[str]:
         """Names of the variables and dimensions of a run."""
-        layout = self.layout(configuration) | self.along(configuration)
+        layout = self.layout | self.along
         return {*layout, *(dim for dims, *_ in layout.values() for dim in dims)}
 
     def sizes(self, replicate) -> dict[str, int]:
         """Length of every dimension of a run."""
-        return self.lengths(replicate.configuration) | {"granule": replicate.shape.granules}
+        return self.lengths | {"granule": replicate.shape.granules}
 
-    def lengths(self, configuration) -> dict[str, int]:
+    @property
+    def lengths(self) -> dict[str, int]:
         """Length of the dimensions that all runs of a configuration share."""
-        sizes = self.table(configuration, "SIZES").items()
+        at = self.configuration.at
         return {
-            dim: configuration.at(size) if isinstance(size, str) else size for dim, size in sizes
+            dim: at(size) if isinstance(size, str) else size
+            for dim, size in self.table("SIZES").items()
         }
 
-    def axes(self, configuration) -> dict:
+    @property
+    def axes(self) -> dict:
         """Values along these dimensions, by the names of `along`."""
-        files = [file for file in self.files(configuration) if "axes" in definitions(file)]
-        return {k: v for file in files for k, v in load(file).axes(configuration).items()}
+        files = [file for file in self.files if "axes" in definitions(file)]
+        return {k: v for file in files for k, v in load(file).axes(self.configuration).items()}
 
     def duration(self, replicate) -> float | None:
         """Time (s) that a run simulates; None where it prepares beds, or is a file that would run here."""
@@ -195,20 +203,20 @@ class Experiment:
             return None
         return self.code.duration(replicate)
 
-    def check(self, configuration) -> None:
+    def check(self) -> None:
         """Raise InputError where its file or one of an observable cannot be used."""
-        for name in configuration.observables:
-            file_of(name, configuration.beside)
-        lengths = self.lengths(configuration)
+        for name in self.configuration.observables:
+            file_of(name, self.beside)
+        lengths = self.lengths
         for dim, length in lengths.items():
             if type(length) is not int or length < 1:
                 raise InputError(
                     f"the dimension {dim} of SIZES has the length {length}; it must be a whole number from 1 on, or "
                     "the path of one."
                 )
-        layout, known = self.layout(configuration), {*lengths, "granule"}
-        taken = self.names(configuration) & {*LABELS, *OF_STORE, *OF_SWEEP}
-        if taken := taken | layout.keys() & {*known, *self.along(configuration)}:
+        layout, known = self.layout, {*lengths, "granule"}
+        taken = self.names & {*LABELS, *OF_STORE, *OF_SWEEP}
+        if taken := taken | layout.keys() & {*known, *self.along}:
             raise InputError(f"{min(taken)} has two meanings in files of its runs; rename yours.")
         for name, (dims, *_) in layout.items():
             if unknown := [dim for dim in dims if dim not in known]:

@@ -9,9 +9,10 @@ import numpy as np
 from dem.dynamics.result import Record
 from dem.experiment.bed import diameters, make_bed, modulus, solids, thickness
 from dem.experiment.box import ahead_of
-from dem.experiment.config import Configuration, Replicate
+from dem.experiment.config import Configuration
 from dem.experiment.observables import module_of
 from dem.experiment.resume import PartialRun, resumed, stacked
+from dem.experiment.run import Replicate
 from dem.experiment.scene import start
 from dem.experiment.snapshots import Snapshots
 from dem.io.dataset import WALLS

@@ -10,7 +10,8 @@ import numpy as np
 
 from dem.base.errors import PackingError
 from dem.experiment.bed import PREPARATIONS, room_of
-from dem.experiment.config import Configuration, Replicate
+from dem.experiment.config import Configuration
+from dem.experiment.run import Replicate
 from dem.packing.compaction import START, Press
 
 VARIABLES = {

@@ -15,7 +15,8 @@ import numpy as np
 from dem.base.errors import RunError
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import make_bed
-from dem.experiment.config import Configuration, Replicate
+from dem.experiment.config import Configuration
+from dem.experiment.run import Replicate
 from dem.experiment.scene import make_scene
 from dem.motion import Drive, Held
 from dem.packing.random import Bed

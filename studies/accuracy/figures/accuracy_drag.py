@@ -33,7 +33,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     figure.suptitle(
         f"At the step of the paper's sweep the mean drag is biased by less than {100 * worst:.1f} % (95 %)"
     )
-    style.legend(figure, rows[0, 0], "outside lower center", ncols=2)
+    style.legend(figure, rows[0, 0], ncols=2)
     return figure
 
 

@@ -61,9 +61,9 @@ def _windows(axes, dataset) -> None:
     """Scatter of one run against the length of its window."""
     lengths, scatter = replicates.windows(dataset)
     low, high = (100 * scatter * each for each in _ends(dataset))
-    axes.fill_between(style.millimetres(lengths), low, high, **BAND)
+    axes.fill_between(1e3 * lengths, low, high, **BAND)
     axes.plot(
-        style.millimetres(lengths),
+        1e3 * lengths,
         100 * scatter,
         color=style.CURVE,
         marker="o",
@@ -72,7 +72,7 @@ def _windows(axes, dataset) -> None:
     )
     middle = len(lengths) // 2
     axes.plot(
-        style.millimetres(lengths),
+        1e3 * lengths,
         100 * scatter[middle] * np.sqrt(lengths[middle] / lengths),
         label="if pieces were independent",
         **style.REFERENCE,

@@ -55,7 +55,7 @@ def plot(dataset: xr.Dataset) -> Figure:
 
 def _alignment(axes, runs, name):
     """Gain of an alignment since the start, one line per shape with its interval."""
-    moved = style.millimetres(runs["moment"].values)[1:]
+    moved = 1e3 * runs["moment"].values[1:]
     for shape, (line, color) in LINES.items():
         some = with_case(runs, shape)
         if some.sizes["run"]:

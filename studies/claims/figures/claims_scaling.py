@@ -53,7 +53,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         axes.set_xlabel(f"{name} over the paper's")
     for axes in grid[::2]:
         axes.set_ylabel("Mean drag over that\nat the paper's value")
-    style.legend(figure, grid[2], "outside lower center", ncols=2)
+    style.legend(figure, grid[2], ncols=2)
     figure.suptitle(
         "Is the motion slow, and is the box large enough?\n(grey: within 18 %; 95 % intervals)"
     )

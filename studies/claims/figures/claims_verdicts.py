@@ -43,7 +43,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     axes.grid(visible=False)
     level = 100.0 * judged[0].level
     axes.set_xlabel(f"Ratio, with {level:.1f} % intervals (all of them hold together at 95 %)")
-    style.legend(figure, axes, "outside lower center", ncols=3)
+    style.legend(figure, axes, ncols=3)
     counts = ", ".join(f"{count} {name}" for name, count in found.counts.items())
     figure.suptitle(
         f"{len(judged)} claims of the paper: {counts}\n(grey: the claimed range of a ratio)"

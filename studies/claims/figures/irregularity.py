@@ -29,7 +29,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     here = dataset.sel(case=table1(dataset))
     cases = [find(dataset, shape) for shape in SHAPES]
     figure, grid = style.panels(4, 2, 0.0, 3.6, sharex=True)
-    x = style.millimetres(here["snapshot_displacement"])
+    x = 1e3 * here["snapshot_displacement"].values
     for axes, name in zip(grid, MEASURES, strict=True):
         for number, case in enumerate(here["case"].values):
             runs = here[name].sel(case=case)
@@ -50,5 +50,5 @@ def plot(dataset: xr.Dataset) -> Figure:
     lag = x[lag_of(here["snapshot_displacement"].values)]
     bands = "; bands: 95 %" if dataset.sizes["seed"] > 1 else ""
     figure.suptitle(f"Irregularity of the flow by shape\n(motions over {lag:g} mm{bands})")
-    style.legend(figure, grid[0], "outside lower center", ncols=7)
+    style.legend(figure, grid[0], ncols=7)
     return figure

@@ -257,7 +257,7 @@ def test_every_run_of_the_study_is_a_row(smallest):
 def test_a_run_that_failed_is_a_row_with_its_error():
     block = SweepState.of(SMOKE).block("replicates")
     run = block.first
-    layout = run.configuration.module.layout(run.configuration)
+    layout = run.configuration.module.layout
     sizes = run.configuration.module.sizes(run)
     values = {
         name: np.full([sizes[dim] for dim in dims], np.nan) for name, (dims, *_) in layout.items()

@@ -60,6 +60,6 @@ def plot(dataset: xr.Dataset) -> Figure:
         )
     left.set_title("Outlines of one width")
     right.set_title("A plate, 0: across the motion")
-    style.legend(figure, right, "outside lower center", ncols=2)
+    style.legend(figure, right, ncols=2)
     figure.suptitle("Drag and side force of intruders (bars: 95 % intervals)")
     return figure

@@ -22,7 +22,7 @@ def apart(side: xr.DataArray) -> xr.DataArray:
 def plot(dataset: xr.Dataset) -> Figure:
     """Drag of each on the left, the force that drives them apart on the right."""
     drag, side = (force(dataset, f"solid_{name}") for name in ("drag", "side_force"))
-    gaps = style.millimetres(dataset["second_gap"].values)
+    gaps = 1e3 * dataset["second_gap"].values
     figure, (left, right) = style.panels(2, 2, 0.6, 3.8)
     curves = {
         "side by side, each": drag.sel(pair="beside").mean("solid"),
@@ -46,6 +46,6 @@ def plot(dataset: xr.Dataset) -> Figure:
     right.set(xlabel="Gap (mm)", ylabel="Mean force apart (N)")
     left.set_title("Drag of each cylinder")
     right.set_title("Side by side: above 0 they repel")
-    style.legend(figure, left, "outside lower center", ncols=3)
+    style.legend(figure, left, ncols=3)
     figure.suptitle("Two cylinders that move together (bars: 95 % intervals)")
     return figure

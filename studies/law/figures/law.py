@@ -41,6 +41,6 @@ def plot(dataset: xr.Dataset) -> Figure:
         axes.set_xlabel("Shape")
         style.logarithmic(axes)
     panels[0].set_ylabel(f"Mean drag relative to {shapes[0]}")
-    style.legend(figure, panels[0], "outside lower center", ncols=len(laws))
+    style.legend(figure, panels[0], ncols=len(laws))
     figure.suptitle("Drag relative to discs under several contact laws (bars: 95 % intervals)")
     return figure

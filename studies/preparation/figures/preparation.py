@@ -46,7 +46,7 @@ def plot(dataset: xr.Dataset) -> Figure:
             style.logarithmic(axes)
     grid[0].set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
     grid[len(columns)].set_ylabel(f"Drag over that of\nbeds that are {ways[0]}")
-    style.legend(figure, grid[0], "outside lower center", ncols=len(ways))
+    style.legend(figure, grid[0], ncols=len(ways))
     count = runs.sizes["seed"]
     figure.suptitle(f"Drag by how the bed was made: {count} runs each\n(bars: 95 % intervals)")
     return figure

@@ -46,7 +46,7 @@ def plot(dataset: xr.Dataset) -> Figure:
             style.logarithmic(axes)
     grid[0].set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
     grid[len(columns)].set_ylabel(f"Drag over that of {found.shapes[0]}")
-    style.legend(figure, grid[0], "outside lower center", ncols=len(found.shapes))
+    style.legend(figure, grid[0], ncols=len(found.shapes))
     figure.suptitle(
         "Drag against the width of the box, and lines in 1 / width of the drag or its inverse\n"
         "(95 % intervals; open symbols: limits; none where the line may end at no drag)"

@@ -49,7 +49,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         axes.set_xlabel("Worst value over its limit")
     for shape, marker in zip(shapes, style.MARKERS, strict=False):
         axes.plot([], [], marker, color=style.CURVE, label=shape)
-    style.legend(figure, axes, "outside lower center", ncols=len(shapes))
+    style.legend(figure, axes, ncols=len(shapes))
     figure.suptitle(
         f"Stiff and extreme: {found.passed()} of {found.total()} checks keep within their limits\n"
         "(open: known limits; in words: refused, as expected)"

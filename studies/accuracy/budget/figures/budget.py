@@ -70,5 +70,5 @@ def plot(dataset: xr.Dataset) -> Figure:
     )
     grid[0].set_ylabel("Error of the mean drag (%)")
     grid[len(grid) // 2].set_xlabel("Processor time (s)")
-    style.legend(figure, grid[0], "outside lower center", ncols=2)
+    style.legend(figure, grid[0], ncols=2)
     return figure
