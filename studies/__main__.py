@@ -51,11 +51,11 @@ def info_of(name: str):
             package = studies.package_of(name)
             layout = import_module(f"{package}.results").VARIABLES
             module = import_module(f"{package}.findings")
-            every = [each for each in vars(module).values() if isinstance(each, Findings)]
-            found = next(each for each in every if each.name == name)
-            require(dataset, data, layout, found.needs, ("title", *found.attributes))
-            shown = found.of(dataset.load()).summary()
-        print_or_write(shown, output)
+            every = [member for member in vars(module).values() if isinstance(member, Findings)]
+            findings = next(member for member in every if member.name == name)
+            require(dataset, data, layout, findings.needs, ("title", *findings.attributes))
+            summary = findings.of(dataset.load()).summary()
+        print_or_write(summary, output)
 
     return info
 

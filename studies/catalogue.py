@@ -7,10 +7,10 @@ from studies import FOLDERS, package_of
 
 def figures() -> dict:
     """The figures of the library and of all studies, by name."""
-    found = dict(FIGURES)
+    catalogue = dict(FIGURES)
     for name, folder in FOLDERS.items():
-        found |= figures_of(package_of(name), folder)
-    return found
+        catalogue |= figures_of(package_of(name), folder)
+    return catalogue
 
 
 def reported() -> dict[str, dict]:

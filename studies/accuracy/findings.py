@@ -33,7 +33,7 @@ class Accuracy(Findings):
     @property
     def unbiased(self) -> bool:
         """Whether the intervals of all biases of the default step hold zero."""
-        return all(abs(each.bias.value) < each.bias.half for each in self.of_shapes.values())
+        return all(abs(steps.bias.value) < steps.bias.half for steps in self.of_shapes.values())
 
     @property
     def none_fails(self) -> bool:
@@ -78,25 +78,25 @@ class Accuracy(Findings):
 
     def bias_table(self) -> Table:
         """One row per shape: bias of the default step and of half of it."""
-        made = numbers("shape", "bias at step fraction 0.5", "of half that step", "beds")
-        for shape, each in self.of_shapes.items():
-            value, half, _, seeds = each.bias
+        table = numbers("shape", "bias at step fraction 0.5", "of half that step", "beds")
+        for shape, steps in self.of_shapes.items():
+            value, half, _, seeds = steps.bias
             cells = (percent((x * value, x * half), 1) for x in (1.0, 0.5))
-            made.add_row(shape, *cells, str(seeds))
-        return made
+            table.add_row(shape, *cells, str(seeds))
+        return table
 
     def steps(self) -> Table:
         """By shape and step fraction: change of the mean drag against the paper's step over the
         same beds."""
-        made = numbers("shape", "step fraction", "beds", "change", "failed", "s per run")
-        for shape, each in self.of_shapes.items():
-            for fraction, some in each.runs.groupby("fraction"):
+        table = numbers("shape", "step fraction", "beds", "change", "failed", "s per run")
+        for shape, steps in self.of_shapes.items():
+            for fraction, some in steps.runs.groupby("fraction"):
                 value, half = (100 * number for number in self.change(shape, fraction))
                 change = f"{value:+.1f} +- {half:.1f} %" if np.isfinite(value) else "-"
-                failed = percent(each.failed[fraction])
+                failed = percent(steps.failed[fraction])
                 cells = f"{fraction:g}", f"{len(some)}", change, failed, f"{some.time.median():.2f}"
-                made.add_row(shape, *cells)
-        return made
+                table.add_row(shape, *cells)
+        return table
 
     def comparison(self, name: str, words: int = 1) -> Table:
         """A comparison of comparisons/: what was decided by it needs no further measurement."""

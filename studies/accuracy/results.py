@@ -97,7 +97,7 @@ def make(state, jobs: int, progress) -> tuple[dict, dict]:
         }
     rows, labels = list(trials.values()), [row["shape"] for row in trials.values()]
     rows.sort(key=lambda row: (labels.index(row["shape"]), row["seed"], row["fraction"]))
-    replicates.sort(key=lambda each: each[0].seed)
+    replicates.sort(key=lambda run: run[0].seed)
     return columns("trial", rows) | {
         "replicate": np.array([run.seed for run, _ in replicates]),
         "replicate_displacement": drag.axes(replicates[0][0].configuration)["displacement"],

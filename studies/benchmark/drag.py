@@ -71,10 +71,10 @@ def compare_drag(sweep: Sweep, beds: int, ways=WAYS) -> dict:
                 if name.startswith("LAMMPS") and lammps.available() is not None:
                     continue
                 try:
-                    found = way(case, fraction * bounds[bed], window)
+                    values = way(case, fraction * bounds[bed], window)
                 except RunError:
                     continue
-                drag[code, level, bed], spent[code, level, bed] = found
+                drag[code, level, bed], spent[code, level, bed] = values
     return {
         "drag_code": np.array(list(ways)),
         "drag_fraction": fractions,
@@ -96,7 +96,7 @@ def largest_step(fractions, drag, tolerance: float = TOLERANCE) -> Estimate:
     means = np.vstack([drag.mean(axis=1), drag[:, drawn].mean(axis=2).T])
     kinks = np.linspace(fractions[1], fractions[-2], KINKS)
     beyond = np.maximum(0.0, fractions - kinks[:, None])
-    x, y = (each - each.mean(axis=1, keepdims=True) for each in (beyond, means))
+    x, y = (values - values.mean(axis=1, keepdims=True) for values in (beyond, means))
     products, squares = y @ x.T, np.sum(x * x, axis=1)
     best = np.argmax(products**2 / squares, axis=1)
     slope = products[np.arange(len(y)), best] / squares[best]

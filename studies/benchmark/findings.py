@@ -50,18 +50,20 @@ class Speed(Findings):
 
     def faster(self, scene: str, code: str) -> str:
         """How many times as fast this code is as another: the median of what each turn gave."""
-        found = times_faster(self.dataset).sel(scene=scene, code=code)
-        return f"{float(found.median()):.1f}"
+        ratios = times_faster(self.dataset).sel(scene=scene, code=code)
+        return f"{float(ratios.median()):.1f}"
 
     def ratios(self) -> dict[str, xr.DataArray]:
         """What the table of processors compares, of every turn; NaN where a code was missing."""
-        own = self.dataset
-        over = times_faster(own).sel(code="LAMMPS")
-        pairs = own["scene_granules"] / own["granule_steps_per_second"].isel(code=0)
-        pairs = pairs / own["scene_pairs"]
-        scenes = own["variant_step_time"]
-        sizes, apart = (own[f"{name}_step_time"].sel(size=MILLION) for name in ("size", "apart"))
-        small = own["size_step_time"].sel(size=SMALL, threads=1)
+        dataset = self.dataset
+        over = times_faster(dataset).sel(code="LAMMPS")
+        pairs = dataset["scene_granules"] / dataset["granule_steps_per_second"].isel(code=0)
+        pairs = pairs / dataset["scene_pairs"]
+        scenes = dataset["variant_step_time"]
+        sizes, apart = (
+            dataset[f"{name}_step_time"].sel(size=MILLION) for name in ("size", "apart")
+        )
+        small = dataset["size_step_time"].sel(size=SMALL, threads=1)
         return {
             "speed relative to LAMMPS, discs": over.sel(scene="discs"),
             "the same, dumbbells": over.sel(scene="dumbbells"),
@@ -96,8 +98,8 @@ class Speed(Findings):
 
     def longer(self, code: str) -> bool:
         """Whether the largest step of a code is clearly longer than that of this one."""
-        found = at_equal_error(self.dataset)
-        return bool(found.low[code] > found.high.iloc[0])
+        steps = at_equal_error(self.dataset)
+        return bool(steps.low[code] > steps.high.iloc[0])
 
     def dearer(self, code: str) -> str:
         """Processor time of a stroke in a code over that in this one."""
@@ -110,13 +112,13 @@ class Speed(Findings):
         heads = "bed", "part of a step", "µs a step", "lowest, highest", "ns a pair", "ns a granule"
         table = numbers(*heads, words=2)
         for scene in self.dataset["scene"].values:
-            here = self.dataset.sel(scene=scene)
-            pairs, granules = float(here["scene_pairs"]), float(here["scene_granules"])
+            bed = self.dataset.sel(scene=scene)
+            pairs, granules = float(bed["scene_pairs"]), float(bed["scene_granules"])
             for stage in self.dataset["stage"].values:
-                times = 1e6 * here["stage_time"].sel(stage=stage).values
+                times = 1e6 * bed["stage_time"].sel(stage=stage).values
                 middle, ends = np.median(times), f"{times.min():.2f}, {times.max():.2f}"
-                each = f"{1e3 * middle / pairs:.2f}", f"{1e3 * middle / granules:.1f}"
-                table.add_row(str(scene), str(stage), f"{middle:.2f}", ends, *each)
+                ratios = f"{1e3 * middle / pairs:.2f}", f"{1e3 * middle / granules:.1f}"
+                table.add_row(str(scene), str(stage), f"{middle:.2f}", ends, *ratios)
         return table
 
     def scenes(self) -> Table:
@@ -153,19 +155,19 @@ class Speed(Findings):
         every = [self.dataset[f"{name}_step_time"] for name in ("size", "apart", "ranks")]
         ratios = [
             every[0] / every[0].isel(size=0),
-            *(each / each.isel(threads=0) for each in every),
+            *(times / times.isel(threads=0) for times in every),
         ]
         for size, memory in self.dataset["size_memory"].to_series().items():
             for threads in self.dataset["threads"].values:
-                here = {"size": size, "threads": threads}
-                times = 1e9 * every[0].sel(here).values
-                found = [float(ratio.sel(here).median()) for ratio in ratios]
+                point = {"size": size, "threads": threads}
+                times = 1e9 * every[0].sel(point).values
+                medians = [float(ratio.sel(point).median()) for ratio in ratios]
                 table.add_row(
                     f"{size:,}",
                     str(threads),
                     f"{np.median(times):.1f}",
                     f"{times.min():.1f}, {times.max():.1f}",
-                    *("" if np.isnan(ratio) else f"{ratio:.2f}" for ratio in found),
+                    *("" if np.isnan(ratio) else f"{ratio:.2f}" for ratio in medians),
                     f"{memory:.0f}",
                 )
         return table
@@ -183,16 +185,16 @@ class Speed(Findings):
 def processors() -> Table:
     """One column per processor on which the benchmark ran: its ratios."""
     files = speed, *elsewhere
-    ratios = [each.ratios() for each in files]
-    rows = [(name, *(_with_range(each[name].values) for each in ratios)) for name in ratios[0]]
+    ratios = [findings.ratios() for findings in files]
+    rows = [(name, *(_with_range(values[name].values) for values in ratios)) for name in ratios[0]]
     for name, cell in {
-        "turns": lambda each: each.dataset.sizes["repeat"],
-        "bits of vectors": lambda each: int(each.dataset["variant_vector_bits"][0]),
-        "load average before": lambda each: f"{float(each.dataset['load_average']):.1f}",
-        "revision": lambda each: f"`{each.revision}`",
+        "turns": lambda findings: findings.dataset.sizes["repeat"],
+        "bits of vectors": lambda findings: int(findings.dataset["variant_vector_bits"][0]),
+        "load average before": lambda findings: f"{float(findings.dataset['load_average']):.1f}",
+        "revision": lambda findings: f"`{findings.revision}`",
     }.items():
-        rows.append((name, *(str(cell(each)) for each in files)))
-    heads = (each.dataset.attrs["processor"] for each in files)
+        rows.append((name, *(str(cell(findings)) for findings in files)))
+    heads = (findings.dataset.attrs["processor"] for findings in files)
     return numbers("", *heads, rows=rows)
 
 

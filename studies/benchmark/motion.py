@@ -20,7 +20,7 @@ def checks(cases: dict[str, Case]) -> dict[str, Case]:
     Undamped, so that energy stays; with friction, LAMMPS takes the radius as the arm of the
     tangential force, where ours takes radius - overlap / 2, and unloads its spring differently.
     """
-    found = {}
+    variants = {}
     for kind in (kind for kind in KINDS if kind in cases):
         scene, start, time_step = cases[kind]
         still = replace(scene.solids[0], velocity=(0.0, 0.0))
@@ -30,8 +30,8 @@ def checks(cases: dict[str, Case]) -> dict[str, Case]:
         state = State(start.position, velocity, start.angle)
         for friction, words in ((None, "no friction"), (scene.friction, "friction")):
             changed = replace(scene, solids=still, material=elastic, friction=friction)
-            found[f"{kind}s, {words}"] = Case(changed, state, time_step)
-    return found
+            variants[f"{kind}s, {words}"] = Case(changed, state, time_step)
+    return variants
 
 
 def differences(case: Case, steps: tuple[int, ...]) -> np.ndarray:
@@ -39,12 +39,12 @@ def differences(case: Case, steps: tuple[int, ...]) -> np.ndarray:
     each."""
     scene, state, time_step = case
     ours = Simulation(scene, state, time_step)
-    found, done = [], 0
+    distances, done = [], 0
     with lammps.Run(scene, state, time_step) as theirs:
         for count in steps:
             ours.advance((count - done) * time_step)
             theirs.advance(count - done)
             done = count
             apart = np.linalg.norm(ours.state.position - theirs.position, axis=1)
-            found.append(apart.max() / scene.shape.bounding_radius.mean())
-    return np.array(found)
+            distances.append(apart.max() / scene.shape.bounding_radius.mean())
+    return np.array(distances)

@@ -178,7 +178,7 @@ def compare_codes(cases: dict[str, Case], plan: Plan) -> dict:
     rates = np.full((len(cases), len(CODES), plan.repeats), np.nan)
     granules = np.array([case.scene.granules for case in cases.values()])
     at_start = [Simulation(*case) for case in cases.values()]
-    neighbours = np.array([each.diagnose().coordination_number for each in at_start])
+    neighbours = np.array([simulation.diagnose().coordination_number for simulation in at_start])
     contacts = np.rint(0.5 * granules * neighbours).astype(int)
     for place, case in enumerate(cases.values()):
         for repeat in range(plan.repeats):
@@ -194,18 +194,20 @@ def compare_codes(cases: dict[str, Case], plan: Plan) -> dict:
         "granule_steps_per_second": rates,
         "time_per_contact": step_times / np.where(contacts > 0, contacts, np.nan)[:, None],
         "scene_granules": granules,
-        "scene_pairs": np.array([len(each.world.pairs.constituent) for each in at_start]),
+        "scene_pairs": np.array(
+            [len(simulation.world.pairs.constituent) for simulation in at_start]
+        ),
     }
 
 
 def compare_stages(cases: dict[str, Case], plan: Plan) -> dict:
     """Time of each part of a step, and of the two operations that vector units are slowest at."""
     turns = range(plan.repeats + 1)  # the first compiles
-    found = [[stage_times(case, plan.steps) for case in cases.values()] for _ in turns]
-    times = np.array([[[*one.values()] for one in turn] for turn in found[1:]])
+    stages = [[stage_times(case, plan.steps) for case in cases.values()] for _ in turns]
+    times = np.array([[[*one.values()] for one in turn] for turn in stages[1:]])
     slow = np.array([slow_operations(plan.steps) for _ in turns])[1:]
     return {
-        "stage": np.array(list(found[0][0])),
+        "stage": np.array(list(stages[0][0])),
         "stage_time": times.transpose(1, 2, 0),
         "root_time": slow[:, 0],
         "division_time": slow[:, 1],
@@ -233,12 +235,12 @@ def compare_scenes(cases: dict[str, Case], plan: Plan) -> dict:
 
 def compare_motion(cases: dict[str, Case], plan: Plan) -> dict:
     """Differences between ours and LAMMPS; NaN without LAMMPS."""
-    found = checks(cases)
-    apart = np.full((len(found), len(plan.compared)), np.nan)
+    variants = checks(cases)
+    apart = np.full((len(variants), len(plan.compared)), np.nan)
     if lammps.available() is None:
-        apart = np.array([differences(case, plan.compared) for case in found.values()])
+        apart = np.array([differences(case, plan.compared) for case in variants.values()])
     return {
-        "comparison": np.array(list(found)),
+        "comparison": np.array(list(variants)),
         "comparison_steps": np.array(plan.compared),
         "trajectory_difference": apart,
     }

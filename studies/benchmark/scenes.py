@@ -46,15 +46,15 @@ def packed(sweep: Sweep, label: str, seed: int) -> Case:
 def beds(sweep: Sweep) -> dict[str, Case]:
     """One packed bed that carries load per kind of granule: the first of the sweep, ellipses by
     ASPECT_RATIO."""
-    found = {}
+    cases = {}
     order = sorted(sweep.shapes.items(), key=lambda item: abs(item[1].ratio - ASPECT_RATIO))
     for kind in ("disc", "dumbbell", "ellipse"):
         shapes = order if kind == "ellipse" else sweep.shapes.items()
         label = next((label for label, shape in shapes if shape.kind == kind), None)
         if label is None:
             raise InputError(f"the configuration has no {kind}; the benchmark needs one.")
-        found[kind] = packed(sweep, label, sweep.first_seed)
-    return found
+        cases[kind] = packed(sweep, label, sweep.first_seed)
+    return cases
 
 
 def variants(cases: dict[str, Case]) -> dict[str, Case]:

@@ -50,7 +50,7 @@ UPTO = {
 
 
 @compiled
-def pairs(world, dt, times, wanted):
+def pairs(world, dt, times, parts):
     """The loop of dem.contacts.loops.pair_contacts with the stages that are wanted, for a bed of
     one patch without an energy ledger."""
     world = by_address(world)
@@ -62,13 +62,13 @@ def pairs(world, dt, times, wanted):
             stop = min(start + BLOCK, count)
             gather(turns, rows, rows, contacts, start, stop, lanes)
             gather_pairs(shape, world.orientation, contacts, start, stop, lanes.values)
-            if wanted.geometry is not None:
+            if parts.geometry is not None:
                 find_contacts(shape, turns, contacts, start, stop, lanes)
-            if wanted.forces is not None:
+            if parts.forces is not None:
                 contact_forces(
                     contacts.friction, shape, None, turns, contacts, start, stop, dt, lanes
                 )
-            if wanted.sums is not None:
+            if parts.sums is not None:
                 accumulate(contacts, start, stop, lanes.values, turns, flat)
 
 
@@ -115,8 +115,8 @@ def divisions(numbers, times):
 def slow_operations(times: int) -> tuple[float, float]:
     """Time (s) of a square root and of a division, with load and store, a BLOCK side by side."""
     numbers = np.linspace(1.0, 2.0, BLOCK)
-    found = (timed(partial(call, numbers.copy(), times)) for call in (roots, divisions))
-    return tuple(spent / times / BLOCK for spent in found)
+    durations = (timed(partial(call, numbers.copy(), times)) for call in (roots, divisions))
+    return tuple(spent / times / BLOCK for spent in durations)
 
 
 def timed(call) -> float:
@@ -131,7 +131,7 @@ def stage_times(case: Case, times: int) -> dict[str, float]:
     world = assemble(case.scene, case.state.checked(case.scene.granules), table)
     world = rebuild_neighbor_list(world, table)
     advance(world, dt, dt, WARM, math.inf, None)
-    calls = {name: partial(pairs, world, dt, times, wanted) for name, wanted in UPTO.items()}
+    calls = {name: partial(pairs, world, dt, times, parts) for name, parts in UPTO.items()}
     calls["walls and cylinder"] = partial(boundaries, world, dt, times)
     calls["clear forces, look for the farthest"] = partial(looks, world, math.inf, times)
     calls["move"] = partial(moves, world, times)

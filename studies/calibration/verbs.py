@@ -16,8 +16,8 @@ def fit(
     from studies.common.calibrate import calibrate
 
     with bar(f"reading {data}"), open_combined(data) as dataset:
-        found = calibrate(dataset.load(), target)
-    show(found.sentence())
+        calibration = calibrate(dataset.load(), target)
+    show(calibration.sentence())
 
 
 VERBS = (fit,)

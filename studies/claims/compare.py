@@ -69,7 +69,7 @@ class Comparison(Number):
     @property
     def runs(self) -> int:
         """Runs of the smaller sample, or pairs."""
-        finite = [np.isfinite(each) for each in (self.a, self.b) if each is not None]
+        finite = [np.isfinite(sample) for sample in (self.a, self.b) if sample is not None]
         return int(np.all(finite, axis=0).sum() if self.paired else min(map(np.sum, finite)))
 
     def holds(self) -> np.ndarray:

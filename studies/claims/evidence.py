@@ -42,10 +42,10 @@ class Evidence(NamedTuple):
 
 def rows(dataset: xr.Dataset, part: str, setting: str | None = None) -> xr.Dataset:
     """Runs of one part of the study, and of one setting in it."""
-    here = dataset["run_part"] == part
+    mask = dataset["run_part"] == part
     if setting is not None:
-        here &= dataset["run_setting"] == setting
-    return dataset.isel(run=here.values)
+        mask &= dataset["run_setting"] == setting
+    return dataset.isel(run=mask.values)
 
 
 def with_case(runs: xr.Dataset, *cases: str) -> xr.Dataset:
@@ -66,28 +66,30 @@ def table(runs: xr.Dataset, column: str = "run_case", along: str = "run_seed") -
         for name, values in runs.data_vars.items()
         if values.dims[:1] == ("run",) and values.dtype.kind in "if" and name not in LABELS
     }
-    found = runs[list(names)].rename(names).isel(moment=inside.values)
+    measures = runs[list(names)].rename(names).isel(moment=inside.values)
     keys = {"case": ("run", runs[column].values), "seed": ("run", runs[along].values)}
-    found = found.mean("moment", keep_attrs=True).assign_coords(keys)
-    found = found.set_index(run=["case", "seed"]).unstack("run").transpose("case", "seed", ...)
+    measures = measures.mean("moment", keep_attrs=True).assign_coords(keys)
+    measures = (
+        measures.set_index(run=["case", "seed"]).unstack("run").transpose("case", "seed", ...)
+    )
     first = np.sort(np.unique(runs[column], return_index=True)[1])
     about = {name: ("case", runs[f"run_{name}"].values[first]) for name in ("shape", "density")}
-    return found.sel(case=runs[column].values[first]).sortby("seed").assign_coords(about)
+    return measures.sel(case=runs[column].values[first]).sortby("seed").assign_coords(about)
 
 
 def reference(dataset: xr.Dataset) -> tuple[str, float, float]:
     """Case to which others are compared, its density (kg/m3) and packing fraction."""
     shape, density = str(dataset["reference_shape"].values), float(dataset["reference_density"])
     runs = rows(dataset, "replicates")
-    here = (runs["run_shape"].values == shape) & (runs["run_density"].values == density)
-    cases = runs["run_case"].values[here]
+    mask = (runs["run_shape"].values == shape) & (runs["run_density"].values == density)
+    cases = runs["run_case"].values[mask]
     return (str(cases[0]) if len(cases) else shape), density, float(dataset["reference_packing"])
 
 
 def first_come(runs: xr.Dataset, case: str) -> xr.Dataset:
     """A table whose first case is the reference, as dem.analysis.drag expects it."""
     cases = runs["case"].values.tolist()
-    return runs.sel(case=sorted(cases, key=lambda each: each != case)) if case in cases else runs
+    return runs.sel(case=sorted(cases, key=lambda name: name != case)) if case in cases else runs
 
 
 def scaled(dataset: xr.Dataset, setting: str, shape: str) -> xr.Dataset:
@@ -108,13 +110,13 @@ def scaled_ratios(dataset: xr.Dataset, setting: str, shape: str) -> dict[float, 
     """Drag over that at factor 1, by factor; only runs that differ in velocity are on the same
     beds."""
     drag = scaled(dataset, setting, shape).get("drag")
-    found = {}
+    ratios = {}
     for x in [] if drag is None else drag["case"].values.tolist():
-        a, b = (drag.sel(case=each).values for each in (x, 1.0))
+        a, b = (drag.sel(case=factor).values for factor in (x, 1.0))
         ratio = Comparison(words="drag", a=a, b=b, paired=setting == "velocity")
         if x != 1.0 and ratio.runs > 1:
-            found[x] = ratio
-    return found
+            ratios[x] = ratio
+    return ratios
 
 
 def from_study(dataset: xr.Dataset, margin: float = MARGIN) -> Evidence:
@@ -144,5 +146,5 @@ def curves(runs: xr.Dataset, case: str) -> np.ndarray:
     """Drag (runs, place) in N along the averaging window, of runs that did not fail."""
     low, high = runs.attrs["window_start"], runs.attrs["window_stop"]
     some = runs["curve"].sel(case=case)
-    found = within(some.rename(place="displacement"), low, high).values
-    return found[np.isfinite(found).all(axis=1)]
+    drag = within(some.rename(place="displacement"), low, high).values
+    return drag[np.isfinite(drag).all(axis=1)]

@@ -48,14 +48,14 @@ class Claims(Findings):
 
     def by_margin(self, margin: float) -> dict[str, Verdict]:
         """Verdicts by name, where "significantly" means more than a margin."""
-        return {each.claim.name: each for each in judge(from_study(self.dataset, margin))}
+        return {verdict.claim.name: verdict for verdict in judge(from_study(self.dataset, margin))}
 
     def changed_by(self, margin: float) -> dict[str, str]:
         """Verdicts that another margin changes, by title."""
         return {
-            each.claim.title: each.verdict
-            for name, each in self.by_margin(margin).items()
-            if each.verdict != self.judged[name].verdict
+            verdict.claim.title: verdict.verdict
+            for name, verdict in self.by_margin(margin).items()
+            if verdict.verdict != self.judged[name].verdict
         }
 
     @cached_property
@@ -65,14 +65,19 @@ class Claims(Findings):
     @cached_property
     def counts(self) -> Counter:
         """How many claims have which verdict."""
-        return Counter(each.verdict for each in self.judged.values())
+        return Counter(verdict.verdict for verdict in self.judged.values())
 
     @cached_property
     def influences(self) -> dict[str, dict[str, Influence]]:
         """By response and value of the configuration, those that decide first."""
         points = from_study(self.dataset).points
-        found = {name: influences(points, each) for name, each in responses(points).items()}
-        return {name: {each.factor: each for each in some} for name, some in found.items()}
+        ranked = {
+            name: influences(points, response) for name, response in responses(points).items()
+        }
+        return {
+            name: {influence.factor: influence for influence in some}
+            for name, some in ranked.items()
+        }
 
     def numbers(self, name: str) -> str:
         """What a claim is compared by, with 95 % intervals."""
@@ -84,8 +89,8 @@ class Claims(Findings):
 
     def jams_at(self, shape: str, friction: float = 0.0) -> float:
         """Packing fraction at which beds of a shape jam, by the friction of granules."""
-        here = (self.dataset["jam_shape"] == shape) & (self.dataset["jam_friction"] == friction)
-        return float(self.dataset["jam_fraction"].where(here).mean())
+        mask = (self.dataset["jam_shape"] == shape) & (self.dataset["jam_friction"] == friction)
+        return float(self.dataset["jam_fraction"].where(mask).mean())
 
     def jamming(self) -> Table:
         """One row per shape of the paper: where beds jam, without friction and with it."""
@@ -93,35 +98,35 @@ class Claims(Findings):
         table = numbers(*heads)
         names = "jam_shape", "jam_friction", "jam_fraction"
         shapes, frictions, fractions = (self.dataset[name].values for name in names)
-        for shape in dict.fromkeys(each.shape for each in self.remaining):
+        for shape in dict.fromkeys(row.shape for row in self.remaining):
             cells = []
             for friction in np.unique(frictions):
-                here = (shapes == shape) & (frictions == friction)
-                found = mean_interval(fractions[here])
-                cells.append(interval(found.value, found.half, digits=4))
-            table.add_row(shape, *cells, str(np.isfinite(fractions[here]).sum()))
+                mask = (shapes == shape) & (frictions == friction)
+                mean = mean_interval(fractions[mask])
+                cells.append(interval(mean.value, mean.half, digits=4))
+            table.add_row(shape, *cells, str(np.isfinite(fractions[mask]).sum()))
         return table
 
     def states(self) -> Table:
         """One row per shape and state: drag over that of c1."""
         rows = (
             (
-                each.shape,
-                each.state,
-                f"{each.fraction:.3f}",
-                estimate(each.ratio),
-                str(each.runs),
+                row.shape,
+                row.state,
+                f"{row.fraction:.3f}",
+                estimate(row.ratio),
+                str(row.runs),
             )
-            for each in self.remaining[1:]
+            for row in self.remaining[1:]
         )
         return numbers("shape", "state", "V_f", "drag relative to c1", "beds", words=2, rows=rows)
 
     def ratio(self, shape: str, state: str) -> Estimate:
         """Drag over that of c1, of a shape at a state."""
-        found = {(each.shape, each.state): each.ratio for each in self.remaining}
-        if (shape, state) not in found:
+        ratios = {(row.shape, row.state): row.ratio for row in self.remaining}
+        if (shape, state) not in ratios:
             raise InputError(f"studies/claims/claims.nc has no runs of {shape} at {state}.")
-        return found[shape, state]
+        return ratios[shape, state]
 
     def at(self, shape: str, state: str) -> str:
         """Drag over that of c1, of a shape at a state, with its interval."""
@@ -139,10 +144,12 @@ class Claims(Findings):
         """One row per value of influence: by how much responses grow over its range."""
         heads = "quantity", "value", "factor over its range", "share of variance"
         table = numbers(*heads, words=2)
-        for name, found in self.influences.items():
-            for each in list(found.values())[:RANKED]:
-                growth = f"{each.growth:.2f} ({each.low:.2f} to {each.high:.2f})"
-                table.add_row(name, f"`{each.factor}`", growth, f"{max(each.share, 0.0):.2f}")
+        for name, ranked in self.influences.items():
+            for influence in list(ranked.values())[:RANKED]:
+                growth = f"{influence.growth:.2f} ({influence.low:.2f} to {influence.high:.2f})"
+                table.add_row(
+                    name, f"`{influence.factor}`", growth, f"{max(influence.share, 0.0):.2f}"
+                )
                 name = ""
         return table
 
@@ -172,7 +179,7 @@ class Claims(Findings):
         runs = by_case(runs)
         density = np.broadcast_to(runs["density"].values, runs.sizes["case"]).copy()
         evidence = from_sweep(runs.assign_coords(density=("case", density)))
-        return {each.claim.name: each for each in judge(evidence)}
+        return {verdict.claim.name: verdict for verdict in judge(evidence)}
 
     def changed(self, runs: xr.Dataset) -> dict[str, str]:
         """Verdicts about shape on other runs that are not those of claims.nc, by name."""
@@ -185,16 +192,16 @@ class Claims(Findings):
 
     def beside(self, **sweeps: xr.Dataset) -> Table:
         """One row per claim about shape: verdict and numbers here, and on runs of other sweeps."""
-        found = {"the paper's box, claims.nc": self.judged}
+        columns = {"the paper's box, claims.nc": self.judged}
         for name, runs in sweeps.items():
-            found[name.replace("__", ", ").replace("_", " ")] = self.on(runs)
-        table = numbers("claim (section)", *found, words=1 + len(found))
+            columns[name.replace("__", ", ").replace("_", " ")] = self.on(runs)
+        table = numbers("claim (section)", *columns, words=1 + len(columns))
         for name in ABOUT_SHAPE:
             cells = []
-            for each in (verdicts[name] for verdicts in found.values()):
-                parts = (_one_line(f"{part.words}: {span(part)}") for part in each.comparisons)
-                cells.append("\n".join((each.verdict, *parts)))
-            table.add_row(_title(each), *cells)
+            for verdict in (verdicts[name] for verdicts in columns.values()):
+                parts = (_one_line(f"{part.words}: {span(part)}") for part in verdict.comparisons)
+                cells.append("\n".join((verdict.verdict, *parts)))
+            table.add_row(_title(verdict), *cells)
         return table
 
 
@@ -203,27 +210,28 @@ def table_of(verdicts) -> Table:
     order = [CONTRADICTED, UNDECIDED, SUPPORTED, UNTESTED]
     heads = "claim (section)", "verdict", "numbers", "holds in the\nplausible space, %"
     table = numbers(*heads, words=3)
-    for each in sorted(verdicts, key=lambda each: order.index(each.verdict)):
+    for verdict in sorted(verdicts, key=lambda verdict: order.index(verdict.verdict)):
         parts = "\n".join(
             f"{part.words}: {_one_line(span(part))}; claimed {claimed(part)}; n = {part.runs}"
-            for part in each.comparisons
+            for part in verdict.comparisons
         )
-        space = each.space.per_cent if each.space else "-"
-        table.add_row(_title(each), each.verdict, parts, space)
+        space = verdict.space.per_cent if verdict.space else "-"
+        table.add_row(_title(verdict), verdict.verdict, parts, space)
     return table
 
 
-def detail(found: Verdict) -> Group:
+def detail(verdict: Verdict) -> Group:
     """One claim: the sentence, how it is read, the comparisons and the verdict."""
-    claim = found.claim
-    lines = [f"{claim.name}: {found.verdict}", f'  "{claim.quote}" ({claim.section})']
+    claim = verdict.claim
+    lines = [f"{claim.name}: {verdict.verdict}", f'  "{claim.quote}" ({claim.section})']
     lines.append(f"  {claim.reading}")
-    for each in found.comparisons:
-        joint = f"{span(each, found.level)} at {100 * found.level:.2f} %"
+    for comparison in verdict.comparisons:
+        joint = f"{span(comparison, verdict.level)} at {100 * verdict.level:.2f} %"
         lines.append(
-            f"  {each.words}: {span(each)} at 95 %, {joint}; claimed: {claimed(each)}; {each.runs} runs"
+            f"  {comparison.words}: {span(comparison)} at 95 %, {joint}; "
+            f"claimed: {claimed(comparison)}; {comparison.runs} runs"
         )
-    shares = {"points of the plausible space": found.space, "single beds": found.paper}
+    shares = {"points of the plausible space": verdict.space, "single beds": verdict.paper}
     for name, share in shares.items():
         if share:
             counts = f"{share.points} {name}; {share.failed} more failed"

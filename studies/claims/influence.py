@@ -43,7 +43,7 @@ def responses(points) -> dict[str, np.ndarray]:
     if base is None:
         return {}
     return {"drag of c1": base} | {
-        f"ratio of {shape} to c1": each / base for shape, each in drag.items()
+        f"ratio of {shape} to c1": values / base for shape, values in drag.items()
     }
 
 
@@ -51,11 +51,11 @@ def plane(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
     """Slopes (k,) of the plane of least squares through y (n,) at x (n, k), their standard errors,
     and degrees of freedom."""
     matrix = np.column_stack([np.ones(len(y)), x])
-    found, *_ = np.linalg.lstsq(matrix, y, rcond=None)
+    coefficients, *_ = np.linalg.lstsq(matrix, y, rcond=None)
     free = len(y) - matrix.shape[1]
-    scatter = ((y - matrix @ found) ** 2).sum() / free
+    scatter = ((y - matrix @ coefficients) ** 2).sum() / free
     error = np.sqrt(scatter * np.linalg.pinv(matrix.T @ matrix).diagonal())
-    return found[1:], error[1:], free
+    return coefficients[1:], error[1:], free
 
 
 def slopes(points, response: np.ndarray):
@@ -83,10 +83,10 @@ def influences(points, response: np.ndarray) -> list[Influence]:
         raise InputError(
             "shares of the variance need the package SALib: pip install 'granular-drag[design]'."
         ) from None
-    found = slopes(points, response)
-    if found is None:
+    fit = slopes(points, response)
+    if fit is None:
         return []
-    names, unit, y, (slope, error, free) = found
+    names, unit, y, (slope, error, free) = fit
     problem = {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
     logging.getLogger("SALib").setLevel(logging.ERROR)
     shares = rbd_fast.analyze(problem, unit, y, M=HARMONICS, num_resamples=2, seed=1)["S1"]

@@ -55,7 +55,7 @@ def remaining(dataset: xr.Dataset) -> list[Remaining]:
     base = mean_of(with_case(replicates, case))
     if base is None:
         return []
-    found = [Remaining(case, EQUAL, fraction, Estimate(1.0, 1.0, 1.0), base.runs)]
+    table = [Remaining(case, EQUAL, fraction, Estimate(1.0, 1.0, 1.0), base.runs)]
     for shape in dict.fromkeys(matched["run_case"].values.tolist()):
         states, equal = with_case(matched, shape), with_case(replicates, shape)
         if mean_of(equal) is None:
@@ -72,20 +72,20 @@ def remaining(dataset: xr.Dataset) -> list[Remaining]:
             half = float(t.ppf(0.5 + 0.5 * LEVEL, free)) * math.sqrt(variance)
             ratio = Estimate(*map(math.exp, (log, log - half, log + half)))
             packing = float(runs["run_packing"][0])
-            found.append(Remaining(shape, state, packing, ratio, mean.runs))
-    return found
+            table.append(Remaining(shape, state, packing, ratio, mean.runs))
+    return table
 
 
 def distance_error(dataset: xr.Dataset, shape: str, state: str) -> float:
     """Standard error of the packing fraction at which a shape is in a state."""
     jamming, other = jamming_in(dataset), str(dataset["reference_shape"].values)
     friction = float(dataset["jam_friction"].max()) if "friction" in state else 0.0
-    errors = [standard_error(jamming.of(each, "fraction", friction)) for each in (shape, other)]
+    errors = [standard_error(jamming.of(name, "fraction", friction)) for name in (shape, other)]
     if "load" not in state:
         return math.hypot(*errors)
     # at_load multiplies the distance of the other shape by the ratio of both slopes
-    slopes = [jamming.of(each, "slope", friction) for each in (shape, other)]
-    means = [float(np.nanmean(each)) for each in slopes]
+    slopes = [jamming.of(name, "slope", friction) for name in (shape, other)]
+    means = [float(np.nanmean(slope)) for slope in slopes]
     ratio = means[1] / means[0]
     distance = (float(dataset["reference_packing"]) - jamming.mean(other, "fraction")) * ratio
     relative = [standard_error(s) / m for s, m in zip(slopes, means, strict=True)]
@@ -108,7 +108,7 @@ def standard_error(values: np.ndarray) -> float:
 def growth(*runs: xr.Dataset) -> float:
     """How the logarithm of the drag grows with the packing fraction, over all of some runs."""
     names = "run_drag", "run_packing"
-    drag, fraction = (np.concatenate([each[name] for each in runs]) for name in names)
+    drag, fraction = (np.concatenate([dataset[name] for dataset in runs]) for name in names)
     good = np.isfinite(drag) & (drag > 0.0)
     if np.ptp(fraction[good]) < 1e-3:
         return 0.0

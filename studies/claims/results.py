@@ -117,8 +117,8 @@ def make(state, jobs: int, progress) -> tuple[dict, dict]:
     of_runs = runs(state, names, others, progress)
     first = next(iter(sweep.cases.values()))
     return {
-        **columns("run", [row_of_run(*each, factors) for each in of_runs]),
-        **columns("jam", [row_of_bed(*each) for each in of_beds]),
+        **columns("run", [row_of_run(*run, factors) for run in of_runs]),
+        **columns("jam", [row_of_bed(*bed) for bed in of_beds]),
         "factor": np.array(list(factors)),
         "place": coarse(drag.axes(sweep)["displacement"]),
         "moment": drag.axes(sweep)["snapshot_displacement"],

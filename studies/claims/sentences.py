@@ -65,17 +65,17 @@ def claim(place: str, quote: str):
     return add
 
 
-def case_of(found: Evidence, shape: str) -> str | None:
+def case_of(evidence: Evidence, shape: str) -> str | None:
     """Case of a shape at the density of the first case."""
-    return find(found.runs, shape) if found.runs["case"].size else None
+    return find(evidence.runs, shape) if evidence.runs["case"].size else None
 
 
 def values(runs, measure: str, case) -> np.ndarray | None:
     """Values (seed,) of a case, NaN where a run failed; None if there are none."""
     if measure not in runs or case is None or case not in runs["case"].values:
         return None
-    found = runs[measure].sel(case=case).values
-    return found if np.isfinite(found).any() else None
+    sample = runs[measure].sel(case=case).values
+    return sample if np.isfinite(sample).any() else None
 
 
 def ratio(runs, measure, one, other, low=0.0, high=INFINITE, **how) -> list[Comparison]:
@@ -87,18 +87,19 @@ def ratio(runs, measure, one, other, low=0.0, high=INFINITE, **how) -> list[Comp
     return [Comparison(words=words, a=a, b=b, low=low, high=high, **how)]
 
 
-def shapes(found: Evidence, measure, one: str, *others: str, low=0.0, high=INFINITE, **how):
+def shapes(evidence: Evidence, measure, one: str, *others: str, low=0.0, high=INFINITE, **how):
     """The same of a shape and of each of others, at the density of the first case."""
-    case = case_of(found, one)
+    case = case_of(evidence, one)
     parts = (
-        ratio(found.runs, measure, case, case_of(found, each), low, high, **how) for each in others
+        ratio(evidence.runs, measure, case, case_of(evidence, other), low, high, **how)
+        for other in others
     )
     return all_of(*parts)
 
 
 def all_of(*parts: list) -> list:
     """All parts of a claim; none if one of them cannot be tested."""
-    return [each for part in parts for each in part] if all(parts) else []
+    return [comparison for part in parts for comparison in part] if all(parts) else []
 
 
 def near(share: float) -> dict[str, float]:
@@ -109,56 +110,57 @@ def near(share: float) -> dict[str, float]:
 @claim(
     "abstract", "the drag in dumbbell-shaped granules is higher than that in cylindrical granules"
 )
-def dumbbells_above_discs(found):
+def dumbbells_above_discs(evidence):
     """Mean drag in d1 relative to c1 is above 1."""
-    return shapes(found, "drag", "d1", "c1", low=1.0)
+    return shapes(evidence, "drag", "d1", "c1", low=1.0)
 
 
 @claim(
     "3.3",
     "dumbbell-shaped particles exhibit less drag than cylindrical particles of equal effective diameter",
 )
-def dumbbells_below_discs(found):
+def dumbbells_below_discs(evidence):
     """Mean drag in d1 relative to c1 is below 1: the opposite of the previous claim."""
-    return shapes(found, "drag", "d1", "c1", high=1.0)
+    return shapes(evidence, "drag", "d1", "c1", high=1.0)
 
 
 @claim(
     "3.3",
     "dumbbell-shaped particles show significantly higher drag than cylindrical particles if the diameter of the two sub-particles in the dumbbell is equal to the cylinder diameter",
 )
-def dumbbells_above_small_discs(found):
+def dumbbells_above_small_discs(evidence):
     """Mean drag in d1 relative to c2, discs of the size of its lobes, is above 1 by more than the
     margin."""
-    return shapes(found, "drag", "d1", "c2", low=1.0 + found.margin)
+    return shapes(evidence, "drag", "d1", "c2", low=1.0 + evidence.margin)
 
 
 @claim(
     "3.3", "there is a remarkable drop in drag force when the granules are made slightly elliptical"
 )
-def slight_ellipses_drop(found):
+def slight_ellipses_drop(evidence):
     """Mean drag in e1 relative to c1 is below 1 by more than the margin."""
-    return shapes(found, "drag", "e1", "c1", high=1.0 - found.margin)
+    return shapes(evidence, "drag", "e1", "c1", high=1.0 - evidence.margin)
 
 
 @claim(
     "3.3",
     "Further increases in aspect ratio for cases e2 and e3 result in further drops in the calculated drag force",
 )
-def longer_ellipses_drop(found):
+def longer_ellipses_drop(evidence):
     """Mean drag in e2 relative to e1, and in e3 relative to e2, are both below 1."""
     return all_of(
-        shapes(found, "drag", "e2", "e1", high=1.0), shapes(found, "drag", "e3", "e2", high=1.0)
+        shapes(evidence, "drag", "e2", "e1", high=1.0),
+        shapes(evidence, "drag", "e3", "e2", high=1.0),
     )
 
 
 @claim("abstract", "the drag in elliptical granules decreases as the aspect ratio increases")
-def drag_falls_with_aspect_ratio(found):
+def drag_falls_with_aspect_ratio(evidence):
     """A line of the logarithm of the drag through all runs from round to 1.375 falls."""
-    if not found.ratios["case"].size:
+    if not evidence.ratios["case"].size:
         return []
-    ratios = found.ratios["case"].values
-    drag = found.ratios["drag"].sel(case=ratios[ratios <= 1.375]).values
+    ratios = evidence.ratios["case"].values
+    drag = evidence.ratios["drag"].sel(case=ratios[ratios <= 1.375]).values
     x = np.repeat(ratios[ratios <= 1.375], drag.shape[1])
     good = np.isfinite(drag.ravel()) & (drag.ravel() > 0.0)
     if len(set(x[good])) < 2 or good.sum() < 4:
@@ -172,24 +174,24 @@ def drag_falls_with_aspect_ratio(found):
     "3.2",
     "The differences in these drag force values are within the standard deviation of the drag force itself",
 )
-def codes_agree(found):
+def codes_agree(evidence):
     """Mean drag in e0 relative to c1, on the same beds, is 1 to within the margin."""
-    return shapes(found, "drag", "e0", "c1", **near(found.margin), paired=True)
+    return shapes(evidence, "drag", "e0", "c1", **near(evidence.margin), paired=True)
 
 
 @claim(
     "3.2",
     "The average drag forces and standard deviations for the elliptical and cylindrical codes are 1405 N and 17%, and 1295 N and 18%",
 )
-def means_and_scatter_as_reported(found):
+def means_and_scatter_as_reported(evidence):
     """What five runs give: the ratio of the means, and the standard deviation along the mean curve
     of five runs relative to its mean (3.1: all results are such averages); the report lies in their
     range."""
-    cases = case_of(found, "e0"), case_of(found, "c1")
-    if found.single or None in cases or "curve" not in found.runs:
+    cases = case_of(evidence, "e0"), case_of(evidence, "c1")
+    if evidence.single or None in cases or "curve" not in evidence.runs:
         return []
-    drawn = [fives(found.runs, case) for case in cases]
-    if any(each is None for each in drawn):
+    drawn = [fives(evidence.runs, case) for case in cases]
+    if any(sample is None for sample in drawn):
         return []
     (e_mean, e_scatter), (c_mean, c_scatter) = drawn
     e0, c1 = cases
@@ -223,102 +225,105 @@ def fives(runs, case):
     "3.4",
     "Although the density has increased by a factor of 10, the maximum change in drag force is 21.8%",
 )
-def density_changes_little(found):
+def density_changes_little(evidence):
     """For every shape, on the same beds, ten times the density changes the mean drag by less than
     21.8 %."""
-    return _densities(found, 0.218)
+    return _densities(evidence, 0.218)
 
 
 @claim(
     "3.4",
     "momentum effects are relatively insignificant relative to frictional and compaction forces",
 )
-def momentum_is_insignificant(found):
+def momentum_is_insignificant(evidence):
     """The same, to within the margin."""
-    return _densities(found, found.margin)
+    return _densities(evidence, evidence.margin)
 
 
-def _densities(found, within):
-    if not found.runs["case"].size:
+def _densities(evidence, within):
+    if not evidence.runs["case"].size:
         return []
-    pairs = [(cases[-1], cases[0]) for cases in densities(found.runs).values()]
-    parts = (ratio(found.runs, "drag", *pair, **near(within), paired=True) for pair in pairs)
+    pairs = [(cases[-1], cases[0]) for cases in densities(evidence.runs).values()]
+    parts = (ratio(evidence.runs, "drag", *pair, **near(within), paired=True) for pair in pairs)
     return all_of(*parts)
 
 
 @claim("3.4", "there is little effect of velocity on drag behavior")
-def velocity_hardly_matters(found):
+def velocity_hardly_matters(evidence):
     """On the same beds, the mean drag of c1 at all other velocities, up to five times the paper's,
     is that at the paper's to within the margin."""
-    speeds = [x for x in found.velocity["case"].values.tolist() if x <= SLOW and x != 1.0]
-    allowed = near(found.margin)
-    parts = (ratio(found.velocity, "drag", x, 1.0, **allowed, paired=True) for x in speeds)
+    speeds = [x for x in evidence.velocity["case"].values.tolist() if x <= SLOW and x != 1.0]
+    allowed = near(evidence.margin)
+    parts = (ratio(evidence.velocity, "drag", x, 1.0, **allowed, paired=True) for x in speeds)
     return [
-        replace(each, words=f"drag at {x:g} times the velocity, relative to 1")
-        for x, each in zip(speeds, all_of(*parts), strict=False)
+        replace(comparison, words=f"drag at {x:g} times the velocity, relative to 1")
+        for x, comparison in zip(speeds, all_of(*parts), strict=False)
     ]
 
 
 @claim("3.4", "the compaction forces and friction contribute significantly to the drag force")
-def compaction_and_friction_matter(found):
+def compaction_and_friction_matter(evidence):
     """Over the design, from the lowest to the highest packing fraction, and friction between
     granules, the drag of c1 grows by more than the margin."""
-    points = found.points
+    points = evidence.points
     drag = values(points, "drag", find(points, "c1")) if points["case"].size else None
     fitted = None if drag is None else slopes(points, drag)
     if fitted is None:
         return []
     names, _, _, (slope, error, free) = fitted
-    low, growths = 1.0 + found.margin, dict(zip(names, zip(slope, error, strict=True), strict=True))
-    found = []
+    low = 1.0 + evidence.margin
+    growths = dict(zip(names, zip(slope, error, strict=True), strict=True))
+    comparisons = []
     for path in filter(growths.get, ("packing.fraction", "friction.granule")):
         logarithm, scatter = growths[path]
         fitted = {"logarithm": logarithm, "error": scatter, "freedom": free}
         words = f"drag of c1, over the range of {path}"
-        found.append(Growth(words=words, **fitted, low=low, high=INFINITE))
-    return found
+        comparisons.append(Growth(words=words, **fitted, low=low, high=INFINITE))
+    return comparisons
 
 
 @claim(
     "abstract",
     "The flow pattern in elliptical granules is also shown to be much more irregular compared with that of cylindrical and dumbbell-shaped granules",
 )
-def ellipses_flow_irregularly(found):
+def ellipses_flow_irregularly(evidence):
     """Non-affine motion (D2min relative to the squared diameter) in e3, the longest, is above that in c1
     and in d1 by more than the margin."""
-    return shapes(found, "non_affine", "e3", "c1", "d1", low=1.0 + found.margin)
+    return shapes(evidence, "non_affine", "e3", "c1", "d1", low=1.0 + evidence.margin)
 
 
 @claim(
     "4",
     "the flow pattern in elliptical granules with an aspect ratio of 1.375 is much more irregular than those of lower aspect ratios",
 )
-def long_ellipses_flow_irregularly(found):
+def long_ellipses_flow_irregularly(evidence):
     """Non-affine motion in e3 is above that in e1 and in e2 by more than the margin."""
-    return shapes(found, "non_affine", "e3", "e1", "e2", low=1.0 + found.margin)
+    return shapes(evidence, "non_affine", "e3", "e1", "e2", low=1.0 + evidence.margin)
 
 
 @claim(
     "3.3",
     "shows a significantly large mixing zone, with more randomness imparted to the granular bed",
 )
-def long_ellipses_mix(found):
+def long_ellipses_mix(evidence):
     """Mixing of layers (share of neighbours of different layers, less that at the start) in e3 is
     above that in c1, e1 and e2, the cases it is compared with, by more than the margin."""
-    return shapes(found, "mixing", "e3", "c1", "e1", "e2", low=1.0 + found.margin)
+    return shapes(evidence, "mixing", "e3", "c1", "e1", "e2", low=1.0 + evidence.margin)
 
 
 @claim(
     "3.3",
     "This drop in drag force could result from the ability of elongated particles to align with the particle flow direction during drag",
 )
-def ellipses_align(found):
+def ellipses_align(evidence):
     """A necessary condition: near the cylinder the long axes of e1, e2 and e3 lie along the motion
     of the granules (mean of cos 2(angle - direction)) more than they would with their angles at the
     start."""
     parts = []
-    for case in (case_of(found, shape) for shape in ("e1", "e2", "e3")):
-        now, before = (values(found.runs, name, case) for name in ("alignment", "alignment_start"))
+    for case in (case_of(evidence, shape) for shape in ("e1", "e2", "e3")):
+        now, before = (
+            values(evidence.runs, name, case) for name in ("alignment", "alignment_start")
+        )
         known = now is not None and before is not None
         words = f"alignment gained, {case}"
         parts.append([Comparison(words=words, a=now - before, is_ratio=False)] if known else [])
@@ -326,11 +331,11 @@ def ellipses_align(found):
 
 
 @claim("4", "the granule shape strongly influences the drag force")
-def shape_matters(found):
+def shape_matters(evidence):
     """Mean drags in d1, e1 and e3 relative to c1 differ from 1, in any sense, by more than the
     margin; at equal packing fraction, not at equal distance from jamming."""
-    allowed = near(found.margin)
+    allowed = near(evidence.margin)
     parts = (
-        shapes(found, "drag", one, "c1", **allowed, outside=True) for one in ("d1", "e1", "e3")
+        shapes(evidence, "drag", one, "c1", **allowed, outside=True) for one in ("d1", "e1", "e3")
     )
     return all_of(*parts)

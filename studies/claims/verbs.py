@@ -26,14 +26,14 @@ def test(
         from studies.claims.verdicts import judge
 
         with content_of(data):
-            verdicts = {each.claim.name: each for each in judge(_read(data, margin))}
+            verdicts = {verdict.claim.name: verdict for verdict in judge(_read(data, margin))}
     if name is None:
-        shown = table_of(verdicts.values())
+        summary = table_of(verdicts.values())
     elif name in verdicts:
-        shown = detail(verdicts[name])
+        summary = detail(verdicts[name])
     else:
         raise InputError(f"claim is {name!r}; there are {', '.join(verdicts)}.")
-    PlainConsole(width=160).print(shown)
+    PlainConsole(width=160).print(summary)
 
 
 def _read(path: Path, margin: float):

@@ -50,24 +50,33 @@ class Verdict(NamedTuple):
 def judge(evidence: Evidence) -> list[Verdict]:
     """Every claim; the level of the intervals grows with the number of comparisons (Bonferroni)."""
     compared = [claim.compare(evidence) for claim in CLAIMS]
-    compared = [each if all(c.runs >= 2 for c in each) else [] for each in compared]
-    distinct = {each.words for comparisons in compared for each in comparisons}
+    compared = [
+        comparisons if all(c.runs >= 2 for c in comparisons) else [] for comparisons in compared
+    ]
+    distinct = {comparison.words for comparisons in compared for comparison in comparisons}
     level = 1.0 - (1.0 - LEVEL) / max(len(distinct), 1)  # a number of several claims counts once
-    points, runs = (evidence.one_by_one(each) for each in (evidence.points, evidence.runs))
+    points, runs = (evidence.one_by_one(part) for part in (evidence.points, evidence.runs))
     return [
-        Verdict(claim, each, together(each, level), level, share(claim, points), share(claim, runs))
-        for claim, each in zip(CLAIMS, compared, strict=True)
+        Verdict(
+            claim,
+            comparisons,
+            together(comparisons, level),
+            level,
+            share(claim, points),
+            share(claim, runs),
+        )
+        for claim, comparisons in zip(CLAIMS, compared, strict=True)
     ]
 
 
 def together(comparisons: list, level: float) -> str:
     """Verdict on a claim of several parts: supported if all are, contradicted if one is."""
-    found = {each.verdict(level) for each in comparisons}
-    if not found:
+    verdicts = {comparison.verdict(level) for comparison in comparisons}
+    if not verdicts:
         return UNTESTED
-    if CONTRADICTED in found:
+    if CONTRADICTED in verdicts:
         return CONTRADICTED
-    return SUPPORTED if found == {SUPPORTED} else UNDECIDED
+    return SUPPORTED if verdicts == {SUPPORTED} else UNDECIDED
 
 
 def share(claim: Claim, evidence: Evidence) -> Share | None:
@@ -77,9 +86,9 @@ def share(claim: Claim, evidence: Evidence) -> Share | None:
     Where an effect is small, the scatter of single beds counts as well.
     """
     comparisons = claim.compare(evidence) if evidence.runs["case"].size else []
-    if not comparisons or not all(hasattr(each, "holds") for each in comparisons):
+    if not comparisons or not all(hasattr(comparison, "holds") for comparison in comparisons):
         return None
-    every = np.array([each.holds() for each in comparisons])
+    every = np.array([comparison.holds() for comparison in comparisons])
     good = np.isfinite(every).all(axis=0)
     count, points = int((every[:, good] == 1.0).all(axis=0).sum()), int(good.sum())
     if not points:

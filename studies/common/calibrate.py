@@ -99,7 +99,9 @@ def fit(moduli, means, target) -> Calibration:
         raise InputError(
             f"the 95 % interval of young_modulus is wider than a factor of {WIDEST:g}, with {n} seeds: {more}"
         )
-    modulus, low, high = (float(np.exp(each)) for each in (best, best - half, best + half))
+    modulus, low, high = (
+        float(np.exp(logarithm)) for logarithm in (best, best - half, best + half)
+    )
     scatter = float(np.mean(means.std(axis=0, ddof=1) / means.mean(axis=0)))
     return Calibration(
         target,

@@ -45,9 +45,9 @@ def interval(value: float, half: float, unit: str = "", digits: int = 0) -> str:
     return words.replace("-", "\N{MINUS SIGN}").replace(" ", "\N{NO-BREAK SPACE}")
 
 
-def estimate(found, unit: str = "", digits: int = 2) -> str:
+def estimate(values, unit: str = "", digits: int = 2) -> str:
     """A value and the ends of its interval: 1180 (1090 to 1270) N, on one line."""
-    value, low, high = (f"{each:.{digits}f}" for each in found)
+    value, low, high = (f"{number:.{digits}f}" for number in values)
     text = f"{value} ({low} to {high}) {unit}".rstrip()
     return text.replace("-", "\N{MINUS SIGN}").replace(" ", "\N{NO-BREAK SPACE}")
 
@@ -143,7 +143,7 @@ class Findings:
         return self.dataset.attrs["git_revision"].split(";")[-1].strip()[:7]
 
     @cached_property
-    def made(self) -> str:
+    def origin(self) -> str:
         """Where the numbers come from, as a line under a table."""
         attrs = self.dataset.attrs
         day = attrs["history"].split("T")[0]

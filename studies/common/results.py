@@ -70,7 +70,7 @@ def write_results(
         measured = provenance.versions(), provenance.git_revision(), run_hash()
         sources.append(dict(zip(ORIGIN, measured, strict=True)))
     for key in ORIGIN:
-        attributes[key] = "; ".join(dict.fromkeys(each[key] for each in sources))
+        attributes[key] = "; ".join(dict.fromkeys(origin[key] for origin in sources))
     source = f"python -m studies {name} make"
     write(output, values, global_attributes(title, source, **attributes | more), results.VARIABLES)
 

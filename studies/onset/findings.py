@@ -67,7 +67,7 @@ class Onset(Findings):
     def hypostatic(self) -> bool:
         """Whether ellipses of all aspect ratios have fewer contacts than that, beyond the
         intervals."""
-        return all(each.high < ELLIPSES for each in self.limits.coordination)
+        return all(interval.high < ELLIPSES for interval in self.limits.coordination)
 
     @property
     def differs(self) -> float:
@@ -90,22 +90,22 @@ class Onset(Findings):
 
     def table(self) -> Table:
         """One row per aspect ratio."""
-        found, ends = self.limits, (0, -1)
+        limits, ends = self.limits, (0, -1)
         heads = []
         for words in ("packing fraction", "contacts per granule"):
-            sizes = (f"{words}, {found.granules[n]} granules" for n in ends)
+            sizes = (f"{words}, {limits.granules[n]} granules" for n in ends)
             heads += [*sizes, "infinitely many"]
-        made = numbers("aspect ratio", *heads, "rattlers")
+        table = numbers("aspect ratio", *heads, "rattlers")
         for at, ratio in enumerate(self.fraction):
-            made.add_row(
+            table.add_row(
                 f"{ratio:g}",
-                *(f"{found.fractions[at, n]:.4f}" for n in ends),
+                *(f"{limits.fractions[at, n]:.4f}" for n in ends),
                 estimate(self.fraction[ratio], digits=4),
-                *(f"{found.contacts[at, n]:.2f}" for n in ends),
+                *(f"{limits.contacts[at, n]:.2f}" for n in ends),
                 estimate(self.contacts[ratio]),
                 percent(self.rattlers[ratio], 1),
             )
-        return made
+        return table
 
 
 onset = Onset()

@@ -33,11 +33,11 @@ class Pressure(Findings):
     @cached_property
     def widest(self) -> str:
         """Name of the widest box: its width over that of the first."""
-        found = self.widths["pressure"]
-        return found.boxes[int(np.argmax(found.width))]
+        widths = self.widths["pressure"]
+        return widths.boxes[int(np.argmax(widths.width))]
 
     @cached_property
-    def asked(self) -> float:
+    def top_pressure(self) -> float:
         """Pressure on the top wall (Pa), as the sweep asks for."""
         return float(self.dataset["packing_pressure_swept"].max())
 
@@ -70,46 +70,46 @@ class Pressure(Findings):
         runs = self.at("pressure")
         hole = 0.25 * np.pi * self.configuration["cylinder"]["diameter"] ** 2
         spread = self.configuration["packing"]["size_spread"]
-        found = {}
+        fractions = {}
         for shape in self.widths["pressure"].shapes:
             one = runs.sel(shape=shape)
             sizes = SimpleNamespace(diameter=float(one["diameter"]), granules=int(one["granules"]))
             diameters = [sample_diameters(sizes, spread, int(seed)) for seed in one["seed"].values]
             area = 0.25 * np.pi * np.sum(np.square(diameters), axis=1)
             room = float(one["box_width"]) * one["box_height"].values - hole
-            found[shape] = float(np.mean(area / room))
-        return found
+            fractions[shape] = float(np.mean(area / room))
+        return fractions
 
     def lifted(self, shape: str, box: str) -> float:
         """Drag at equal pressure over the force on the top wall, in a box."""
         area = float(self.dataset["box_width"].sel(box=box)) * self.thickness
-        return self.widths["pressure"].drag(shape, box).value / (self.asked * area)
+        return self.widths["pressure"].drag(shape, box).value / (self.top_pressure * area)
 
     def ratios(self, way: str) -> Table:
         """One row per shape: drag over that of the first, by box, and at infinite width."""
-        found = self.widths[way]
+        widths = self.widths[way]
         rows = (
             (
                 shape,
-                *(estimate(found.ratio(shape, box)) for box in found.series),
-                _limit(found.limit(shape)),
+                *(estimate(widths.ratio(shape, box)) for box in widths.series),
+                _limit(widths.limit(shape)),
             )
-            for shape in found.shapes[1:]
+            for shape in widths.shapes[1:]
         )
-        return numbers("shape", *(f"box {box}" for box in found.series), "infinite", rows=rows)
+        return numbers("shape", *(f"box {box}" for box in widths.series), "infinite", rows=rows)
 
     def others(self, way: str) -> Table:
         """One row per shape: drag in the other boxes of the paper's width over that in the first box,
         and over that of the first shape."""
-        found = self.widths[way]
-        first, base = found.boxes[0], found.shapes[0]
-        others = [box for box in OTHERS if box in found.boxes]
+        widths = self.widths[way]
+        first, base = widths.boxes[0], widths.shapes[0]
+        others = [box for box in OTHERS if box in widths.boxes]
         heads = [f"{box} / box {first}" for box in others]
         heads += [f"{box}, relative to {base}" for box in (f"box {first}", *others)]
         rows = []
-        for shape in found.shapes:
-            ratios = (found.ratio(shape, box) for box in (first, *others))
-            cells = [estimate(found.change(shape, box)) for box in others]
+        for shape in widths.shapes:
+            ratios = (widths.ratio(shape, box) for box in (first, *others))
+            cells = [estimate(widths.change(shape, box)) for box in others]
             cells += [estimate(ratio) if shape != base else "1" for ratio in ratios]
             rows.append((shape, *cells))
         return numbers("shape", *heads, rows=rows)
@@ -117,18 +117,18 @@ class Pressure(Findings):
     def drags(self, way: str) -> Table:
         """One row per shape: drag by box, at infinite width, the width that is wide enough, and what
         the line misses."""
-        found, rows = self.widths[way], []
-        for shape in found.shapes:
-            cells = [estimate(found.drag(shape, box), digits=0) for box in found.series]
-            wide = found.enough(shape)
+        widths, rows = self.widths[way], []
+        for shape in widths.shapes:
+            cells = [estimate(widths.drag(shape, box), digits=0) for box in widths.series]
+            wide = widths.enough(shape)
             cells += [
-                _limit(found.drag_limit(shape), digits=0),
+                _limit(widths.drag_limit(shape), digits=0),
                 f"{wide:.0f}" if wide < np.inf else "-",
-                f"{found.misfit(shape):.1f}",
+                f"{widths.misfit(shape):.1f}",
             ]
             rows.append((shape, *cells))
         heads = (
-            *(f"box {box}, N" for box in found.series),
+            *(f"box {box}, N" for box in widths.series),
             "infinite, N",
             "wide enough, times",
             "misfit",
@@ -164,9 +164,9 @@ class Pressure(Findings):
         return self.dataset.sel(confinement=way, box=self.widest)
 
 
-def _limit(found, digits: int = 2) -> str:
+def _limit(limit, digits: int = 2) -> str:
     """An estimate; a dash where there may be no drag, because the line does not hold that far."""
-    return estimate(found, digits=digits) if found.low > 0.0 else "-"
+    return estimate(limit, digits=digits) if limit.low > 0.0 else "-"
 
 
 pressure = Pressure()

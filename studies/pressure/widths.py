@@ -92,22 +92,22 @@ class Widths:
         weight = self.counts[s, self.along] / y**2
         design = np.column_stack([np.ones(len(y)), 1.0 / self.width[self.along]])
         covariance = np.linalg.inv(design.T @ (weight[:, None] * design))
-        found = covariance @ (design.T @ (weight * y))
-        return found, covariance, float((weight * (y - design @ found) ** 2).sum())
+        coefficients = covariance @ (design.T @ (weight * y))
+        return coefficients, covariance, float((weight * (y - design @ coefficients) ** 2).sum())
 
     def _missed(self, power: float) -> float:
         """What the lines miss, over the scatter of their shapes."""
         scatter = np.maximum(self.scatter, 1e-9)
-        return sum(self._fit(s, power)[2] / each**2 for s, each in enumerate(scatter))
+        return sum(self._fit(s, power)[2] / deviation**2 for s, deviation in enumerate(scatter))
 
     def line(self, shape: str) -> Line:
         """The line of a shape."""
         s = self.shapes.index(shape)
-        found, covariance, _ = self._fit(s, self.power)
+        coefficients, covariance, _ = self._fit(s, self.power)
         rng, free = np.random.default_rng(s), self.freedom[s]
         unit = rng.standard_normal((DRAWS, 2)) @ np.linalg.cholesky(covariance).T
         wide = self.scatter[s] / np.sqrt(rng.chisquare(free, (DRAWS, 1)) / free)
-        limit, slope = np.vstack([found, found + wide * unit]).T
+        limit, slope = np.vstack([coefficients, coefficients + wide * unit]).T
         return Line(self.power, limit, slope)
 
     def drag(self, shape: str, box: str) -> Estimate:
@@ -146,7 +146,7 @@ class Widths:
 
     def limit(self, shape: str) -> Estimate:
         """Drag over that of the first shape at infinite width."""
-        one, other = (self.line(each).drag(np.inf) for each in (shape, self.shapes[0]))
+        one, other = (self.line(name).drag(np.inf) for name in (shape, self.shapes[0]))
         with np.errstate(divide="ignore", invalid="ignore"):
             return interval(one / other)
 

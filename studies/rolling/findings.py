@@ -65,8 +65,8 @@ class Rolling(Findings):
 
     def stands_for(self, granules: str, coefficient: float, margin: float) -> bool:
         """Whether discs drag as granules do at one coefficient, within a margin, in all states."""
-        found = [self.equivalent(granules, state) for state in self.dataset["state"].values]
-        return bool(np.abs(np.subtract(found, coefficient)).max() < margin)
+        coefficients = [self.equivalent(granules, state) for state in self.dataset["state"].values]
+        return bool(np.abs(np.subtract(coefficients, coefficient)).max() < margin)
 
     def equivalent(self, granules: str, state: str) -> float:
         """Coefficient at which discs drag as granules do."""

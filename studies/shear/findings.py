@@ -71,10 +71,10 @@ class Shear(Findings):
 
     def overlap(self) -> str:
         """E* over the pressure."""
-        own = json.loads(self.dataset.attrs["configuration"])
-        material = own["material"]
+        configuration = json.loads(self.dataset.attrs["configuration"])
+        material = configuration["material"]
         modulus = 0.5 * material["young_modulus"] / (1.0 - material["poisson_ratio"] ** 2)
-        return f"{modulus / own['shear']['pressure']:.2g}"
+        return f"{modulus / configuration['shear']['pressure']:.2g}"
 
 
 shear = Shear()

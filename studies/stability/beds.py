@@ -31,9 +31,9 @@ def rest(sweep, shape, change) -> dict:
     """The cylinder rests for many steps."""
     simulation = start(changed(sweep, shape, change), still=True)
     step = simulation.step_fraction * simulation.diagnose().critical_time_step
-    found = watch(simulation, step * (change.steps or 1000) / LOOKS)
+    quantities = watch(simulation, step * (change.steps or 1000) / LOOKS)
     moving = 0.5 * simulation.scene.mass.sum() * sweep.cylinder.velocity**2
-    return found | {"kinetic": found["kinetic"] / moving}
+    return quantities | {"kinetic": quantities["kinetic"] / moving}
 
 
 def accelerate(sweep, shape, change) -> dict:
@@ -77,7 +77,7 @@ def round_off(sweep, shape, change) -> dict:
     shapes = Disc.of_size(sizes), Ellipse.of_size(sizes, change.aspect_ratio)
     scenes = [replace(scene, shape=shape) for shape in shapes]
     step = STEP_FRACTION * Simulation(scenes[0], bed.state).diagnose().critical_time_step
-    discs, ellipses = (Simulation(each, bed.state, step, ledger=True) for each in scenes)
+    discs, ellipses = (Simulation(scene, bed.state, step, ledger=True) for scene in scenes)
     for run in (discs, ellipses):
         run.advance((change.steps or 500) * step)
     apart = np.abs(discs.state.position - ellipses.state.position).max()

@@ -112,8 +112,8 @@ def overlapped(sweep, shape, change) -> dict:
     place = [[0.5 * side, 0.5 * side], [0.5 * side + apart, 0.5 * side]]
     simulation = set_free(scene, State(place), change)
     freed = simulation.ledger().held
-    found = watch(simulation, 1e-6)
-    return found | {"gained": max(simulation.ledger().held / freed - 1.0, 0.0)}
+    quantities = watch(simulation, 1e-6)
+    return quantities | {"gained": max(simulation.ledger().held / freed - 1.0, 0.0)}
 
 
 def concentric(sweep, shape, change) -> dict:

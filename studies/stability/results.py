@@ -59,8 +59,8 @@ AXES = {
     "paper": ("case",),
 }
 EXPERIMENTS = {
-    each.__name__: each
-    for each in (
+    experiment.__name__: experiment
+    for experiment in (
         beds.draw,
         beds.rest,
         beds.accelerate,
@@ -108,7 +108,7 @@ def smallest(catalogue: Catalogue) -> Catalogue:
     for name, case in catalogue.cases.items():
         change = case.change.model_copy(update=BRIEF)
         short = case.model_copy(update={"shapes": case.shapes[:1], "change": change})
-        others = {each.experiment for each in cases.values()}
+        others = {case.experiment for case in cases.values()}
         if case.experiment in DRAWING and case.experiment not in others:
             cases[name] = short
     limits = catalogue.limits.model_copy(
@@ -174,11 +174,13 @@ def energy_map(state) -> dict:
 
 def paper(state) -> dict:
     """Residual of each case along the stroke, after its start."""
-    found = list(runs(state, ("ledger_residual",), ["paper"]))
-    block, _, run, _ = found[0]
-    own = run.configuration
+    rows = list(runs(state, ("ledger_residual",), ["paper"]))
+    block, _, run, _ = rows[0]
+    configuration = run.configuration
     return {
         "paper_case": np.array(block.axes[0].coordinate),
-        "paper_displacement": np.linspace(0.0, own.cylinder.stroke, own.record.snapshots)[1:],
-        "paper_residual": np.array([values["ledger_residual"][1:] for *_, values in found]),
+        "paper_displacement": np.linspace(
+            0.0, configuration.cylinder.stroke, configuration.record.snapshots
+        )[1:],
+        "paper_residual": np.array([values["ledger_residual"][1:] for *_, values in rows]),
     }

@@ -29,9 +29,9 @@ def changed(sweep: Sweep, shape: str, change: Changes, more: dict | None = None)
         "numerics.step_fraction": change.step,
         f"shapes.{shape}.aspect_ratio": change.aspect_ratio,
     }
-    told = {path: value for path, value in values.items() if value is not None} | (more or {})
+    changes = {path: value for path, value in values.items() if value is not None} | (more or {})
     density = change.density * sweep.density_of(shape)
-    return sweep.changed(told, shape).replicate(shape, density, sweep.first_seed)
+    return sweep.changed(changes, shape).replicate(shape, density, sweep.first_seed)
 
 
 _beds = {}

@@ -72,7 +72,7 @@ class Velocity(Findings):
     @property
     def share(self) -> Estimate:
         """Share of the limit with friction that vanishes without, in %."""
-        value, low, high = (100.0 - each for each in self.rest)
+        value, low, high = (100.0 - part for part in self.rest)
         return Estimate(value, high, low)
 
     @property
@@ -106,36 +106,36 @@ class Velocity(Findings):
         runs = self.dataset.sel(friction="0.3", cylinder_velocity=velocity)
         window = self.dataset.attrs["window_start"], self.dataset.attrs["window_stop"]
         part, whole = (within(runs[name], *window) for name in ("drag_tangential", "drag"))
-        found = mean_interval(part / whole)
-        return found.value, found.half
+        mean = mean_interval(part / whole)
+        return mean.value, mean.half
 
     def misses(self, friction: str) -> float:
         """By how much the law misses a mean at most, over the mean."""
         law, means = self.rates.laws[(friction,)], self.rates.means[(friction,)][0]
-        found = np.array([law.drag(v)[0] for v in self.rates.velocity])
-        return np.abs(found / means - 1.0).max()
+        drags = np.array([law.drag(v)[0] for v in self.rates.velocity])
+        return np.abs(drags / means - 1.0).max()
 
     def laws(self) -> Table:
         """One row per friction: the law."""
         above = f"above the limit at {PAPER:g} m/s, %"
         heads = {"limit, N": 0, "exponent": 2, above: 0, "10 % above it at, m/s": 1}
-        found = self.limit, self.exponent, self.above, self.tenth
-        made = numbers("friction", *heads)
+        columns = self.limit, self.exponent, self.above, self.tenth
+        table = numbers("friction", *heads)
         for friction in ("0.0", "0.3"):
-            cells = zip(found, heads.values(), strict=True)
-            made.add_row(friction, *(estimate(of[friction], "", n) for of, n in cells))
-        return made
+            cells = zip(columns, heads.values(), strict=True)
+            table.add_row(friction, *(estimate(of[friction], "", n) for of, n in cells))
+        return table
 
     def table(self) -> Table:
         """One row per velocity: mean drags and their ratio, beds paired."""
         heads = "drag without friction, N", "with friction, N", "with over without"
-        made = numbers("velocity, m/s", "inertial number", *heads, words=0)
+        table = numbers("velocity, m/s", "inertial number", *heads, words=0)
         for v in self.rates.velocity.tolist():
             smooth, rough = (self._means(friction, v) for friction in ("0.0", "0.3"))
-            found = zip((smooth, rough, rough / smooth), (0, 0, 2), strict=True)
-            cells = (estimate(self.rates.interval(each), "", n) for each, n in found)
-            made.add_row(f"{v:g}", f"{self.number(v):.2g}", *cells)
-        return made
+            columns = zip((smooth, rough, rough / smooth), (0, 0, 2), strict=True)
+            cells = (estimate(self.rates.interval(values), "", n) for values, n in columns)
+            table.add_row(f"{v:g}", f"{self.number(v):.2g}", *cells)
+        return table
 
 
 velocity = Velocity()

@@ -101,7 +101,7 @@ class Contact(NamedTuple):
         size = np.array([small, y[1], y[1], y[1] / self.radius, self.k * (1e7 * small) ** 1.5])
         y[4], t = slides * limit if slides else first, 0.0
         for _ in range(30):
-            found = solve_ivp(
+            solution = solve_ivp(
                 rates,
                 (t, math.inf),
                 y,
@@ -111,8 +111,8 @@ class Contact(NamedTuple):
                 rtol=1e-10,
                 atol=1e-10 * size,
             )
-            t, y = found.t[-1], found.y[:, -1]
-            if len(found.t_events[0]):
+            t, y = solution.t[-1], solution.y[:, -1]
+            if len(solution.t_events[0]):
                 return np.array([y[2], -y[1] / self.bodies, y[3]])
             slides = 0.0 if slides else math.copysign(1.0, y[4])
         raise RuntimeError("the contact does not end")

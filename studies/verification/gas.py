@@ -41,5 +41,5 @@ def thermal(scene: dem.Scene, rng, along=(1.0, 1.0)) -> dem.State:
 
 def blocks(values: np.ndarray, count: int = 10) -> tuple[float, float]:
     """Mean and standard error of a series, by blocks."""
-    each = np.array([part.mean() for part in np.array_split(values, count)])
-    return float(each.mean()), float(each.std(ddof=1) / np.sqrt(count))
+    means = np.array([part.mean() for part in np.array_split(values, count)])
+    return float(means.mean()), float(means.std(ddof=1) / np.sqrt(count))

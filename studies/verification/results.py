@@ -37,7 +37,7 @@ VARIABLES = (
         passed=("1", "1 where the value is within the tolerance"),
     )
 )
-CASES = {name: each for name, each in vars(cases).items() if hasattr(each, "SOURCE")}
+CASES = {name: module for name, module in vars(cases).items() if hasattr(module, "SOURCE")}
 QUICK = "chain", "jamming"  # the smallest form
 
 

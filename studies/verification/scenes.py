@@ -41,7 +41,7 @@ RATIO = {
 }  # 1 + m r^2 / I: a force at the rim moves the rim so many times
 
 
-def scene(shape, material=None, friction=0.0, gravity=(0.0, 0.0), walls=FLOOR, **more):
+def scene_of(shape, material=None, friction=0.0, gravity=(0.0, 0.0), walls=FLOOR, **more):
     """Granules over a floor at y = 0, with one coefficient of friction; spheres are 4 r / 3
     thick."""
     thickness = 4.0 / 3.0 * float(shape.radius[0]) if isinstance(shape, Sphere) else None
@@ -111,11 +111,11 @@ def on_floor(shape, material, velocity, friction=0.0, fraction=FINE):
 
     fraction: step fraction; None: FRAMES steps over 1.2 durations of the impact, each a frame.
     """
-    made, radius = scene(shape, material, friction), shape.radius[0]
-    scales = impact(material, 1, radius, made.mass[0], -velocity[1])
+    scene, radius = scene_of(shape, material, friction), shape.radius[0]
+    scales = impact(material, 1, radius, scene.mass[0], -velocity[1])
     state = dem.State([[0.0, radius]], [velocity])
     if fraction is None:
         lasts = 1.2 * scales.duration
-        return scales, dem.simulate(made, state, lasts, frames=FRAMES, time_step=lasts / FRAMES)
+        return scales, dem.simulate(scene, state, lasts, frames=FRAMES, time_step=lasts / FRAMES)
     lasts = 3.0 * scales.duration
-    return scales, dem.simulate(made, state, lasts, frames=1, step_fraction=fraction)
+    return scales, dem.simulate(scene, state, lasts, frames=1, step_fraction=fraction)

@@ -20,9 +20,9 @@ def check(
     with bar("verification", 1.0) as update:
         values = measure(cases or tuple(CASES), jobs, update)
     arrays = {name: (VARIABLES[name][0], value) for name, value in values.items()}
-    found = verification.of(xr.Dataset(arrays))
-    print_or_write(found.rows(), None)
-    raise typer.Exit(int(found.failed() > 0))
+    findings = verification.of(xr.Dataset(arrays))
+    print_or_write(findings.rows(), None)
+    raise typer.Exit(int(findings.failed() > 0))
 
 
 VERBS = (check,)

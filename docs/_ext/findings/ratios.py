@@ -42,7 +42,7 @@ def ratios(precise, claims, preparation, pressure) -> Table:
     seeds = str(pressure.dataset.sizes["seed"])
     for way, beds, at in (
         ("fraction", "relaxed", "0.84"),
-        ("pressure", "pressed", f"{1e-6 * pressure.asked:.0f} MPa"),
+        ("pressure", "pressed", f"{1e-6 * pressure.top_pressure:.0f} MPa"),
     ):
         widths = pressure.widths[way]
         over = (estimate(widths.ratio(shape, widths.boxes[0])) for shape in SHAPES)

@@ -33,9 +33,9 @@ def share(value: float) -> str:
     return percent(value, 1) if np.isfinite(value) else "-"
 
 
-def shares(found) -> str:
+def shares(values) -> str:
     """A share and the ends of its interval, in per cent."""
-    return estimate(100.0 * np.asarray(found), "%", 1) if np.isfinite(found[0]) else "-"
+    return estimate(100.0 * np.asarray(values), "%", 1) if np.isfinite(values[0]) else "-"
 
 
 class Budget(Findings):
@@ -58,21 +58,23 @@ class Budget(Findings):
     @cached_property
     def best(self) -> dict[str, list[Spent]]:
         """By shape, the settings with the least error for each of BUDGETS."""
-        return {name: [each.best(s) for s in BUDGETS] for name, each in self.shapes.items()}
+        return {name: [shape.best(s) for s in BUDGETS] for name, shape in self.shapes.items()}
 
     @property
     def paper_box(self) -> bool:
         """Whether the least error takes the paper's box and the whole window at every budget."""
-        every = [each.at for some in self.best.values() for each in some]
+        every = [spent.at for some in self.best.values() for spent in some]
         return all(at.granules == PAPER and at.stop == WINDOW for at in every)
 
     @property
     def shortest(self) -> bool:
         """Whether the least error of long budgets takes the shortest step, and that of the
         shortest the longest one."""
-        steps = [[each.at.fraction for each in some] for some in self.best.values()]
+        steps = [[spent.at.fraction for spent in some] for some in self.best.values()]
         first, last = FRACTIONS[-1], FRACTIONS[0]
-        return all(each[0] == first and each[-1] == each[-2] == last for each in steps)
+        return all(
+            fractions[0] == first and fractions[-1] == fractions[-2] == last for fractions in steps
+        )
 
     @property
     def faster(self) -> float:
@@ -100,9 +102,9 @@ class Budget(Findings):
     def bias(self, shape: str, part: int = 0, **changes) -> tuple[float, float]:
         """A bias of the longest stable step, with some settings changed, and half its interval;
         part: 0 of the step, 1 of the box, 2 of the window."""
-        at, own = LONGEST._replace(**changes), self.shapes[shape]
-        drawn = [model.biases(at)[part] for model in own.draws]
-        return float(own.model.biases(at)[part]), 1.96 * float(np.std(drawn))
+        at, fitted = LONGEST._replace(**changes), self.shapes[shape]
+        drawn = [model.biases(at)[part] for model in fitted.draws]
+        return float(fitted.model.biases(at)[part]), 1.96 * float(np.std(drawn))
 
     @property
     def unbiased(self) -> bool:
@@ -115,18 +117,20 @@ class Budget(Findings):
         one, two = (table[table.part == part] for part in ("boxes", "reference"))
         one, two = one.drag[one.granules == granules].dropna(), two.drag.dropna()
         ratio = one.mean() / two.mean()
-        half = 1.96 * ratio * np.hypot(*(each.sem(ddof=1) / each.mean() for each in (one, two)))
+        half = (
+            1.96 * ratio * np.hypot(*(sample.sem(ddof=1) / sample.mean() for sample in (one, two)))
+        )
         return ratio - 1.0, half
 
     def error(self, shape: str, seconds: float) -> str:
         """Least error of the mean drag of a shape by a budget of one core, with its interval."""
-        found = self.best[shape][BUDGETS.index(seconds)]
-        return shares((found.error, found.low, found.high))
+        spent = self.best[shape][BUDGETS.index(seconds)]
+        return shares((spent.error, spent.low, spent.high))
 
     def frontier(self) -> Table:
         """Settings with the least error by budget of one core, and the errors of the default and
         of the paper's sweep there."""
-        made = numbers(
+        table = numbers(
             "shape",
             "budget",
             "step fraction",
@@ -139,22 +143,22 @@ class Budget(Findings):
             words=2,
         )
         for name, shape in self.shapes.items():
-            for seconds, found in zip(BUDGETS, self.best[name], strict=True):
+            for seconds, spent in zip(BUDGETS, self.best[name], strict=True):
                 at, others = (
-                    found.at,
-                    (shape.spent(each, seconds).error for each in WAYS.values()),
+                    spent.at,
+                    (shape.spent(way, seconds).error for way in WAYS.values()),
                 )
                 settings = f"{at.fraction:g}", f"{at.granules:.0f}", f"{1e3 * at.stop:.1f}"
-                error = shares((found.error, found.low, found.high))
-                made.add_row(
-                    name, clock(seconds), *settings, f"{found.runs}", error, *map(share, others)
+                error = shares((spent.error, spent.low, spent.high))
+                table.add_row(
+                    name, clock(seconds), *settings, f"{spent.runs}", error, *map(share, others)
                 )
-        return made
+        return table
 
     def model(self) -> Table:
         """The model: bias at the longest stable step, of half and of twice the granules, scatter
         and its power, times."""
-        made = numbers(
+        table = numbers(
             "shape",
             "mean, N",
             "step 0.95",
@@ -167,24 +171,24 @@ class Budget(Findings):
             "run, s",
         )
         for name, shape in self.shapes.items():
-            own = shape.model
+            model = shape.model
             step, window = self.bias(name), self.bias(name, 2, stop=3.0e-3)
             boxes = (
-                f"{percent(self.boxed(name, n))}, {percent(own.biases(LONGEST._replace(granules=n))[1])}"
+                f"{percent(self.boxed(name, n))}, {percent(model.biases(LONGEST._replace(granules=n))[1])}"
                 for n in (200, 800)
             )
-            (scatter, power), bed = own.scatter, own.bed[0]
-            times = f"{bed:.2f}", f"{own.time(LONGEST) - bed:.2f}"
-            cells = f"{own.mean:.0f}", percent(step, 1), *boxes, percent(window, 1)
+            (scatter, power), bed = model.scatter, model.bed[0]
+            times = f"{bed:.2f}", f"{model.time(LONGEST) - bed:.2f}"
+            cells = f"{model.mean:.0f}", percent(step, 1), *boxes, percent(window, 1)
             cells += share(scatter), f"{power:.2f}"
-            made.add_row(name, *cells, *times)
-        return made
+            table.add_row(name, *cells, *times)
+        return table
 
     @cached_property
     def _checked(self) -> list[tuple]:
         """By shape and place that the model was not fitted to: times by the model and of runs;
         scatter and change by the model, of runs, and half their intervals."""
-        found = []
+        places = []
         for name, shape in self.shapes.items():
             table, model = shape.runs.table, shape.model
             reference = table[table.part == "reference"].set_index("seed").drag
@@ -198,23 +202,25 @@ class Budget(Findings):
                 change = (some.drag - base) / model.mean
                 error = np.hypot(change.sem(), 0.0 if same else reference.sem() / reference.mean())
                 root = LONGEST._replace(fraction=0.1)
-                told = (model.biases(at) - model.biases(root)).sum()
+                predicted = (model.biases(at) - model.biases(root)).sum()
                 spread = model.spread(at), scatter, 1.96 * scatter / np.sqrt(2.0 * len(some))
                 times = model.time(at), time
-                found.append((name, at, times, spread, (told, change.mean(), 1.96 * error)))
-        return found
+                places.append((name, at, times, spread, (predicted, change.mean(), 1.96 * error)))
+        return places
 
     @property
     def outside(self) -> str:
         """Scatters and changes of the model that are outside the intervals of the runs that it
         was not fitted to."""
         parts = [part for *_, spread, change in self._checked for part in (spread, change)]
-        return f"{sum(abs(told - found) > half for told, found, half in parts)} of {len(parts)}"
+        return f"{sum(abs(predicted - measured) > half for predicted, measured, half in parts)} of {len(parts)}"
 
     @property
     def slow(self) -> float:
         """By how much times of the model are off there, at most."""
-        return max(abs(told / found - 1.0) for _, _, (told, found), *_ in self._checked)
+        return max(
+            abs(predicted / measured - 1.0) for _, _, (predicted, measured), *_ in self._checked
+        )
 
     def checks(self) -> Table:
         """The model at places that it was not fitted to, against runs there: time of a run, its
@@ -227,30 +233,32 @@ class Budget(Findings):
             "change, model",
             "change, runs",
         )
-        made = numbers("shape", "granules", "step fraction", *heads)
+        table = numbers("shape", "granules", "step fraction", *heads)
         for name, at, times, *parts in self._checked:
             cells = [f"{time:.2f}" for time in times]
-            for told, *found in parts:
-                cells += share(told), percent(found, 1)
-            made.add_row(name, f"{at.granules}", f"{at.fraction:g}", *cells)
-        return made
+            for predicted, *measured in parts:
+                cells += share(predicted), percent(measured, 1)
+            table.add_row(name, f"{at.granules}", f"{at.fraction:g}", *cells)
+        return table
 
     def _expected(self, shape: str, way: str) -> Spent:
         """What the model says of a way."""
-        own, time = self.shapes[shape], self.ways[shape]["paper"].time
-        return own.spent(WAYS[way], time) if way in WAYS else own.best(time)
+        fitted, time = self.shapes[shape], self.ways[shape]["paper"].time
+        return fitted.spent(WAYS[way], time) if way in WAYS else fitted.best(time)
 
     def trial(self) -> Table:
         """The same processor time spent in three ways, ten times each: error by these means, by
         all their runs, and by the model."""
         heads = "runs", "time, s", "error", "by all runs", "by the model"
-        made = numbers("shape", "way", *heads, words=2)
+        table = numbers("shape", "way", *heads, words=2)
         for name, ways in self.ways.items():
-            for way, found in ways.items():
-                errors = (shares(trial.interval(each)) for each in (found.repeated, found.whole))
+            for way, result in ways.items():
+                errors = (
+                    shares(trial.interval(sample)) for sample in (result.repeated, result.whole)
+                )
                 expected = share(self._expected(name, way).error)
-                made.add_row(name, way, f"{found.runs}", f"{found.time:.1f}", *errors, expected)
-        return made
+                table.add_row(name, way, f"{result.runs}", f"{result.time:.1f}", *errors, expected)
+        return table
 
     @property
     def as_tried(self) -> bool:
@@ -288,23 +296,23 @@ class Budget(Findings):
     def every_level(self) -> dict[str, list[Levels]]:
         """By shape, what two levels of steps would gain."""
         return {
-            name: [levels(shape, *each) for each in LEVELS] for name, shape in self.shapes.items()
+            name: [levels(shape, *pair) for pair in LEVELS] for name, shape in self.shapes.items()
         }
 
     @property
     def gain(self) -> float:
         """The most that two levels would gain."""
-        return max(each.gain[2] for some in self.every_level.values() for each in some)
+        return max(level.gain[2] for some in self.every_level.values() for level in some)
 
     def levels(self) -> Table:
         """Two steps of the same beds: correlation of their drags, and time of one level over
         that of two for the same error."""
-        made = numbers("shape", "steps", "correlation", "time, one level / two levels", words=2)
+        table = numbers("shape", "steps", "correlation", "time, one level / two levels", words=2)
         for name, some in self.every_level.items():
-            for each in some:
-                steps = f"{each.coarse:g} and {each.fine:g}"
-                made.add_row(name, steps, estimate(each.correlation), estimate(each.gain))
-        return made
+            for level in some:
+                steps = f"{level.coarse:g} and {level.fine:g}"
+                table.add_row(name, steps, estimate(level.correlation), estimate(level.gain))
+        return table
 
 
 budget = Budget()

@@ -65,12 +65,12 @@ class Model(NamedTuple):
     def biases(self, at: Settings) -> np.ndarray:
         """Biases of the mean by step, box and window, over the mean."""
         box = _box(self.box, at.granules)
-        found = (
+        parts = (
             self.step * self.time_step(at.fraction),
             box,
             np.interp(at.stop, self.stops, self.window),
         )
-        return np.stack(np.broadcast_arrays(*found))
+        return np.stack(np.broadcast_arrays(*parts))
 
     def spread(self, at: Settings):
         """Standard deviation of one run, over the mean in the paper's box."""

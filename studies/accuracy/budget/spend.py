@@ -57,23 +57,23 @@ class Shape:
         biases = np.array([(model.biases(at) ** 2).sum(axis=0) for model in self.draws])
         with np.errstate(divide="ignore"):
             scatter = self.model.spread(at) ** 2 / count
-            each = np.sqrt(
+            errors = np.sqrt(
                 biases + np.array([model.spread(at) ** 2 for model in self.draws]) / count
             )
-        return count, np.sqrt(biases.mean(axis=0) + scatter), each
+        return count, np.sqrt(biases.mean(axis=0) + scatter), errors
 
     def spent(self, at: Settings, budget: float) -> Spent:
         """What a budget (s) buys with some settings."""
-        count, error, each = self.error(at, budget)
+        count, error, errors = self.error(at, budget)
         if count < 2:
             return Spent(at, int(count), np.nan, np.nan, np.nan)
-        return Spent(at, int(count), float(error), *np.quantile(each, [0.025, 0.975]).tolist())
+        return Spent(at, int(count), float(error), *np.quantile(errors, [0.025, 0.975]).tolist())
 
     def best(self, budget: float) -> Spent:
         """The settings with the least error for a budget (s)."""
         count, error, _ = self.error(self.grid, budget)
         at = int(np.argmin(np.where(count >= 2, error, np.inf)))
-        return self.spent(Settings(*(float(each[at]) for each in self.grid)), budget)
+        return self.spent(Settings(*(float(axis[at]) for axis in self.grid)), budget)
 
 
 class Levels(NamedTuple):

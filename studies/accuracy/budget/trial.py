@@ -54,8 +54,8 @@ def _way(some: pd.DataFrame, truths: np.ndarray, chance: float, budget: float, r
     count = min(int(exact + 1e-9), len(some) // REPETITIONS)
     drags = some.drag.to_numpy()
     means = drags[: count * REPETITIONS].reshape(REPETITIONS, count).mean(axis=1)
-    found = np.sqrt(((means / truths[0] - 1.0) ** 2).mean())
-    repeated = found * np.sqrt(REPETITIONS / rng.chisquare(REPETITIONS, DRAWS))  # of normal means
+    error = np.sqrt(((means / truths[0] - 1.0) ** 2).mean())
+    repeated = error * np.sqrt(REPETITIONS / rng.chisquare(REPETITIONS, DRAWS))  # of normal means
 
     again = np.vstack([drags, rng.choice(drags, (DRAWS, len(drags)))])
     within = again.var(axis=1, ddof=1)
@@ -63,7 +63,7 @@ def _way(some: pd.DataFrame, truths: np.ndarray, chance: float, budget: float, r
     known[1:] *= 2.0  # where they are drawn again
     squared = np.maximum((again.mean(axis=1) - truths) ** 2 - known, 0.0) + within / exact
     time = count * float(some.spent.mean())
-    return Way(count, time, np.append(found, repeated), np.sqrt(squared) / truths[0])
+    return Way(count, time, np.append(error, repeated), np.sqrt(squared) / truths[0])
 
 
 def ratio(shapes: Iterable[dict[str, Way]], name: str, other: str, by: str) -> np.ndarray:

@@ -29,7 +29,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     rows[1, 0].set_ylabel("Processor time\nof a run (s)")
     rows[0, 0].set_ylim(-100.0 * SHOWN, 100.0 * SHOWN)
     rows[1, len(shapes) // 2].set_xlabel("Time step over that of the paper's sweep")
-    worst = max(abs(each.bias.value) + each.bias.half for each in shapes.values())
+    worst = max(abs(steps.bias.value) + steps.bias.half for steps in shapes.values())
     figure.suptitle(
         f"At the step of the paper's sweep the mean drag is biased by less than {100 * worst:.1f} % (95 %)"
     )
@@ -39,18 +39,18 @@ def plot(dataset: xr.Dataset) -> Figure:
 
 def _changes(axes, steps: Steps) -> None:
     """Change of the mean with its interval, the straight line with its band."""
-    found, line = 100.0 * steps.changes, steps.bias
-    x, seen = steps.lengths, found.value.abs() <= 100.0 * SHOWN
+    changes, line = 100.0 * steps.changes, steps.bias
+    x, mask = steps.lengths, changes.value.abs() <= 100.0 * SHOWN
     look = {"color": style.CURVE, "markersize": 5, "capsize": 3, "elinewidth": 1.4, "zorder": 4}
     axes.errorbar(
-        x[seen],
-        found.value[seen],
-        found.half[seen].fillna(0.0),
+        x[mask],
+        changes.value[mask],
+        changes.half[mask].fillna(0.0),
         fmt="o",
         label="mean of paired beds, 95 % interval",
         **look,
     )
-    _off_scale(axes, x[~seen], found.value[~seen])
+    _off_scale(axes, x[~mask], changes.value[~mask])
     along = np.linspace(0.0, x[line.fractions.max()], 50)
     share = 100.0 * (along - 1.0)
     words = f"straight line, step fractions up to {LARGEST:g}"

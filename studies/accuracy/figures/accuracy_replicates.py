@@ -34,19 +34,19 @@ def plot(dataset: xr.Dataset) -> Figure:
 
 def _intervals(axes, dataset) -> None:
     """Half-interval over the mean against the number of runs, with processor time above."""
-    found = replicates.cost(dataset)
+    cost = replicates.cost(dataset)
     runs = np.arange(2, max(dataset.sizes["replicate"], 10) + 1)
-    half = 100 * replicates.expected(found.scatter, runs)
+    half = 100 * replicates.expected(cost.scatter, runs)
     axes.plot(runs, half, color=style.CURVE)
-    axes.fill_between(runs, *(half * each for each in _ends(dataset)), **BAND)
+    axes.fill_between(runs, *(half * end for end in _ends(dataset)), **BAND)
     axes.axhline(100 * replicates.TARGET, **style.REFERENCE)
-    axes.axvline(found.needed, **style.REFERENCE)
-    axes.set_xlabel(f"Number of runs ({found.time:.2f} s each)")
+    axes.axvline(cost.needed, **style.REFERENCE)
+    axes.set_xlabel(f"Number of runs ({cost.time:.2f} s each)")
     axes.set_ylabel("Half the 95 % interval\nof the mean drag (%)")
-    own = replicates.expected(found.scatter, PAPER)
+    reported = replicates.expected(cost.scatter, PAPER)
     axes.set_title(
-        f"The paper's {PAPER} runs give ± {100 * own:.0f} %,\n"
-        f"and ± {100 * replicates.TARGET:.0f} % takes {found.needed}",
+        f"The paper's {PAPER} runs give ± {100 * reported:.0f} %,\n"
+        f"and ± {100 * replicates.TARGET:.0f} % takes {cost.needed}",
         loc="left",
     )
 
@@ -60,7 +60,7 @@ def _ends(dataset) -> np.ndarray:
 def _windows(axes, dataset) -> None:
     """Scatter of one run against the length of its window."""
     lengths, scatter = replicates.windows(dataset)
-    low, high = (100 * scatter * each for each in _ends(dataset))
+    low, high = (100 * scatter * end for end in _ends(dataset))
     axes.fill_between(1e3 * lengths, low, high, **BAND)
     axes.plot(
         1e3 * lengths,

@@ -39,21 +39,21 @@ class Precision(Findings):
 
     @cached_property
     def _every(self) -> pd.DataFrame:
-        found = self.dataset.to_dataframe().rename(columns=lambda name: name.removeprefix("row_"))
-        return found.assign(over=found.runs / found.needed)
+        table = self.dataset.to_dataframe().rename(columns=lambda name: name.removeprefix("row_"))
+        return table.assign(over=table.runs / table.needed)
 
-    def rows(self, rule: str = ROUNDS, **wanted) -> pd.DataFrame:
+    def rows(self, rule: str = ROUNDS, **selection) -> pd.DataFrame:
         """Rows of a rule with these values, or with one of several."""
-        found = self._every
-        for name, values in {"rule": rule, **wanted}.items():
-            found = found[found[name].isin([values] if isinstance(values, str | float) else values)]
-        return found
+        rows = self._every
+        for name, values in {"rule": rule, **selection}.items():
+            rows = rows[rows[name].isin([values] if isinstance(values, str | float) else values)]
+        return rows
 
     def _table(self, rows: pd.DataFrame, *columns: str) -> Table:
-        made = numbers(*columns, words=1 + (columns[0] == "rule"))
+        table = numbers(*columns, words=1 + (columns[0] == "rule"))
         for row in rows.itertuples():
-            made.add_row(*(cell(name, row) for name in columns))
-        return made
+            table.add_row(*(cell(name, row) for name in columns))
+        return table
 
     @property
     def samples(self) -> int:
@@ -65,9 +65,9 @@ class Precision(Findings):
         """Standard error of a share of 95 %."""
         return (0.95 * 0.05 / self.samples) ** 0.5
 
-    def one(self, column: str, rule: str = ROUNDS, **wanted) -> str:
+    def one(self, column: str, rule: str = ROUNDS, **selection) -> str:
         """A number of the first of some rows."""
-        return cell(column, next(self.rows(rule, **wanted).itertuples()))
+        return cell(column, next(self.rows(rule, **selection).itertuples()))
 
     def least(self, *sources: str) -> float:
         """Least share of means as near as asked for."""
@@ -75,8 +75,8 @@ class Precision(Findings):
 
     def held(self) -> str:
         """Least and greatest share of reported intervals that hold the true mean."""
-        found = 100.0 * self.rows().found
-        return span(found.min(), found.max(), "%", 1)
+        shares = 100.0 * self.rows().found
+        return span(shares.min(), shares.max(), "%", 1)
 
     @property
     def dearest(self) -> float:

@@ -44,9 +44,9 @@ MOST = 8000  # runs of a place
 def rows(runs: Path) -> Iterator[tuple[str, Source, float]]:
     """Rule, source and target of each row."""
     kinds = [
-        Source(kind.__name__, 1.0, each, kind)
+        Source(kind.__name__, 1.0, scatter, kind)
         for kind in (normal, gamma, lognormal)
-        for each in SCATTERS
+        for scatter in SCATTERS
     ]
     for target in TARGETS:
         yield from ((ROUNDS, source, target) for source in (*kinds, mixture(), *again(runs)))
@@ -68,35 +68,35 @@ def trial(rule: Callable, until: Until, source: Source, rng: np.random.Generator
     """What is known of a place once a rule wants no more runs; those that it may want are drawn
     at once."""
     sample = source.draw(rng, source.scatter, math.ceil(1.3 * needed(source, until)))
-    while (wanted := rule(until, sample)) > len(sample):
-        sample = np.append(sample, source.draw(rng, source.scatter, wanted - len(sample)))
-    return *mean_interval(sample[:wanted], until.level), wanted
+    while (count := rule(until, sample)) > len(sample):
+        sample = np.append(sample, source.draw(rng, source.scatter, count - len(sample)))
+    return *mean_interval(sample[:count], until.level), count
 
 
 def tried(rule: str, source: Source, target: float, samples: int, seed: int) -> tuple:
     """A row, in the order of the layout."""
     until = Until(until=f"{100.0 * target:g} %", most=MOST)
     rng = np.random.default_rng(seed)
-    found = np.array([trial(RULES[rule], until, source, rng) for _ in range(samples)])
-    mean, _, high, runs = found.T
-    half, off, wanted = high - mean, abs(mean - source.mean), target * abs(mean)
+    trials = np.array([trial(RULES[rule], until, source, rng) for _ in range(samples)])
+    mean, _, high, runs = trials.T
+    half, off, tolerance = high - mean, abs(mean - source.mean), target * abs(mean)
     shares = (
-        off <= np.maximum(half, wanted),
+        off <= np.maximum(half, tolerance),
         off <= half,
-        off <= wanted,
+        off <= tolerance,
         half / abs(mean),
-        half > wanted,
+        half > tolerance,
         runs,
     )
-    means = (float(np.mean(each)) for each in shares)
+    means = (float(np.mean(share)) for share in shares)
     return rule, source.name, source.scatter, target, samples, *means, needed(source, until)
 
 
 def make(state, jobs: int, progress) -> tuple[dict, dict]:
     """See studies.common.results."""
-    every, found = list(rows(ROOT / READS[0])), []
+    every, results = list(rows(ROOT / READS[0])), []
     samples = 3 if is_smoke(state) else SAMPLES
     for number, row in enumerate(every):
-        found.append(tried(*row, samples, number))
+        results.append(tried(*row, samples, number))
         progress((number + 1) / len(every))
-    return dict(zip(VARIABLES, map(np.array, zip(*found, strict=True)), strict=True)), {}
+    return dict(zip(VARIABLES, map(np.array, zip(*results, strict=True)), strict=True)), {}

@@ -53,12 +53,12 @@ def again(runs: Path) -> Iterator[Source]:
     """The beds of the paper's cases in claims.nc, drawn again with replacement."""
     values, _ = read(runs, ("run_part", "run_case", "run_drag"))
     for name in CASES:
-        own = values["run_drag"][
+        drags = values["run_drag"][
             (values["run_part"] == "replicates") & (values["run_case"] == name)
         ]
         yield Source(
             name,
-            own.mean(),
-            own.std() / own.mean(),
-            lambda rng, scatter, n, own=own: rng.choice(own, n),
+            drags.mean(),
+            drags.std() / drags.mean(),
+            lambda rng, scatter, n, drags=drags: rng.choice(drags, n),
         )

@@ -45,7 +45,7 @@ def _narrow(sample: np.ndarray, least: int, share: float, level: float) -> np.nd
     from scipy.special import stdtrit
 
     n = np.arange(least, len(sample) + 1)
-    total, squares = (np.cumsum(each)[least - 1 :] for each in (sample, sample**2))
+    total, squares = (np.cumsum(values)[least - 1 :] for values in (sample, sample**2))
     variance = np.maximum(squares - total**2 / n, 0.0) / (n - 1) / n
     narrow = stdtrit(n - 1, 0.5 + 0.5 * level) * np.sqrt(variance) <= share * abs(total) / n
     return np.append(np.zeros(least, bool), narrow)

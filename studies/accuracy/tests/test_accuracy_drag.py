@@ -54,10 +54,10 @@ def trials(slope, fractions=(0.25, 0.5, 1.0, 2.0), beds=200, seed=1):
 @pytest.mark.parametrize("slope", [0.0, -0.08, 0.2])
 def test_a_bias_that_is_there_is_found(slope):
     """The interval of the bias holds the truth, and is narrow enough to tell 2 %."""
-    found = Steps(trials(slope), "c1").bias
+    bias = Steps(trials(slope), "c1").bias
     truth = 0.5 * slope / (1.0 + 0.5 * slope)  # over the mean at the default
-    assert abs(found.value - truth) < found.half < 0.02
-    assert set(found.fractions) == {0.25, 0.5, 1.0}
+    assert abs(bias.value - truth) < bias.half < 0.02
+    assert set(bias.fractions) == {0.25, 0.5, 1.0}
 
 
 def test_the_interval_of_the_bias_holds_the_truth_as_often_as_it_says():
@@ -107,9 +107,9 @@ def test_longer_windows_scatter_as_independent_pieces_do():
 def test_needed_replicates_reach_the_target_interval():
     """With as many runs as are said to be needed, random groups reach the interval asked for."""
     dataset = series(0.2e-3)
-    found = replicates.cost(dataset)
+    cost = replicates.cost(dataset)
     means = replicates.window_means(dataset, 1e-3, 5e-3)
-    rng, count = np.random.default_rng(0), found.needed
+    rng, count = np.random.default_rng(0), cost.needed
     groups = np.array([rng.choice(means, count, replace=False) for _ in range(2000)])
     half = t.ppf(0.975, count - 1) * groups.std(axis=1, ddof=1) / np.sqrt(count)
     assert np.median(half) / means.mean() == pytest.approx(replicates.TARGET, rel=0.15)
@@ -122,43 +122,43 @@ def blocks(**steps):
     data["sweep"]["blocks"] = {
         "replicates": {"shape": "c1", "seed": [1001, 1002]},
     } | {
-        name: {"shape": "c1", "numerics.step_fraction": each, "seed": [1001, 1002]}
-        for name, each in steps.items()
+        name: {"shape": "c1", "numerics.step_fraction": fractions, "seed": [1001, 1002]}
+        for name, fractions in steps.items()
     }
     return data
 
 
-def made(folder, data):
+def computed(folder, data):
     """The sweep with its runs."""
     work = SweepState(parse(data), Store(folder), root=folder)
     for name in work.sweep.blocks:
         work.begin(name)
-        for each in work.batches(name):
-            making.make(work.store, each.id)
+        for batch in work.batches(name):
+            making.make(work.store, batch.id)
     return work
 
 
 def test_each_bed_at_its_steps_is_a_row_and_what_breaks_is_named(tmp_path):
     """In order; the drag hardly depends on the step; replicates have their drag along the stroke."""
-    found, _ = make(
-        made(tmp_path, blocks(steps=[0.5, 1.0, 10.0], fine=0.25)), 1, lambda share: None
+    values, _ = make(
+        computed(tmp_path, blocks(steps=[0.5, 1.0, 10.0], fine=0.25)), 1, lambda share: None
     )
-    places = zip(found["trial_seed"], found["trial_fraction"], strict=True)
+    places = zip(values["trial_seed"], values["trial_fraction"], strict=True)
     assert list(places) == [(seed, f) for seed in (1001, 1002) for f in (0.25, 0.5, 1, 10)]
-    broken = found["trial_fraction"] == 10.0
-    assert set(found["trial_status"][~broken]) == {"ran"}
-    assert set(found["trial_status"][broken]) <= {"OverlapError", "StateError"}
-    assert (np.isnan(found["trial_drag"]) == broken).all()
-    first = (found["trial_seed"] == 1001) & ~broken
-    assert np.ptp(found["trial_drag"][first]) < 0.01 * found["trial_drag"][first].mean()
-    assert found["replicate"].tolist() == [1001, 1002]
-    assert found["replicate_drag"].shape == (2, found["replicate_displacement"].size)
-    assert (found["replicate_time"] > 0.0).all()
+    broken = values["trial_fraction"] == 10.0
+    assert set(values["trial_status"][~broken]) == {"ran"}
+    assert set(values["trial_status"][broken]) <= {"OverlapError", "StateError"}
+    assert (np.isnan(values["trial_drag"]) == broken).all()
+    first = (values["trial_seed"] == 1001) & ~broken
+    assert np.ptp(values["trial_drag"][first]) < 0.01 * values["trial_drag"][first].mean()
+    assert values["replicate"].tolist() == [1001, 1002]
+    assert values["replicate_drag"].shape == (2, values["replicate_displacement"].size)
+    assert (values["replicate_time"] > 0.0).all()
 
 
 def test_replicates_must_all_have_run(tmp_path):
     """A failed run is named where it may not fail, and so is one that no file holds."""
-    work = made(tmp_path, blocks(steps=[0.5, 10.0]))
+    work = computed(tmp_path, blocks(steps=[0.5, 10.0]))
     with pytest.raises(dem.RunError, match="seed 1001 could not be made"):
         list(runs(work, ("drag",), ["steps"]))
     work.store.rows = lambda runs, *names: {}

@@ -31,8 +31,8 @@ def plot(dataset: xr.Dataset) -> Figure:
     _codes(above.subplots(), 1e-6 * dataset["granule_steps_per_second"])
     _scenes(below.subplots(), 1e9 * dataset["variant_step_time"])
     others = times_faster(dataset).drop_sel(code=OURS).median("repeat", skipna=False).min("code")
-    found = others.dropna("scene").to_series().items()
-    words = ", ".join(f"{share:.1f} times for {scene}" for scene, share in found)
+    ratios = others.dropna("scene").to_series().items()
+    words = ", ".join(f"{share:.1f} times for {scene}" for scene, share in ratios)
     figure.suptitle(f"Speed against the fastest other code: {words or 'none is installed'}")
     return figure
 
@@ -41,11 +41,11 @@ def _codes(axes, rates) -> None:
     """One group of bars per bed, one bar per code that ran on it."""
     scenes = rates["scene"].values.tolist()
     for place, scene in enumerate(scenes):
-        here = rates.sel(scene=scene).dropna("code", how="all")
-        width = 0.8 / max(3, here.sizes["code"])
-        for number, code in enumerate(here["code"].values.tolist()):
-            x = place + width * (number - 0.5 * (here.sizes["code"] - 1))
-            values, (fill, edge, hatch) = here.sel(code=code).values, BARS[code]
+        bars = rates.sel(scene=scene).dropna("code", how="all")
+        width = 0.8 / max(3, bars.sizes["code"])
+        for number, code in enumerate(bars["code"].values.tolist()):
+            x = place + width * (number - 0.5 * (bars.sizes["code"] - 1))
+            values, (fill, edge, hatch) = bars.sel(code=code).values, BARS[code]
             look = {"color": fill, "edgecolor": edge, "hatch": hatch, "linewidth": 1.2}
             axes.bar(x, np.median(values), width, label=code, **look)
             style.show_runs(axes, x, values, 0.5 * width)

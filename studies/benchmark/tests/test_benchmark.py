@@ -21,7 +21,7 @@ def test_without_other_codes_the_benchmark_times_this_one(monkeypatch, small_bed
     assert "not run: LAMMPS is not installed." in values["code_status"]
 
 
-@pytest.mark.parametrize("file", elsewhere, ids=lambda each: each.name)
+@pytest.mark.parametrize("file", elsewhere, ids=lambda findings: findings.name)
 def test_a_benchmark_of_another_processor_is_named_after_it(file):
     family, model = re.search(r"family(\d+)_model(\d+)", file.name).groups()
     processor = file.dataset.attrs["processor"]

@@ -28,9 +28,9 @@ def apart(small, steps, speed=1.0, of=np.max, same=False, **changes):
     ours.advance(steps * step)
     with lammps.Run(scene, state, step, same=same) as theirs:
         theirs.advance(steps)
-        here, there = ours.state.position, theirs.position
+        position, other = ours.state.position, theirs.position
     size = scene.shape.bounding_radius.mean()
-    return of(np.abs(here - there)) / size, of(np.abs(here - state.position)) / size
+    return of(np.abs(position - other)) / size, of(np.abs(position - state.position)) / size
 
 
 def test_without_friction_and_damping_motion_agrees_to_rounding(small_bed):
@@ -103,8 +103,8 @@ def test_the_largest_step_is_where_the_drag_leaves_its_level():
     """Level at 100 N up to a step of 1.1, then 50 N less for 1 more: 1 % is reached at 1.12."""
     steps = np.array([0.6, 1.0, 1.2, 1.4, 1.6])
     beds = np.random.default_rng(1).normal(size=(1, 50))
-    found = largest_step(steps, 100.0 - 50.0 * np.maximum(0.0, steps - 1.1)[:, None] + beds)
-    assert found.value == pytest.approx(1.12, abs=0.01)
+    step = largest_step(steps, 100.0 - 50.0 * np.maximum(0.0, steps - 1.1)[:, None] + beds)
+    assert step.value == pytest.approx(1.12, abs=0.01)
 
 
 def test_what_lammps_has_no_equivalent_for_is_refused(small_bed):

@@ -28,10 +28,13 @@ def drags(seeds, scatter, exponent=0.96):
 def test_the_interval_of_the_modulus_is_positive_and_holds_it():
     """With many seeds it is narrow, with three it is wide and still of positive numbers."""
     for seeds, scatter, widest in ((100, 0.12, 1.1), (3, 0.2, 10.0)):
-        found = fit(*drags(seeds, scatter), 1295.0)
-        low, high = found.interval
+        calibration = fit(*drags(seeds, scatter), 1295.0)
+        low, high = calibration.interval
         assert 0.0 < low < 76.6e9 < high < widest * low
-        assert low < found.young_modulus < high and f"{1e-9 * low:.4g} to" in found.sentence()
+        assert (
+            low < calibration.young_modulus < high
+            and f"{1e-9 * low:.4g} to" in calibration.sentence()
+        )
     assert "outside" not in fit(*drags(100, 0.12), 1295.0).sentence()
     assert "outside of the runs" in fit(*drags(100, 0.12), 13000.0).sentence()
 
@@ -83,11 +86,11 @@ def test_other_runs_are_refused():
 
 def test_the_beds_are_none_of_the_papers_sweep():
     """Each is drawn at all moduli, about the one of the configuration."""
-    paper, own = load("config/paper.yaml"), load("studies/calibration/sweep.yaml").block("drag")
-    seeds = {run.seed for run in own.runs.values()}
+    paper, block = load("config/paper.yaml"), load("studies/calibration/sweep.yaml").block("drag")
+    seeds = {run.seed for run in block.runs.values()}
     assert not seeds & {run.seed for run in paper.block("drag").runs.values()}
-    moduli = {run.configuration.material.young_modulus for run in own.runs.values()}
-    assert len(own.runs) == len(seeds) * len(moduli) == 500
+    moduli = {run.configuration.material.young_modulus for run in block.runs.values()}
+    assert len(block.runs) == len(seeds) * len(moduli) == 500
     assert min(moduli) < paper.material.young_modulus < max(moduli)
 
 

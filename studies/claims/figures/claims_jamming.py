@@ -25,14 +25,14 @@ GRIPS = (("o", "#17457d"), ("s", "#f5c49a"))
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """Left: where shapes jam; right: drag over the reference's at each state."""
-    base, *found = claims.of(dataset).remaining
-    if not found:
+    base, *rows = claims.of(dataset).remaining
+    if not rows:
         raise InputError("there are no runs of the part matched.")
-    shapes = list(dict.fromkeys(each.shape for each in found))
+    shapes = list(dict.fromkeys(row.shape for row in rows))
     figure = Figure(figsize=(style.WIDTH + 2.0, 5.6))
     left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.9])
     _jamming(left, dataset, [str(dataset["reference_shape"].values), *shapes])
-    _drags(right, found, shapes)
+    _drags(right, rows, shapes)
     fraction = float(dataset["reference_packing"])
     right.set_ylabel(f"Mean drag over that of {base.shape}\nat a packing fraction of {fraction:g}")
     style.legend(figure, left, "outside lower left")
@@ -43,27 +43,27 @@ def plot(dataset: xr.Dataset) -> Figure:
 
 def _jamming(axes, dataset, shapes):
     for friction, (marker, color) in zip(np.unique(dataset["jam_friction"]), GRIPS, strict=False):
-        found = []
+        means = []
         for shape in shapes:
-            here = (dataset["jam_shape"] == shape) & (dataset["jam_friction"] == friction)
-            found.append(mean_interval(dataset["jam_fraction"].values[here]))
+            mask = (dataset["jam_shape"] == shape) & (dataset["jam_friction"] == friction)
+            means.append(mean_interval(dataset["jam_fraction"].values[mask]))
         look = {"marker": marker, "color": "0.15", "markerfacecolor": color}
-        style.intervals(axes, range(len(shapes)), found, label=f"friction {friction:g}", **look)
+        style.intervals(axes, range(len(shapes)), means, label=f"friction {friction:g}", **look)
     fraction = float(dataset["reference_packing"])
     axes.axhline(fraction, **style.REFERENCE, label=f"packing fraction of the runs, {fraction:g}")
     axes.set_xticks(range(len(shapes)), shapes)
     axes.set_ylabel("Packing fraction at which beds jam")
 
 
-def _drags(axes, found, shapes):
-    states = [state for state in STATES if any(each.state == state for each in found)]
+def _drags(axes, rows, shapes):
+    states = [state for state in STATES if any(row.state == state for row in rows)]
     width = 0.8 / len(states)
     for number, state in enumerate(states):
-        here = [each for each in found if each.state == state]
+        selection = [row for row in rows if row.state == state]
         name, color, hatch = STATES[state]
-        x = np.array([shapes.index(each.shape) for each in here])
+        x = np.array([shapes.index(row.shape) for row in selection])
         x = x + (number - 0.5 * (len(states) - 1)) * width
-        ratios = [each.ratio for each in here]
+        ratios = [row.ratio for row in selection]
         look = {"color": color, "hatch": hatch, "edgecolor": "0.15", "linewidth": 0.8}
         axes.bar(x, [ratio.value for ratio in ratios], width, label=name, **look)
         style.intervals(axes, x, ratios, **style.INTERVAL | {"capsize": 3})

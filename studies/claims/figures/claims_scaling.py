@@ -35,10 +35,13 @@ def plot(dataset: xr.Dataset) -> Figure:
     for axes, (setting, name) in zip(grid, PANELS.items(), strict=True):
         for shape, (marker, color) in zip(shapes, LOOKS, strict=False):
             for suffix, (words, line) in WAYS.items():
-                found = scaled_ratios(dataset, setting + suffix, shape)
-                if not found:
+                comparisons = scaled_ratios(dataset, setting + suffix, shape)
+                if not comparisons:
                     continue
-                points = [(x, each.estimate, *each.interval()) for x, each in found.items()]
+                points = [
+                    (x, comparison.estimate, *comparison.interval())
+                    for x, comparison in comparisons.items()
+                ]
                 x, *ratios = np.transpose(sorted([*points, (1.0,) * 4]))
                 look = {"marker": marker, "linestyle": line, "color": color}
                 look |= {"markerfacecolor": "white" if suffix else color}

@@ -24,23 +24,31 @@ def plot(dataset: xr.Dataset) -> Figure:
     """One row per factor; those that decide a response come first, by their influence on the first
     one."""
     ranked = {
-        name: found
-        for name, found in claims.of(dataset).influences.items()
-        if found and name in LOOKS
+        name: influences
+        for name, influences in claims.of(dataset).influences.items()
+        if influences and name in LOOKS
     }
     if not ranked:
         raise InputError("there are no runs of the design.")
-    decide = {each.factor for found in ranked.values() for each in found.values() if each.decides}
+    decide = {
+        influence.factor
+        for influences in ranked.values()
+        for influence in influences.values()
+        if influence.decides
+    }
     order = sorted(next(iter(ranked.values())), key=lambda factor: factor not in decide)[:SHOWN]
     figure = Figure(figsize=(style.WIDTH, 1.6 + 0.5 * len(order)))
     axes = figure.subplots()
-    for number, (name, found) in enumerate(ranked.items()):
+    for number, (name, influences) in enumerate(ranked.items()):
         y = 0.24 - 0.24 * number - np.arange(len(order))
-        values = [(found[each].growth, found[each].low, found[each].high) for each in order]
+        values = [
+            (influences[factor].growth, influences[factor].low, influences[factor].high)
+            for factor in order
+        ]
         style.intervals(axes, y, values, across=True, color="0.15", label=name, **LOOKS[name])
     axes.axvline(1.0, color="0.4", linewidth=0.8)
-    ranges = [_range(dataset["run_factor"].sel(factor=each).values) for each in order]
-    labels = ["\n".join(filter(None, each)) for each in zip(order, ranges, strict=True)]
+    ranges = [_range(dataset["run_factor"].sel(factor=factor).values) for factor in order]
+    labels = ["\n".join(filter(None, pair)) for pair in zip(order, ranges, strict=True)]
     axes.set_yticks(-np.arange(len(order)), labels)
     style.logarithmic(axes, "x")
     axes.grid(visible=False)

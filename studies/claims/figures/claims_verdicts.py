@@ -22,8 +22,8 @@ MARKS = {SUPPORTED: ("o", "#2f7d4f"), CONTRADICTED: ("X", "#b34700"), UNDECIDED:
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """One row per claim: its ratios with joint intervals, on the claimed range (grey)."""
-    found = claims.of(dataset)
-    judged = list(found.judged.values())
+    findings = claims.of(dataset)
+    judged = list(findings.judged.values())
     figure = Figure(figsize=(style.WIDTH + 1.5, 2.0 + ROW * len(judged)))
     axes = figure.subplots()
     for row, verdict in enumerate(judged):
@@ -44,7 +44,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     level = 100.0 * judged[0].level
     axes.set_xlabel(f"Ratio, with {level:.1f} % intervals (all of them hold together at 95 %)")
     style.legend(figure, axes, ncols=3)
-    counts = ", ".join(f"{count} {name}" for name, count in found.counts.items())
+    counts = ", ".join(f"{count} {name}" for name, count in findings.counts.items())
     figure.suptitle(
         f"{len(judged)} claims of the paper: {counts}\n(grey: the claimed range of a ratio)"
     )

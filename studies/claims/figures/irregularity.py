@@ -26,28 +26,30 @@ LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (3, 1, 1, 1)), (0, (6, 1, 1, 1)), 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """One panel per measure, one line per case at the density of the first, with 95 % bands."""
-    here = dataset.sel(case=table1(dataset))
+    selection = dataset.sel(case=table1(dataset))
     cases = [find(dataset, shape) for shape in SHAPES]
     figure, grid = style.panels(4, 2, 0.0, 3.6, sharex=True)
-    x = 1e3 * here["snapshot_displacement"].values
+    x = 1e3 * selection["snapshot_displacement"].values
     for axes, name in zip(grid, MEASURES, strict=True):
-        for number, case in enumerate(here["case"].values):
-            runs = here[name].sel(case=case)
+        for number, case in enumerate(selection["case"].values):
+            runs = selection[name].sel(case=case)
             mean, half = runs.mean("seed"), half_interval(runs).fillna(0.0).values
             look = {"color": style.CASES[number % 7], "linestyle": LINES[number % 7]}
-            shown = case in cases or None in cases
-            axes.plot(x, mean, linewidth=2.0 if shown else 1.0, label=str(case), **look)
-            if shown:
+            bold = case in cases or None in cases
+            axes.plot(x, mean, linewidth=2.0 if bold else 1.0, label=str(case), **look)
+            if bold:
                 style.band(axes, x, mean, half, color=look["color"], alpha=0.16)
         axes.set_ylabel(LABELS[name])
-        found = compared(dataset, name)
+        comparison = compared(dataset, name)
         title = (
-            f"ratio of e3 to c1: {found.ratio:.2f} ± {found.half:.2f}" if found else MEASURES[name]
+            f"ratio of e3 to c1: {comparison.ratio:.2f} ± {comparison.half:.2f}"
+            if comparison
+            else MEASURES[name]
         )
         axes.set_title(title, loc="left")
         axes.set_xlabel("Displacement of the cylinder (mm)")
         style.from_zero(axes)
-    lag = x[lag_of(here["snapshot_displacement"].values)]
+    lag = x[lag_of(selection["snapshot_displacement"].values)]
     bands = "; bands: 95 %" if dataset.sizes["seed"] > 1 else ""
     figure.suptitle(f"Irregularity of the flow by shape\n(motions over {lag:g} mm{bands})")
     style.legend(figure, grid[0], ncols=7)

@@ -67,7 +67,7 @@ def drawn(means, runs=40, scatter=0.12, seed=0, density=None):
 
 
 def verdicts(runs, **more):
-    return {each.claim.name: each.verdict for each in judge(Evidence(runs, **more))}
+    return {verdict.claim.name: verdict.verdict for verdict in judge(Evidence(runs, **more))}
 
 
 @pytest.mark.parametrize("paired", [True, False])
@@ -118,9 +118,9 @@ def test_wrong_verdicts_are_as_rare_as_the_level_says():
     for seed in range(60):
         runs = drawn(AT_BOUNDS, runs=10, seed=seed, density=density)
         runs["shape"].values[runs["case"].values == "c12"] = "c1"
-        found = verdicts(runs)
-        assert UNTESTED not in {found[name] for name in names}
-        wrong += {found[name] for name in names} != {UNDECIDED}
+        judged = verdicts(runs)
+        assert UNTESTED not in {judged[name] for name in names}
+        wrong += {judged[name] for name in names} != {UNDECIDED}
     assert wrong <= 8  # where intervals do not hold together, about 14
 
 
@@ -153,18 +153,20 @@ def test_share_of_space_counts_the_points():
     means = drawn({"c1": 1.0, "d1": 1.0}, runs=10, scatter=0.0)
     means["drag"].values[1] = [2.0] * 7 + [0.5] * 2 + [np.nan]
     claim = next(c for c in CLAIMS if c.name == "dumbbells_above_discs")
-    found = share(claim, Evidence(means, single=True))
-    assert (found.points, found.failed) == (9, 1)
-    assert_allclose(found.share, 7 / 9)
-    assert found.low < 7 / 9 < found.high
+    result = share(claim, Evidence(means, single=True))
+    assert (result.points, result.failed) == (9, 1)
+    assert_allclose(result.share, 7 / 9)
+    assert result.low < 7 / 9 < result.high
 
 
 def test_the_order_of_runs_does_not_matter():
     rows = study()
     turned = rows.isel(run=slice(None, None, -1), jam=slice(None, None, -1))
-    for one, other in zip(*(judge(from_study(each)) for each in (rows, turned)), strict=True):
+    for one, other in zip(*(judge(from_study(dataset)) for dataset in (rows, turned)), strict=True):
         assert one.verdict == other.verdict
-        numbers = ([each.estimate for each in verdict.comparisons] for verdict in (one, other))
+        numbers = (
+            [comparison.estimate for comparison in verdict.comparisons] for verdict in (one, other)
+        )
         assert_allclose(*numbers, rtol=1e-9)
     assert len(remaining(rows)) == len(remaining(turned)) == 5
 
@@ -215,8 +217,8 @@ def test_a_flow_twice_as_irregular_is_seen():
         },
         {"window_start": 1e-3, "window_stop": 5e-3},
     )
-    found = compared(dataset, "mixing")
-    assert abs(found.ratio - 2.0) < found.half < 0.2
+    comparison = compared(dataset, "mixing")
+    assert abs(comparison.ratio - 2.0) < comparison.half < 0.2
     assert compared(dataset.sel(case=["round"]), "mixing") is None
 
 
@@ -283,7 +285,7 @@ def test_points_of_the_design_have_their_factors(smallest):
 def test_derived_fractions_are_those_of_the_beds_in_the_file(smallest):
     """Each shape, aspect ratio and box is as far from jamming as the paper's bed is."""
     _, dataset = smallest
-    jamming, seen = jamming_in(dataset), set()
+    jamming, kinds = jamming_in(dataset), set()
     columns = [
         dataset[f"run_{name}"].values for name in ("part", "case", "setting", "x", "packing")
     ]
@@ -296,11 +298,11 @@ def test_derived_fractions_are_those_of_the_beds_in_the_file(smallest):
             "scaling": (f"{case} {words.partition(',')[0]} {x:g}", case),
         }[part]
         friction = 0.3 if "friction" in words else 0.0
-        wanted = {"equal fraction": 0.84, "equal load": jamming.at_load(kind, other, 0.84)}
+        expected = {"equal fraction": 0.84, "equal load": jamming.at_load(kind, other, 0.84)}
         distance = jamming.at_distance(kind, other, 0.84, friction)
-        assert packing == wanted.get(words, distance)
-        seen.add((part, words))
-    assert len(seen) == 7
+        assert packing == expected.get(words, distance)
+        kinds.add((part, words))
+    assert len(kinds) == 7
 
 
 def test_a_sweep_without_the_study_is_refused():
@@ -321,12 +323,12 @@ def test_influences_find_what_a_response_depends_on():
         {"at": (("case", "seed", "factor"), 5.0 * unit[None]), "drag": (("case", "seed"), y[None])},
         {"case": ["c1"], "seed": np.arange(200), "factor": ["one", "two", "three"]},
     )
-    found = influences(points, y)
-    assert [each.factor for each in found] == ["one", "two", "three"]
-    for each, slope in zip(found, (2.0, 1.0, 0.0), strict=True):
-        assert each.low < 1.02 * np.exp(slope) and each.high > 0.98 * np.exp(slope)
-        assert each.decides == (slope > 0.0)
-    assert_allclose([each.share for each in found], [0.8, 0.2, 0.0], atol=0.08)
+    ranked = influences(points, y)
+    assert [influence.factor for influence in ranked] == ["one", "two", "three"]
+    for influence, slope in zip(ranked, (2.0, 1.0, 0.0), strict=True):
+        assert influence.low < 1.02 * np.exp(slope) and influence.high > 0.98 * np.exp(slope)
+        assert influence.decides == (slope > 0.0)
+    assert_allclose([influence.share for influence in ranked], [0.8, 0.2, 0.0], atol=0.08)
 
 
 def test_the_package_that_ranks_influences_is_named_where_it_is_missing(monkeypatch):
@@ -351,7 +353,7 @@ def test_a_bed_has_pressure_only_above_its_jamming_fraction():
     small = make_small_bed("disc")
     press = Press(small.shape, Room(small.bed.width, small.bed.height, (small.cylinder,), 1))
     fractions = 0.74 + 0.005 * np.arange(28)
-    loads = np.array([press.press(each) for each in fractions]) / small.diameters.mean()
+    loads = np.array([press.press(fraction) for fraction in fractions]) / small.diameters.mean()
     jamming, _ = line(fractions, loads)
     loose = fractions[loads <= NOISE].max()
     assert loose - 0.01 < jamming < loose + 0.02
@@ -408,7 +410,7 @@ def study(drag_at_distance=1600.0, friction=0.0):
         "x": np.full(count, np.nan),
         "point": np.full(count, -1),
     }
-    jam = np.array([{"c1": 0.814, "e1": 0.850, "d1": 0.8146}[each] for each in shapes])
+    jam = np.array([{"c1": 0.814, "e1": 0.850, "d1": 0.8146}[shape] for shape in shapes])
     along = {
         "run_curve": (("run", "place"), runs["drag"][:, None] * np.ones((1, 5))),
         "run_factor": (("run", "factor"), np.full((count, 1), np.nan)),
@@ -436,13 +438,13 @@ def study(drag_at_distance=1600.0, friction=0.0):
 @pytest.mark.parametrize("drag", [500.0, 1000.0, 707.1, 2000.0])
 def test_what_remains_of_an_effect(drag):
     """All, nothing, half or the opposite of it, and dumbbells keep theirs."""
-    found = {(r.shape, r.state): r.ratio for r in remaining(study(drag))}
+    ratios = {(r.shape, r.state): r.ratio for r in remaining(study(drag))}
     for place, truth in {
         ("e1", "equal distance"): drag / 1000.0,
         ("d1", "equal distance"): 2.0,
         ("e1", "equal fraction"): 0.5,
     }.items():
-        _, low, high = found[place]
+        _, low, high = ratios[place]
         assert low < truth < high < 1.5 * low
 
 

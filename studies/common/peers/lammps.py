@@ -72,10 +72,10 @@ def seconds(
         file.write_bytes(pickle.dumps(arguments))
         command = [mpiexec(), "-n", str(ranks), sys.executable, "-m", __name__, file]
         run = subprocess.run(command, text=True, capture_output=True, check=False)
-    said = run.stdout.split()
-    if run.returncode != 0 or said[:-1] != [str(ranks)]:
+    words = run.stdout.split()
+    if run.returncode != 0 or words[:-1] != [str(ranks)]:
         raise RunError(f"LAMMPS on {ranks} ranks stopped: {(run.stderr or run.stdout)[-200:]}")
-    return float(said[1])
+    return float(words[1])
 
 
 def _time(scene, state, time_step, warm, steps):
@@ -169,9 +169,9 @@ class Run:
                 f"run {steps} post no",
             ]
         )
-        found = np.array([self._lammps.extract_fix("push", 0, 1, row) for row in (0, 1)])
+        force = np.array([self._lammps.extract_fix("push", 0, 1, row) for row in (0, 1)])
         self._commands(["unfix push", "uncompute push"])
-        return -found
+        return -force
 
     @property
     def ranks(self) -> tuple[int, int]:
@@ -300,7 +300,7 @@ def _motion(scene, state, file):
     yield f"fix motion all rigid/small molecule infile {file} reinit no"
 
 
-def _boundary(scene, time_step, seen, same):
+def _boundary(scene, time_step, suffix, same):
     if scene.walls:
         width, height = (repr(float(v)) for v in scene.planes[[1, 3], 2])
         yield f"fix sides all wall/gran {_law(scene, 'wall', same)} xplane 0.0 {width}"
@@ -315,10 +315,10 @@ def _boundary(scene, time_step, seen, same):
             "move v_moved_x v_moved_y NULL"
         )
         law = _law(scene, "solid", same)
-        yield f"fix roller all wall/gran/region {law} region roller{seen}"
+        yield f"fix roller all wall/gran/region {law} region roller{suffix}"
 
 
 if __name__ == "__main__":  # one of the ranks of `seconds`
-    rank, *found = _time(*pickle.loads(Path(sys.argv[1]).read_bytes()))
+    rank, *numbers = _time(*pickle.loads(Path(sys.argv[1]).read_bytes()))
     if rank == 0:
-        print(*found)
+        print(*numbers)

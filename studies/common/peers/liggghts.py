@@ -65,18 +65,18 @@ def available() -> str | None:
 def version() -> str:
     """Release as the program itself names it."""
     with tempfile.TemporaryDirectory() as folder:
-        found = re.search(r"LIGGGHTS-\S+ [\d.]+", output(*COMMAND, folder=folder, text="\n"))
-    return found[0] if found else "unknown"
+        match = re.search(r"LIGGGHTS-\S+ [\d.]+", output(*COMMAND, folder=folder, text="\n"))
+    return match[0] if match else "unknown"
 
 
 def seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int) -> float:
     """Time (s) that a number of steps takes after `warm` others, without starting and ending."""
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "bed").write_text(_bed(scene, state.checked(scene.granules)))
-        said = output(*COMMAND, folder=folder, text=_input(scene, time_step, warm, steps))
-    times = re.findall(r"^Loop time of (\S+) ", said, re.M)
+        text = output(*COMMAND, folder=folder, text=_input(scene, time_step, warm, steps))
+    times = re.findall(r"^Loop time of (\S+) ", text, re.M)
     if len(times) != 2:
-        raise RunError(f"LIGGGHTS stopped: {last_lines(said)}")
+        raise RunError(f"LIGGGHTS stopped: {last_lines(text)}")
     return float(times[1])
 
 
@@ -96,7 +96,7 @@ def _bed(scene, state):
     lines += [f"{-radius:.17g} {radius:.17g} zlo zhi", "", "Atoms", ""]
     atoms = zip(kind, size, weight, *position.T, strict=True)
     for k, (sort, *values) in enumerate(atoms, 1):
-        lines.append(" ".join((f"{k} {sort}", *(f"{each:.17g}" for each in values), "0")))
+        lines.append(" ".join((f"{k} {sort}", *(f"{value:.17g}" for value in values), "0")))
     lines += ["", "Velocities", ""]
     for k, (u, v, turn) in enumerate(zip(*velocity.T, spin, strict=True), 1):
         lines.append(f"{k} {u:.17g} {v:.17g} 0 0 0 {turn:.17g}")

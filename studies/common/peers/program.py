@@ -23,6 +23,6 @@ def output(*command: str, folder=None, text: str = "") -> str:
     return run.stdout
 
 
-def last_lines(said: str) -> str:
+def last_lines(text: str) -> str:
     """The end of what a program has printed, on one line."""
-    return " ".join(said.split("\n")[-3:])
+    return " ".join(text.split("\n")[-3:])

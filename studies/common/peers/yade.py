@@ -46,17 +46,17 @@ for axis, length in enumerate(d["box"]):
     for place, sense in ((0.0, 1), (length, -1)):
         O.bodies.append(utils.wall(place, axis, sense=sense, material=walls))
 
-def each(*pairs):
+def matcher(*pairs):
     return MatchMaker(matches=[(granules, other, v) for other, v in zip((granules, walls, cylinder), pairs)])
 
-bounce = dict(en=each(*[d["restitution"]] * 3), es=each(*[d["restitution"]] * 3))
+bounce = dict(en=matcher(*[d["restitution"]] * 3), es=matcher(*[d["restitution"]] * 3))
 O.dt = d["time_step"]
 O.engines = [
     ForceResetter(),
     InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()], verletDist=d["skin"]),
     InteractionLoop(
         [Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
-        [Ip2_FrictMat_FrictMat_MindlinPhys(frictAngle=each(*d["angles"]), **bounce)],
+        [Ip2_FrictMat_FrictMat_MindlinPhys(frictAngle=matcher(*d["angles"]), **bounce)],
         [Law2_ScGeom_MindlinPhys_Mindlin()],
     ),
     NewtonIntegrator(damping=0.0, exactAsphericalRot=False),
@@ -76,8 +76,8 @@ def available() -> str | None:
 
 def version() -> str:
     """Release as the program itself names it."""
-    found = re.search(r"version: (\S+)", output(PROGRAM, "--version"))
-    return found[1] if found else "unknown"
+    match = re.search(r"version: (\S+)", output(PROGRAM, "--version"))
+    return match[1] if match else "unknown"
 
 
 def seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int) -> float:
@@ -87,11 +87,11 @@ def seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int)
         values |= {"time_step": time_step, "warm": warm, "steps": steps}
         (Path(folder) / "scene").write_text(json.dumps(values))
         (Path(folder) / "run.py").write_text(SCRIPT)
-        said = output(PROGRAM, "-n", "-x", "-j1", "run.py", folder=folder)
-    found = re.search(r"^seconds (\S+)", said, re.M)
-    if found is None:
-        raise RunError(f"YADE stopped: {last_lines(said)}")
-    return float(found[1])
+        text = output(PROGRAM, "-n", "-x", "-j1", "run.py", folder=folder)
+    match = re.search(r"^seconds (\S+)", text, re.M)
+    if match is None:
+        raise RunError(f"YADE stopped: {last_lines(text)}")
+    return float(match[1])
 
 
 def _values(scene, state):

@@ -50,7 +50,9 @@ def plot(dataset: xr.Dataset) -> Figure:
         if angles:
             means = [mean_interval(values.sel(intruder=label)) for label in angles]
             style.intervals(right, [*angles.values()], means, **look)
-    left.set_yticks(range(len(outlines)), [WORDS.get(each, each) for each in outlines[::-1]])
+    left.set_yticks(
+        range(len(outlines)), [WORDS.get(outline, outline) for outline in outlines[::-1]]
+    )
     left.set(xlabel=f"Mean force from {window_text(dataset)} (N)")
     right.set(xlabel="Angle of the plate (degrees)", ylabel="Mean force (N)")
     right.set_xticks([*angles.values()])

@@ -11,6 +11,6 @@ HERE = Path(__file__).parent.parent
 
 def test_boxes_of_the_sweep_are_about_square():
     for run in load(HERE / "sweep.yaml").block("drag").runs.values():
-        own = run.configuration
-        height = height_of_box(own, diameters(run))
-        assert 0.8 < height / own.box_width < 1.25
+        configuration = run.configuration
+        height = height_of_box(configuration, diameters(run))
+        assert 0.8 < height / configuration.box_width < 1.25

@@ -28,16 +28,16 @@ def plot(dataset: xr.Dataset) -> Figure:
     figure, grid = style.panels(2 * len(columns), len(columns), 0.4, 3.0, **size)
     for above, below, place in zip(grid, grid[len(columns) :], columns, strict=False):
         above.set_title(heading(runs, place, len(columns)) or "all runs")
-        here = runs.sel(place).squeeze().transpose(AXIS, "shape", "seed").values
-        for number, (way, drags) in enumerate(zip(ways, here, strict=True)):
+        values = runs.sel(place).squeeze().transpose(AXIS, "shape", "seed").values
+        for number, (way, drags) in enumerate(zip(ways, values, strict=True)):
             look = style.numbered(number) | {"label": way}
             look["markerfacecolor"] = "white" if number % 2 else None
             x = np.arange(len(shapes)) + APART * (number - 0.5 * (len(ways) - 1))
-            style.intervals(above, x, [mean_interval(each) for each in drags], **look)
+            style.intervals(above, x, [mean_interval(sample) for sample in drags], **look)
             if number:
                 ratios = [
                     log_ratio_interval(*pair, paired=True)
-                    for pair in zip(drags, here[0], strict=True)
+                    for pair in zip(drags, values[0], strict=True)
                 ]
                 style.intervals(below, x, ratios, **look)
         below.axhline(1.0, **style.REFERENCE)

@@ -26,27 +26,28 @@ def plot(dataset: xr.Dataset) -> Figure:
     figure, grid = style.panels(2 * len(columns), len(columns), 0.4, 3.5, sharex=True)
     for above, below, place in zip(grid, grid[len(columns) :], columns, strict=False):
         above.set_title(heading(dataset, place, len(columns)) or "all runs")
-        found = Widths(dataset.sel(place))
-        base = found.line(found.shapes[0])
-        for number, shape in enumerate(found.shapes):
+        widths = Widths(dataset.sel(place))
+        base = widths.line(widths.shapes[0])
+        for number, shape in enumerate(widths.shapes):
             look = style.numbered(number) | {"label": shape}
-            shift, line = 1.0 + APART * (number - 0.5 * (len(found.shapes) - 1)), found.line(shape)
-            drags = [found.drag(shape, box) for box in found.series]
-            _points(above, found, shift, drags, found.drag_limit(shape), line.drag, look)
+            shift = 1.0 + APART * (number - 0.5 * (len(widths.shapes) - 1))
+            line = widths.line(shape)
+            drags = [widths.drag(shape, box) for box in widths.series]
+            _points(above, widths, shift, drags, widths.drag_limit(shape), line.drag, look)
             if number:
-                ratios = [found.ratio(shape, box) for box in found.series]
-                _points(below, found, shift, ratios, found.limit(shape), _over(line, base), look)
+                ratios = [widths.ratio(shape, box) for box in widths.series]
+                _points(below, widths, shift, ratios, widths.limit(shape), _over(line, base), look)
         style.logarithmic(below, "x")
-        widths = np.unique(found.width[found.along])
-        ticks = [f"{each:g}" for each in widths]
-        below.set_xticks([*widths, BEYOND * widths[-1]], [*ticks, "\N{INFINITY}"])
+        places = np.unique(widths.width[widths.along])
+        ticks = [f"{width:g}" for width in places]
+        below.set_xticks([*places, BEYOND * places[-1]], [*ticks, "\N{INFINITY}"])
         below.axhline(1.0, **style.REFERENCE)
         below.set_xlabel("Width of the box, over that of the first")
         for axes in (above, below):
             style.logarithmic(axes)
     grid[0].set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
-    grid[len(columns)].set_ylabel(f"Drag over that of {found.shapes[0]}")
-    style.legend(figure, grid[0], ncols=len(found.shapes))
+    grid[len(columns)].set_ylabel(f"Drag over that of {widths.shapes[0]}")
+    style.legend(figure, grid[0], ncols=len(widths.shapes))
     figure.suptitle(
         "Drag against the width of the box, and lines in 1 / width of the drag or its inverse\n"
         "(95 % intervals; open symbols: limits; none where the line may end at no drag)"
@@ -59,10 +60,10 @@ def _over(line, base):
     return lambda width: line.drag(width) / base.drag(width)
 
 
-def _points(axes, found, shift, values, limit, curve, look):
+def _points(axes, widths, shift, values, limit, curve, look):
     """Means in the boxes that differ in width alone; the line through them and its limit, if the
     drag has one."""
-    x = found.width[found.along]
+    x = widths.width[widths.along]
     style.intervals(axes, x * shift, values, **look)
     if 0.0 < limit.low <= limit.high < np.inf:
         end = BEYOND * x.max()
@@ -70,5 +71,5 @@ def _points(axes, found, shift, values, limit, curve, look):
             axes, [end * shift], limit, markerfacecolor="white", **look | {"label": None}
         )
         along = np.geomspace(x.min(), x.max(), 50)
-        y = [curve(each)[0] for each in along]
+        y = [curve(width)[0] for width in along]
         axes.plot(along * shift, y, color=look["color"], linewidth=1.2)

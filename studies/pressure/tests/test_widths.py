@@ -46,11 +46,11 @@ def boxes(power=1.0, slope=(0.8, 1.5), seeds=4, noise=0.0, seed=1):
 @pytest.mark.parametrize("power", [1.0, -1.0])
 def test_the_line_finds_the_box_without_end(power):
     """And in which of both ways the walls count, and how wide is within 5 % of it."""
-    found = Widths(boxes(power))
-    assert found.along.tolist() == [True, True, True, False] and found.power == power
-    assert found.drag_limit("c1").value == pytest.approx(1000.0)
-    assert found.limit("e1").value == pytest.approx(0.5)
-    near = found.share("c1", found.enough("c1")).value
+    widths = Widths(boxes(power))
+    assert widths.along.tolist() == [True, True, True, False] and widths.power == power
+    assert widths.drag_limit("c1").value == pytest.approx(1000.0)
+    assert widths.limit("e1").value == pytest.approx(0.5)
+    near = widths.share("c1", widths.enough("c1")).value
     assert near == pytest.approx(1.0 + 0.05 * power)
 
 
@@ -67,8 +67,8 @@ def test_boxes_that_differ_in_any_other_value_are_not_of_the_line():
 
 def test_a_drag_that_only_walls_make_has_no_limit():
     """A bed that is not jammed makes room at infinite width."""
-    found = Widths(boxes(slope=(0.8, 1e9), noise=0.1))
-    assert found.limit("e1").low == 0.0 and found.limit("e1").value < 0.5e6
+    widths = Widths(boxes(slope=(0.8, 1e9), noise=0.1))
+    assert widths.limit("e1").low == 0.0 and widths.limit("e1").value < 0.5e6
 
 
 @pytest.mark.parametrize("power", [1.0, -1.0])
@@ -77,8 +77,8 @@ def test_intervals_hold_the_truth_as_often_as_they_say(power):
     drag in a box that is as wide as the first."""
     held = []
     for seed in range(100):
-        found = Widths(boxes(power, noise=0.02, seed=seed))
-        limit, change = found.limit("e1"), found.change("e1", "high")
+        widths = Widths(boxes(power, noise=0.02, seed=seed))
+        limit, change = widths.limit("e1"), widths.change("e1", "high")
         held.append([limit.low < 0.5 < limit.high, change.low < 1.0 < change.high])
     share = np.mean(held, axis=0)
     assert (share >= 0.90).all() and (share <= 0.99).all()
@@ -110,8 +110,13 @@ def test_every_bed_of_the_study_has_the_same_shape_of_neighbourhood():
     the cylinder as far from the floor."""
     paper, runs = load("config/paper.yaml"), load(HERE / "sweep.yaml").block("drag").runs
     for run in runs.values():
-        own, shape = run.configuration, run.shape
-        size = own.box_width / paper.box_width * paper.cylinder.start / own.cylinder.start
+        configuration, shape = run.configuration, run.shape
+        size = (
+            configuration.box_width
+            / paper.box_width
+            * paper.cylinder.start
+            / configuration.cylinder.start
+        )
         assert shape.granules == pytest.approx(paper.shapes[run.label].granules * size)
-        assert own.material.thickness == paper.shapes["c1"].diameter
-        assert (own.packing.fraction is None) != (own.packing.pressure is None)
+        assert configuration.material.thickness == paper.shapes["c1"].diameter
+        assert (configuration.packing.fraction is None) != (configuration.packing.pressure is None)

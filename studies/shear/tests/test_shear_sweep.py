@@ -11,9 +11,11 @@ def test_every_bed_is_sheared_in_all_ways():
     """With friction in all contacts and with none, at the same inertial numbers."""
     beds = {}
     for run in load(HERE / "sweep.yaml").block("drag").runs.values():
-        own = run.configuration
+        configuration = run.configuration
         ways = beds.setdefault(run.bed_key(), set())
-        ways.add((own.shear.inertial_number, *own.friction.model_dump().values()))
+        ways.add(
+            (configuration.shear.inertial_number, *configuration.friction.model_dump().values())
+        )
     numbers = {number for number, *_ in next(iter(beds.values()))}
     assert {1e-3, 0.3} <= numbers
     for ways in beds.values():

@@ -17,17 +17,17 @@ COLUMNS, ROW = 2, 0.3  # ROW in inches
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """One row per case, one mark per shape: the worst of its values over their limits."""
-    found = stability.of(dataset)
+    findings = stability.of(dataset)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.nan_to_num(np.divide(found.checks.value, found.checks.limit), posinf=MOST)
-    checks = found.checks.assign(ratio=np.clip(ratio, LEAST, MOST))
+        ratio = np.nan_to_num(np.divide(findings.checks.value, findings.checks.limit), posinf=MOST)
+    checks = findings.checks.assign(ratio=np.clip(ratio, LEAST, MOST))
     worst = checks.sort_values("ratio").drop_duplicates(["case", "shape"], keep="last")
     names, shapes = checks.case.unique(), checks["shape"].unique().tolist()
     rows = -(-len(names) // COLUMNS)
     figure = Figure(figsize=(style.WIDTH, ROW * rows + 1.7))
     for column, axes in enumerate(figure.subplots(1, COLUMNS, sharex=True)):
-        here = names[column * rows : (column + 1) * rows]
-        for place, name in enumerate(here):
+        cases = names[column * rows : (column + 1) * rows]
+        for place, name in enumerate(cases):
             for check in worst[worst.case == name].itertuples():
                 number = shapes.index(check.shape)
                 if np.isfinite(check.value):
@@ -35,7 +35,7 @@ def plot(dataset: xr.Dataset) -> Figure:
                     look = {"color": style.CURVE, "markerfacecolor": face, "markersize": 5.5}
                     axes.plot(check.ratio, place, style.MARKERS[number], **look)
                 elif number == min(
-                    shapes.index(each) for each in worst[worst.case == name]["shape"]
+                    shapes.index(shape) for shape in worst[worst.case == name]["shape"]
                 ):
                     axes.text(LEAST, place, check.outcome, va="center", fontsize=9)
         axes.axvline(1.0, **style.REFERENCE)
@@ -44,14 +44,14 @@ def plot(dataset: xr.Dataset) -> Figure:
         axes.set_xticks(
             [1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4], ["≤ 10⁻⁶", "10⁻⁴", "10⁻²", "1", "10²", "10⁴"]
         )
-        axes.set_yticks(range(len(here)), [name.replace("_", " ") for name in here])
+        axes.set_yticks(range(len(cases)), [name.replace("_", " ") for name in cases])
         axes.grid(axis="x", visible=True)
         axes.set_xlabel("Worst value over its limit")
     for shape, marker in zip(shapes, style.MARKERS, strict=False):
         axes.plot([], [], marker, color=style.CURVE, label=shape)
     style.legend(figure, axes, ncols=len(shapes))
     figure.suptitle(
-        f"Stiff and extreme: {found.passed()} of {found.total()} checks keep within their limits\n"
+        f"Stiff and extreme: {findings.passed()} of {findings.total()} checks keep within their limits\n"
         "(open: known limits; in words: refused, as expected)"
     )
     return figure

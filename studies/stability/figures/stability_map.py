@@ -25,8 +25,8 @@ def plot(dataset: xr.Dataset) -> Figure:
     grid = figure.subplots(len(shapes), len(stiffness), sharex=True, sharey=True, squeeze=False)
     for row, shape in zip(grid, shapes, strict=True):
         for axes, factor in zip(row, stiffness, strict=True):
-            here = dataset.sel(map_shape=shape, map_stiffness=factor)
-            image = _panel(axes, here, float(dataset.attrs["default_fraction"]))
+            panel = dataset.sel(map_shape=shape, map_stiffness=factor)
+            image = _panel(axes, panel, float(dataset.attrs["default_fraction"]))
             axes.set_title(f"{shape}, E \N{MULTIPLICATION SIGN} {factor:g}", loc="left")
     for axes in grid[-1]:
         axes.set_xlabel("Step fraction")
@@ -49,12 +49,12 @@ def _title(dataset: xr.Dataset) -> str:
     return "; ".join(words).capitalize() or "Energy adds up at all of these steps"
 
 
-def _panel(axes, here, default):
+def _panel(axes, panel, default):
     """Residuals as a heat map; crosses where runs broke or failed."""
-    fractions, restitutions = here["map_fraction"].values, here["map_restitution"].values
-    values = here["map_residual"].transpose("map_restitution", "map_fraction").values
-    shown = np.where(np.isfinite(values), np.clip(values, *RANGE), RANGE[1])
-    image = axes.imshow(shown, norm=LogNorm(*RANGE), cmap="cividis_r", aspect="auto")
+    fractions, restitutions = panel["map_fraction"].values, panel["map_restitution"].values
+    values = panel["map_residual"].transpose("map_restitution", "map_fraction").values
+    residual = np.where(np.isfinite(values), np.clip(values, *RANGE), RANGE[1])
+    image = axes.imshow(residual, norm=LogNorm(*RANGE), cmap="cividis_r", aspect="auto")
     for row, column in np.argwhere(~(values <= OFF)):
         mark = "." if values[row, column] <= BROKEN else "x"
         axes.plot(column, row, mark, color="white", markersize=5, markeredgewidth=1.3)

@@ -13,10 +13,15 @@ def test_every_bed_is_drawn_in_all_ways():
     block = load(HERE / "sweep.yaml").block("drag")
     beds = {}
     for run in block.runs.values():
-        own = run.configuration
+        configuration = run.configuration
         ways = beds.setdefault(run.bed_key(), set())
         ways.add(
-            (own.cylinder.velocity, own.friction.granule, own.friction.wall, own.friction.cylinder)
+            (
+                configuration.cylinder.velocity,
+                configuration.friction.granule,
+                configuration.friction.wall,
+                configuration.friction.cylinder,
+            )
         )
     velocities = {velocity for velocity, *_ in ways}
     assert len(beds) == block.shape[-1] >= LEAST["seed"] and 2.0 in velocities

@@ -35,9 +35,9 @@ def exact(points: int = 200) -> tuple[float, float]:
     x = np.arange(-8 * points, 8 * points + 1) / points
     tent, wave = np.maximum(1.0 - np.abs(x), 0.0) / points, np.exp(-(x**2))
     for _ in range(60):
-        made = np.convolve(wave**1.5, tent[7 * points : 9 * points + 1], "same")
-        peak = made.max()
-        wave = made / peak
+        force = np.convolve(wave**1.5, tent[7 * points : 9 * points + 1], "same")
+        peak = force.max()
+        wave = force / peak
     middle = wave[np.abs(x) <= 0.5] ** 1.5
     return peak, (middle.sum() - 0.5 * (middle[0] + middle[-1])) / points
 
@@ -50,10 +50,10 @@ def measured(speed: float, fine: float) -> tuple[float, float, float]:
     interval = 0.2 / (0.8 * (k / m) ** 0.4 * speed**0.2)  # s, about a fifth of a granule
     state = dem.State(np.outer(2.0 * RADIUS * np.arange(DISCS), [1.0, 0.0]))
     state.velocity[0, 0] = speed
-    found = dem.simulate(scene, state, 300 * interval, frames=300, time_step=interval * fine / 0.2)
-    velocity, overlap = found.velocity[..., 0], 2.0 * RADIUS - np.diff(found.position[..., 0])
-    passed, highest = np.array([_peak(found.time, each) for each in velocity[:, WATCHED].T]).T
-    deepest = np.mean([_peak(found.time, each)[1] for each in overlap[:, WATCHED].T])
+    run = dem.simulate(scene, state, 300 * interval, frames=300, time_step=interval * fine / 0.2)
+    velocity, overlap = run.velocity[..., 0], 2.0 * RADIUS - np.diff(run.position[..., 0])
+    passed, highest = np.array([_peak(run.time, series) for series in velocity[:, WATCHED].T]).T
+    deepest = np.mean([_peak(run.time, series)[1] for series in overlap[:, WATCHED].T])
     rate = np.polyfit(passed, np.arange(len(passed)), 1)[0]
     return rate, highest.mean(), k * deepest**1.5
 
@@ -71,8 +71,8 @@ def measure() -> list[Row]:
     scale = (hertz(scene.material, 2, 0.5 * RADIUS) / scene.mass[0]) ** 0.4
     high, middle = exact()
     prefactor = high**0.6 * middle**-0.2
-    found = np.array([measured(speed, 0.02) for speed in SPEEDS])
-    rate, velocity, force = found.T
+    waves = np.array([measured(speed, 0.02) for speed in SPEEDS])
+    rate, velocity, force = waves.T
     rows = [
         Row(
             "speed of the wave",
@@ -82,7 +82,7 @@ def measure() -> list[Row]:
             2e-4 * 2.0 * RADIUS * s,
             v,
         )
-        for s, v, _ in found
+        for s, v, _ in waves
     ]
     steps = [s / scale / v**0.2 for s, v, _ in (measured(1.0, fine) for fine in (0.2, 0.1, 0.05))]
     order = np.log2((steps[0] - steps[1]) / (steps[1] - steps[2]))

@@ -37,12 +37,12 @@ def measure() -> list[Row]:
     state = dem.State(
         1.5e-3 + 3e-3 * np.column_stack([column, row]), angle=rng.uniform(0.0, np.pi, GRANULES)
     )
-    found = dem.simulate(scene, state, SETTLE, frames=FRAMES, time_step=STEP)
+    run = dem.simulate(scene, state, SETTLE, frames=FRAMES, time_step=STEP)
     mass, inertia = scene.mass, scene.inertia
     weight, interval = GRAVITY * mass.sum(), SETTLE / FRAMES
-    left, right, floor, lid = found.wall_force[1:].T
-    change = np.diff(np.einsum("g,fga->fa", mass, found.velocity), axis=0) / interval
-    kinetic = 0.5 * (found.velocity**2).sum(-1) @ mass + 0.5 * found.angular_velocity**2 @ inertia
+    left, right, floor, lid = run.wall_force[1:].T
+    change = np.diff(np.einsum("g,fga->fa", mass, run.velocity), axis=0) / interval
+    kinetic = 0.5 * (run.velocity**2).sum(-1) @ mass + 0.5 * run.angular_velocity**2 @ inertia
     rest = 2.0 * np.sqrt(2.0 * mass.sum() * kinetic[-2:].max()) / interval / weight
     off = np.abs(floor - lid - weight - change[:, 1]), np.abs(left - right - change[:, 0])
     step = STEP / interval
@@ -55,7 +55,7 @@ def measure() -> list[Row]:
             step,
             time,
         )
-        for force, gained, time in zip(floor - lid, change[:, 1], found.time[1:], strict=True)
+        for force, gained, time in zip(floor - lid, change[:, 1], run.time[1:], strict=True)
     ]
     return loads[::3] + [
         Row("worst balance of momentum over the weight", "1", np.max(off) / weight, 0.0, step),

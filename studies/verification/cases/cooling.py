@@ -43,10 +43,8 @@ def cooled(seed: int, step_fraction: float) -> np.ndarray:
     """T^(-1/2) over the first (f,), for a time in which it doubles."""
     scene = gas(dem.Disc(np.full(DISCS, 0.5 * DIAMETER)), FRACTION, SOFTNESS, RESTITUTION)
     state = thermal(scene, np.random.default_rng(seed))
-    found = dem.simulate(
-        scene, state, FLIGHT / enskog(), frames=FRAMES, step_fraction=step_fraction
-    )
-    return SPEED / np.sqrt(0.5 * (found.velocity**2).sum(-1).mean(-1))
+    run = dem.simulate(scene, state, FLIGHT / enskog(), frames=FRAMES, step_fraction=step_fraction)
+    return SPEED / np.sqrt(0.5 * (run.velocity**2).sum(-1).mean(-1))
 
 
 def lost(step_fraction: float) -> float:
@@ -58,8 +56,8 @@ def lost(step_fraction: float) -> float:
         state = dem.State(
             [[0.0, 0.0], [(1.0 + gap) * DIAMETER, 0.0]], [[speed, 0.0], [-speed, 0.0]]
         )
-        found = dem.simulate(scene, state, 0.1 * FLIGHT, step_fraction=step_fraction)
-        kept.append((found.velocity[-1, 1, 0] / speed) ** 2)
+        run = dem.simulate(scene, state, 0.1 * FLIGHT, step_fraction=step_fraction)
+        kept.append((run.velocity[-1, 1, 0] / speed) ** 2)
     return 1.0 - np.mean(kept)
 
 

@@ -36,8 +36,8 @@ def exact(wave: np.ndarray, mass: float) -> np.ndarray:
     stiff, force = 1.5 * K * np.sqrt(overlap), K * overlap**1.5
     turn = np.pi / 3.0 * np.arange(6)
     along = np.array([np.cos(turn), np.sin(turn)]) ** 2
-    each = stiff * along - force / SPACING * (1.0 - along)
-    return np.sqrt(each @ (1.0 - np.cos(np.outer(np.cos(turn) * SPACING, wave))) / mass)
+    springs = stiff * along - force / SPACING * (1.0 - along)
+    return np.sqrt(springs @ (1.0 - np.cos(np.outer(np.cos(turn) * SPACING, wave))) / mass)
 
 
 def frequencies(scene: dem.Scene, place: np.ndarray, wave: np.ndarray, step: float) -> np.ndarray:
@@ -45,8 +45,8 @@ def frequencies(scene: dem.Scene, place: np.ndarray, wave: np.ndarray, step: flo
     shapes = np.cos(np.outer(place[:, 0], wave))
     moved = AMPLITUDE * SPACING * shapes.sum(1)
     state = dem.State(place + moved[:, None])
-    found = dem.simulate(scene, state, 4000 * step, frames=1000, time_step=step)
-    amplitude = np.einsum("fga,gk->akf", found.position - place, shapes)
+    run = dem.simulate(scene, state, 4000 * step, frames=1000, time_step=step)
+    amplitude = np.einsum("fga,gk->akf", run.position - place, shapes)
     middle, sides = amplitude[..., 1:-1], amplitude[..., 2:] + amplitude[..., :-2]
     return np.arccos(0.5 * (middle * sides).sum(-1) / (middle**2).sum(-1)) / (4.0 * step)
 
@@ -62,7 +62,7 @@ def measure() -> list[Row]:
     wave = 2.0 * np.pi * MODES / (SPACING * COLUMNS)
     expected = exact(wave, scene.mass[0])
     step = 0.15 / expected.max()
-    fine, coarse = (frequencies(scene, place, wave, each) for each in (step, 2.0 * step))
+    fine, coarse = (frequencies(scene, place, wave, time_step) for time_step in (step, 2.0 * step))
     off = np.arcsin(0.5 * step * expected) / (0.5 * step * expected) - 1.0 + 1e-6
     rows = [
         Row(

@@ -19,7 +19,7 @@ from scipy.optimize import brentq
 
 import dem
 from studies.verification.row import Row
-from studies.verification.scenes import FINE, FRAMES, SAMPLED, G, Sphere, impact, scene, within
+from studies.verification.scenes import FINE, FRAMES, SAMPLED, G, Sphere, impact, scene_of, within
 
 TITLE = "Fall and bounces"
 SOURCE = "MFiX verification manual, DEM01 and DEM02"
@@ -36,37 +36,37 @@ def measure() -> list[Row]:
 
 def ball(e: float, height: float):
     """The scene, the speed (m/s) at the floor, and the scales there."""
-    made = scene(Sphere([RADIUS]), dem.Material(2500.0, 1e9, 0.22, e), gravity=(0.0, -G))
+    scene = scene_of(Sphere([RADIUS]), dem.Material(2500.0, 1e9, 0.22, e), gravity=(0.0, -G))
     speed = math.sqrt(2.0 * G * height)
-    return made, speed, impact(made.material, 1, RADIUS, made.mass[0], speed)
+    return scene, speed, impact(scene.material, 1, RADIUS, scene.mass[0], speed)
 
 
 def pressed(height: float):
     """How far an elastic ball falls in a given time, and how deep it is pressed in."""
-    (made, speed, scales), name = ball(1.0, height), f"from {1e3 * height:g} mm"
-    top, weight = RADIUS + height, made.mass[0] * G
-    run = dem.simulate(made, dem.State([[0.0, top]]), 0.9 * speed / G)
+    (scene, speed, scales), name = ball(1.0, height), f"from {1e3 * height:g} mm"
+    top, weight = RADIUS + height, scene.mass[0] * G
+    run = dem.simulate(scene, dem.State([[0.0, top]]), 0.9 * speed / G)
     fallen = top - run.position[-1, 0, 1]
     yield Row(f"{name}: fall in 0.9 of the time", "m", fallen, 0.81 * height, 1e-12)
     touch = dem.State([[0.0, RADIUS]], [[0.0, -speed]])
     lasts = 1.2 * scales.duration
-    run = dem.simulate(made, touch, lasts, lasts / FRAMES, FRAMES)
+    run = dem.simulate(scene, touch, lasts, lasts / FRAMES, FRAMES)
     stored = lambda d: 0.4 * scales.stiffness * d**2.5 - weight * (height + d)  # noqa: E731
     depth = brentq(stored, scales.overlap, 9.0 * scales.overlap, xtol=1e-16)
-    found = RADIUS - run.position[:, 0, 1].min()
-    yield Row(f"{name}: greatest overlap", "m", found, depth, SAMPLED * depth)
+    value = RADIUS - run.position[:, 0, 1].min()
+    yield Row(f"{name}: greatest overlap", "m", value, depth, SAMPLED * depth)
 
 
 def bounced(e: float):
     """Heights after each bounce, over the first."""
-    made, speed, scales = ball(e, HEIGHT)
+    scene, speed, scales = ball(e, HEIGHT)
     ends = speed / G * np.cumsum([1.0] + [2.0 * e**n for n in range(1, BOUNCES + 1)])
     start = dem.State([[0.0, RADIUS + HEIGHT]])
-    run = dem.simulate(made, start, ends[-1], frames=8000, step_fraction=FINE)
+    run = dem.simulate(scene, start, ends[-1], frames=8000, step_fraction=FINE)
     height, peak = run.position[:, 0, 1] - RADIUS, G / 8.0 * run.time[1] ** 2 / HEIGHT
     near, share = within(e, speed, scales, run.time_step) / e, 0.0
     for n in range(1, BOUNCES + 1):
         share += 2.0 * near + 2.0 * G * scales.overlap / (e * speed) ** 2 * e ** (-1.2 * (n - 1))
-        found = height[(run.time > ends[n - 1]) & (run.time < ends[n])].max() / HEIGHT
+        value = height[(run.time > ends[n - 1]) & (run.time < ends[n])].max() / HEIGHT
         right = e ** (2 * n)
-        yield Row(f"{HEIGHTS} {e:g}", "1", found, right, share * right + peak, n)
+        yield Row(f"{HEIGHTS} {e:g}", "1", value, right, share * right + peak, n)

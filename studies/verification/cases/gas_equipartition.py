@@ -34,10 +34,10 @@ def energies(step_fraction: float, softness: float, flights: float) -> tuple[np.
     """Kinetic energies of x, y and rotation (f, 3), change of the total energy over itself."""
     scene = gas(dem.Dumbbell.of_size(np.full(DUMBBELLS, DIAMETER)), FRACTION, softness)
     state = thermal(scene, np.random.default_rng(2), along=(2.0, 1e-12))
-    found = dem.simulate(scene, state, flights * FLIGHT, frames=FRAMES, step_fraction=step_fraction)
-    along = 0.5 * np.einsum("g,fga->fa", scene.mass, found.velocity**2)
-    turning = 0.5 * found.angular_velocity**2 @ scene.inertia
-    last = dem.Simulation(scene, found.state, ledger=True).ledger()
+    run = dem.simulate(scene, state, flights * FLIGHT, frames=FRAMES, step_fraction=step_fraction)
+    along = 0.5 * np.einsum("g,fga->fa", scene.mass, run.velocity**2)
+    turning = 0.5 * run.angular_velocity**2 @ scene.inertia
+    last = dem.Simulation(scene, run.state, ledger=True).ledger()
     kinetic = np.column_stack([along, turning])
     return kinetic, last.held / kinetic[0].sum() - 1.0
 
@@ -48,8 +48,8 @@ def measure() -> list[Row]:
     share = kinetic / kinetic.sum(1, keepdims=True)
     degrees = np.array([DUMBBELLS - 1, DUMBBELLS - 1, DUMBBELLS]) / (3 * DUMBBELLS - 2)
     rows = []
-    for way, found, expected in zip(WAYS, share.T, degrees, strict=True):
-        mean, error = blocks(found[MIXED:])
+    for way, part, expected in zip(WAYS, share.T, degrees, strict=True):
+        mean, error = blocks(part[MIXED:])
         rows.append(Row(f"share of {way}", "1", mean, expected, 4.0 * error))
     walk = 4.0 * np.sqrt(2.0 * FLIGHTS * COLLISIONS / DUMBBELLS) * WORST * 0.1**2.5
     rows += [

@@ -36,19 +36,19 @@ def compressibility(fraction: float, softness: float) -> tuple[float, float]:
     scene = gas(dem.Disc(np.full(DISCS, 0.5 * DIAMETER)), fraction, softness)
     run = dem.Simulation(scene, thermal(scene, np.random.default_rng(1)), step_fraction=0.2)
     run.advance(MIXING * FLIGHT)
-    found = []
+    factors = []
     for _ in range(SAMPLES):
         run.advance(2.0 * softness * FLIGHT)
         contacts, velocity = run.contacts(), run.state.velocity
         virial = contacts.force @ (contacts.normal * contacts.branch).sum(1)
-        found.append(1.0 + virial / (scene.mass @ (velocity**2).sum(1)))
-    return blocks(np.array(found))
+        factors.append(1.0 + virial / (scene.mass @ (velocity**2).sum(1)))
+    return blocks(np.array(factors))
 
 
 def measure() -> list[Row]:
     rows = []
     for fraction, systematic in SYSTEMATIC.items():
-        (hard, one), (soft, other) = (compressibility(fraction, each) for each in SOFTNESS)
+        (hard, one), (soft, other) = (compressibility(fraction, softness) for softness in SOFTNESS)
         value, expected = 2.0 * hard - soft, henderson(fraction)
         tolerance = 4.0 * np.hypot(2.0 * one, other) + systematic * expected
         rows += [

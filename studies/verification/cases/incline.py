@@ -13,7 +13,7 @@ import math
 
 import dem
 from studies.verification.row import Row
-from studies.verification.scenes import RATIO, G, Sphere, hertz, scene
+from studies.verification.scenes import RATIO, G, Sphere, hertz, scene_of
 
 TITLE = "A granule on an incline"
 SOURCE = "mechanics of a rigid body; Walton (1993)"
@@ -31,9 +31,9 @@ def released(kind, slope: float):
     ratio = RATIO[kind]
     angle = math.atan(slope * ratio * FRICTION)
     down, press = G * math.sin(angle), G * math.cos(angle)
-    made = scene(kind([RADIUS]), MATERIAL, FRICTION, (down, -press))
-    overlap = (made.mass[0] * press / hertz(MATERIAL, 1, RADIUS)) ** (2.0 / 3.0)
-    run = dem.simulate(made, dem.State([[0.0, RADIUS - overlap]]), 0.02, frames=4)
+    scene = scene_of(kind([RADIUS]), MATERIAL, FRICTION, (down, -press))
+    overlap = (scene.mass[0] * press / hertz(MATERIAL, 1, RADIUS)) ** (2.0 / 3.0)
+    run = dem.simulate(scene, dem.State([[0.0, RADIUS - overlap]]), 0.02, frames=4)
     lasts = (run.time[-1] - run.time[1]) * down
     gains = (run.velocity[-1, 0, 0] - run.velocity[1, 0, 0]) / lasts
     spins = -RADIUS * (run.angular_velocity[-1, 0] - run.angular_velocity[1, 0]) / lasts

@@ -29,16 +29,16 @@ MU, PHI = "friction of the bed", "packing fraction"
 
 def measure() -> list[Row]:
     with xr.open_dataset(FILE) as dataset:
-        found = rheology(dataset.load())[FRICTION]
+        flow = rheology(dataset.load())[FRICTION]
     rows = []
-    for at in np.flatnonzero((found.number > LOW) & (found.number < HIGH)):
-        number = found.number[at]
-        for name, each, expected in (
-            (MU, found.middle[at], 0.25 + 1.1 * number),
-            (PHI, found.fraction[at], 0.81 - 0.3 * number),
+    for at in np.flatnonzero((flow.number > LOW) & (flow.number < HIGH)):
+        number = flow.number[at]
+        for name, interval, expected in (
+            (MU, flow.middle[at], 0.25 + 1.1 * number),
+            (PHI, flow.fraction[at], 0.81 - 0.3 * number),
         ):
-            tolerance = each[2] - each[0] + _digits(number)
-            rows.append(Row(name, "1", each[0], expected, tolerance, number))
+            tolerance = interval[2] - interval[0] + _digits(number)
+            rows.append(Row(name, "1", interval[0], expected, tolerance, number))
     for name in (MU, PHI):
         of = [row for row in rows if row.name == name]
         digits = np.array([_digits(row.x) for row in of])

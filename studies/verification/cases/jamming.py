@@ -27,8 +27,8 @@ DENSEST = 1.4  # aspect ratio
 
 def measure() -> list[Row]:
     with xr.open_dataset(FILE) as dataset:
-        found = limits(dataset.load())
-    ratio, fraction, contacts = found.ratio.tolist(), found.fraction, found.coordination
+        onset = limits(dataset.load())
+    ratio, fraction, contacts = onset.ratio.tolist(), onset.fraction, onset.coordination
     at = ratio.index(DENSEST)
     rows = [
         Row(

@@ -15,7 +15,7 @@ import numpy as np
 
 import dem
 from studies.verification.row import Row
-from studies.verification.scenes import FRAMES, SAMPLED, Sphere, impact, on_floor, scene
+from studies.verification.scenes import FRAMES, SAMPLED, Sphere, impact, on_floor, scene_of
 
 TITLE = "Hertz: overlap, force, duration"
 SOURCE = "Hertz (1882); Chung and Ooi (2011), tests 1 and 2"
@@ -27,13 +27,13 @@ def measure() -> list[Row]:
     rows, radius, speed = [], 0.01, 10.0
     for name, material in PAIRS.items():
         material = dem.Material(*material, 1.0)
-        made = scene(Sphere([radius, radius]), material)
-        scales = impact(material, 2, 0.5 * radius, 0.5 * made.mass[0], 2.0 * speed)
+        scene = scene_of(Sphere([radius, radius]), material)
+        scales = impact(material, 2, 0.5 * radius, 0.5 * scene.mass[0], 2.0 * speed)
         state = dem.State([[-radius, 1.0], [radius, 1.0]], [[speed, 0.0], [-speed, 0.0]])
         lasts = 1.2 * scales.duration
-        run = dem.simulate(made, state, lasts, lasts / FRAMES, FRAMES)
+        run = dem.simulate(scene, state, lasts, lasts / FRAMES, FRAMES)
         overlap = 2.0 * radius - np.diff(run.position[:, :, 0], axis=1)[:, 0]
-        force = -made.mass[0] * np.diff(run.velocity[:, 0, 0]) / np.diff(run.time)
+        force = -scene.mass[0] * np.diff(run.velocity[:, 0, 0]) / np.diff(run.time)
         returned = -run.velocity[-1, 0, 0] / speed
         rows += compared(f"{name} on {name}", scales, run.time, overlap, force, returned)
     for name, material in PLANES.items():

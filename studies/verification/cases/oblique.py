@@ -23,7 +23,7 @@ import numpy as np
 import dem
 from studies.verification.contact_law import Contact, damping_ratio
 from studies.verification.row import Row
-from studies.verification.scenes import RATIO, Sphere, mindlin, on_floor, scene, within
+from studies.verification.scenes import RATIO, Sphere, mindlin, on_floor, scene_of, within
 
 TITLE = "Oblique impact with friction"
 SOURCE = "Walton (1993); MFiX DEM05; Chung and Ooi (2011), tests 4 and 5; own ODE"
@@ -35,14 +35,14 @@ BESIDE = (0.98, 1.02)  # of the limit of sliding
 def impacts():
     """(name, kind, radius, material, friction, velocities) of each series."""
     slide = 3.0 * 0.3 * 1.7
-    ratios = (0.1, 0.3, 0.6, 0.9, 1.2, *(slide * each for each in BESIDE), 2.0, 3.0)
+    ratios = (0.1, 0.3, 0.6, 0.9, 1.2, *(slide * factor for factor in BESIDE), 2.0, 3.0)
     yield "disc", dem.Disc, 1e-3, (2500.0, 7e10, 0.22, 0.7), 0.3, [(x, -1.0) for x in ratios]
-    angles = [math.radians(each) for each in range(5, 90, 10)]
-    angles += [math.atan(each * 3.5 * 0.092 * 1.98) for each in BESIDE]
-    test4 = [(3.9 * math.sin(each), -3.9 * math.cos(each)) for each in sorted(angles)]
+    angles = [math.radians(degrees) for degrees in range(5, 90, 10)]
+    angles += [math.atan(factor * 3.5 * 0.092 * 1.98) for factor in BESIDE]
+    test4 = [(3.9 * math.sin(angle), -3.9 * math.cos(angle)) for angle in sorted(angles)]
     yield "sphere, test 4", Sphere, 2.5e-3, OXIDE, 0.092, test4
-    speeds = (0.3, 1.0, 2.0, 4.0, 6.0, 8.0, *(5.0 * 2.1 * each for each in BESIDE), 15.0, 20.0)
-    yield "sphere, test 5", Sphere, 1e-5, STEEL, 0.3, [(each, -5.0) for each in speeds]
+    speeds = (0.3, 1.0, 2.0, 4.0, 6.0, 8.0, *(5.0 * 2.1 * factor for factor in BESIDE), 15.0, 20.0)
+    yield "sphere, test 5", Sphere, 1e-5, STEEL, 0.3, [(speed, -5.0) for speed in speeds]
 
 
 def measure() -> list[Row]:
@@ -51,21 +51,21 @@ def measure() -> list[Row]:
 
 def turned() -> Row:
     """Angular momentum of two discs of which one hits the other, far from the floor."""
-    made = scene(dem.Disc([1e-3, 2e-3]), dem.Material(2500.0, 1e7, 0.22, 0.7), 0.3)
+    scene = scene_of(dem.Disc([1e-3, 2e-3]), dem.Material(2500.0, 1e7, 0.22, 0.7), 0.3)
     start = dem.State([[0.0, 0.1], [2.5e-3, 0.102]], [[1.0, 0.0], [0.0, 0.0]])
-    run = dem.simulate(made, start, 0.01)
+    run = dem.simulate(scene, start, 0.01)
     (x, y), (u, v) = np.moveaxis(run.position, 2, 0), np.moveaxis(run.velocity, 2, 0)
-    held = (made.mass * (x * v - y * u) + made.inertia * run.angular_velocity).sum(axis=1)
-    moved = made.mass[0] * 2e-3  # the lever of the impact times the momentum before
+    held = (scene.mass * (x * v - y * u) + scene.inertia * run.angular_velocity).sum(axis=1)
+    moved = scene.mass[0] * 2e-3  # the lever of the impact times the momentum before
     name = "angular momentum of a pair, change over what the impact moves"
     return Row(name, "1", (held[-1] - held[0]) / moved, 0.0, 1e-9)
 
 
 def returned(name, kind, radius, material, friction, velocities):
     """Tangential impulse and spin after each impact."""
-    made, e, ratio = dem.Material(*material), material[3], RATIO[kind]
+    material, e, ratio = dem.Material(*material), material[3], RATIO[kind]
     for along, down in velocities:
-        scales, run = on_floor(kind([radius]), made, (along, down), friction)
+        scales, run = on_floor(kind([radius]), material, (along, down), friction)
         unit, mass = -friction * (1.0 + e) * down, run.scene.mass[0]
         near = within(e, -down, scales, run.time_step)
         impulse, spin, tolerance = 1.0, 1.0 - ratio, near + 0.5 * scales.overlap / radius
@@ -75,7 +75,7 @@ def returned(name, kind, radius, material, friction, velocities):
                 mass * radius**2 / (ratio - 1.0),
                 radius,
                 scales.stiffness,
-                mindlin(made, 1, radius),
+                mindlin(material, 1, radius),
                 damping_ratio(e),
                 friction,
             )

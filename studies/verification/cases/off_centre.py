@@ -17,7 +17,7 @@ import math
 import dem
 from studies.verification.contact_law import damping_ratio, restitution
 from studies.verification.row import Row
-from studies.verification.scenes import FINE, impact, scene, within
+from studies.verification.scenes import FINE, impact, scene_of, within
 
 TITLE = "Impact off the centre"
 SOURCE = "impulse of a rigid body; Schwager and Poeschel (2007)"
@@ -37,18 +37,18 @@ def support(kind, angle: float) -> tuple[float, float]:
 def measure() -> list[Row]:
     shapes = dem.Dumbbell([LENGTH]), dem.Ellipse([2.0 * LENGTH], [LENGTH])
     cases = itertools.product(shapes, (1.0, 0.5), ANGLES)
-    return [row for each in cases for row in fallen(*each)]
+    return [row for case in cases for row in fallen(*case)]
 
 
 def fallen(shape, e: float, angle: float):
     """Velocity and spin after an impact at an angle of the long axis to the floor."""
-    made = scene(shape, dem.Material(2500.0, 7e10, 0.22, e))
+    scene = scene_of(shape, dem.Material(2500.0, 7e10, 0.22, e))
     height, lever = support(type(shape), math.radians(angle))
-    mass, inertia = made.mass[0], made.inertia[0]
+    mass, inertia = scene.mass[0], scene.inertia[0]
     resists = mass / (1.0 + mass * lever**2 / inertia)
-    scales = impact(made.material, 1, shape.constituent_radius[0], mass, SPEED)
+    scales = impact(scene.material, 1, shape.constituent_radius[0], mass, SPEED)
     state = dem.State([[0.0, height]], [[0.0, -SPEED]], angle=[math.radians(angle)])
-    run = dem.simulate(made, state, 2.0 * scales.duration, step_fraction=FINE)
+    run = dem.simulate(scene, state, 2.0 * scales.duration, step_fraction=FINE)
     back = restitution(damping_ratio(e) * math.sqrt(mass / resists)) if e < 1.0 else 1.0
     impulse = (1.0 + back) * resists * SPEED
     turn = lever * impulse / inertia * scales.duration

@@ -21,7 +21,7 @@ import numpy as np
 import dem
 from studies.verification.contact_law import damping_ratio, depth
 from studies.verification.row import Row
-from studies.verification.scenes import FINE, Sphere, impact, on_floor, scene, stops, within
+from studies.verification.scenes import FINE, Sphere, impact, on_floor, scene_of, stops, within
 
 TITLE = "Restitution of damped impacts"
 SOURCE = "Schwager and Poeschel (2007); Chung and Ooi (2011), test 3"
@@ -54,12 +54,12 @@ def measure() -> list[Row]:
 
 def returned(e: float, fraction: float):
     """Restitutions of the impacts over each gap, the scales of an elastic one, and the step (s)."""
-    made, values = scene(Sphere([RADIUS]), oxide(e)), []
+    scene, values = scene_of(Sphere([RADIUS]), oxide(e)), []
     for gap in GAPS:
         state = dem.State([[0.0, RADIUS + gap]], [[0.0, -SPEED]])
-        run = dem.simulate(made, state, 0.06 * RADIUS / SPEED, step_fraction=fraction)
+        run = dem.simulate(scene, state, 0.06 * RADIUS / SPEED, step_fraction=fraction)
         values.append(run.velocity[-1, 0, 1] / SPEED)
-    return np.array(values), impact(oxide(e), 1, RADIUS, made.mass[0], SPEED), run.time_step
+    return np.array(values), impact(oxide(e), 1, RADIUS, scene.mass[0], SPEED), run.time_step
 
 
 def deepest(e: float) -> Row:
@@ -72,6 +72,6 @@ def deepest(e: float) -> Row:
 
 def order(e: float) -> Row:
     """Of the error of the restitution."""
-    errors = [np.sqrt(np.mean((returned(e, each)[0] - e) ** 2)) for each in FRACTIONS]
+    errors = [np.sqrt(np.mean((returned(e, fraction)[0] - e) ** 2)) for fraction in FRACTIONS]
     slope = np.polyfit(np.log(FRACTIONS), np.log(errors), 1)[0]
     return Row("order of its error in the step", "1", slope, 2.0, 0.25)

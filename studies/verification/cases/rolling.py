@@ -17,7 +17,7 @@ import numpy as np
 
 import dem
 from studies.verification.row import Row
-from studies.verification.scenes import RATIO, G, Sphere, hertz, scene
+from studies.verification.scenes import RATIO, G, Sphere, hertz, scene_of
 
 TITLE = "Slip to roll on a floor"
 SOURCE = "MFiX verification manual, DEM04"
@@ -28,18 +28,23 @@ FRICTIONS = (0.1, 0.2, 0.3, 0.5, 0.8)
 
 
 def measure() -> list[Row]:
-    return [row for kind in (dem.Disc, Sphere) for each in FRICTIONS for row in thrown(kind, each)]
+    return [
+        row
+        for kind in (dem.Disc, Sphere)
+        for friction in FRICTIONS
+        for row in thrown(kind, friction)
+    ]
 
 
 def thrown(kind, friction: float):
     """How long a granule slips, and how fast it rolls."""
-    made = scene(kind([RADIUS]), MATERIAL, friction, (0.0, -G))
-    overlap = (made.mass[0] * G / hertz(MATERIAL, 1, RADIUS)) ** (2.0 / 3.0)
+    scene = scene_of(kind([RADIUS]), MATERIAL, friction, (0.0, -G))
+    overlap = (scene.mass[0] * G / hertz(MATERIAL, 1, RADIUS)) ** (2.0 / 3.0)
     state = dem.State([[0.0, RADIUS - overlap]], [[SPEED, 0.0]])
     near, name = overlap / RADIUS, kind.__name__.lower()
     ratio = 1.0 + (RATIO[kind] - 1.0) * (1.0 - 0.5 * near) ** 2
     unit = SPEED / (friction * G)
-    run = dem.simulate(made, state, unit / ratio + CALM, frames=300)
+    run = dem.simulate(scene, state, unit / ratio + CALM, frames=300)
     rim = run.velocity[:, 0, 0] + (RADIUS - 0.5 * overlap) * run.angular_velocity[:, 0]
     slips = (rim > 0.2 * SPEED) & (run.time > 0.0)
     slope, start = np.polyfit(run.time[slips], rim[slips], 1)

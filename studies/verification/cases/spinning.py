@@ -15,7 +15,7 @@ half of the overlap.
 import dem
 from studies.verification.contact_law import Contact, damping_ratio, depth
 from studies.verification.row import Row
-from studies.verification.scenes import FINE, FRAMES, Sphere, impact, mindlin, scene, within
+from studies.verification.scenes import FINE, FRAMES, Sphere, impact, mindlin, scene_of, within
 
 TITLE = "Spinning spheres"
 SOURCE = "Chung and Ooi (2011), tests 6, 7 and 8; own ODE"
@@ -40,11 +40,11 @@ def measure() -> list[Row]:
 
 def pressed() -> Row:
     """Greatest overlap with the cylinder, which depends on its radius too; the spins do not."""
-    made = dem.Material(*ALLOY, RESTITUTION)
-    seen = scene(Sphere([RADIUS]), made, FRICTION, solids=LARGE)
-    scales = impact(made, 1, RADIUS * 5.0 / 6.0, seen.mass[0], SPEED)
+    material = dem.Material(*ALLOY, RESTITUTION)
+    scene = scene_of(Sphere([RADIUS]), material, FRICTION, solids=LARGE)
+    scales = impact(material, 1, RADIUS * 5.0 / 6.0, scene.mass[0], SPEED)
     state = dem.State([[0.0, HIGH + 6.0 * RADIUS]], [[0.0, -SPEED]])
-    run = dem.simulate(seen, state, 1.2 * scales.duration, frames=FRAMES)
+    run = dem.simulate(scene, state, 1.2 * scales.duration, frames=FRAMES)
     value = HIGH + 6.0 * RADIUS - run.position[:, 0, 1].min()
     right = scales.overlap * depth(damping_ratio(RESTITUTION))
     near = within(RESTITUTION, SPEED, scales, run.time_step) / RESTITUTION
@@ -53,7 +53,7 @@ def pressed() -> Row:
 
 def hit(name, material, partner, spin):
     """Velocity along the plane and spin of a sphere afterwards."""
-    made, count, more = dem.Material(*material, RESTITUTION), 1, {}
+    material, count, more = dem.Material(*material, RESTITUTION), 1, {}
     place, curvature = [[0.0, RADIUS]], RADIUS
     if partner == "pair":
         count, curvature = 2, 0.5 * RADIUS
@@ -62,11 +62,11 @@ def hit(name, material, partner, spin):
         curvature = RADIUS * 5.0 / 6.0
         more["solids"] = LARGE
         place = [[0.0, HIGH + 6.0 * RADIUS]]
-    seen = scene(Sphere(count * [RADIUS]), made, FRICTION, **more)
-    mass = seen.mass[0]
-    scales = impact(made, count, curvature, mass / count, count * SPEED)
+    scene = scene_of(Sphere(count * [RADIUS]), material, FRICTION, **more)
+    mass = scene.mass[0]
+    scales = impact(material, count, curvature, mass / count, count * SPEED)
     state = dem.State(place, [[0.0, -SPEED], [0.0, SPEED]][:count], angular_velocity=count * [spin])
-    run = dem.simulate(seen, state, 3.0 * scales.duration, step_fraction=FINE)
+    run = dem.simulate(scene, state, 3.0 * scales.duration, step_fraction=FINE)
     slides = FRICTION * (1.0 + RESTITUTION) * SPEED
     near = within(RESTITUTION, count * SPEED, scales, run.time_step)
     tolerance = near + 0.5 * scales.overlap / RADIUS
@@ -77,7 +77,7 @@ def hit(name, material, partner, spin):
             0.4 * mass * RADIUS**2,
             RADIUS,
             scales.stiffness,
-            mindlin(made, count, curvature),
+            mindlin(material, count, curvature),
             damping_ratio(RESTITUTION),
             FRICTION,
             count,

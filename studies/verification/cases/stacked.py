@@ -20,7 +20,7 @@ from scipy.optimize import root
 import dem
 from studies.verification.contact_law import damping_ratio
 from studies.verification.row import Row
-from studies.verification.scenes import FLOOR, G, hertz, scene
+from studies.verification.scenes import FLOOR, G, hertz, scene_of
 
 TITLE = "Two granules pressed between walls"
 SOURCE = "MFiX verification manual, DEM03; own ODE"
@@ -33,10 +33,10 @@ STEPS = (128, 256, 512)  # of a swing
 
 
 def measure() -> list[Row]:
-    made = scene(dem.Disc(RADII), MATERIAL, gravity=(0.0, -G), walls=(*FLOOR, (0.0, 1.0, LID)))
-    mass, curvature = made.mass, [RADII[0], 1.0 / (1.0 / RADII).sum(), RADII[1]]
+    scene = scene_of(dem.Disc(RADII), MATERIAL, gravity=(0.0, -G), walls=(*FLOOR, (0.0, 1.0, LID)))
+    mass, curvature = scene.mass, [RADII[0], 1.0 / (1.0 / RADII).sum(), RADII[1]]
     reduced = np.array([mass[0], 1.0 / (1.0 / mass).sum(), mass[1]])
-    k = np.array([hertz(MATERIAL, *each) for each in zip((1, 2, 1), curvature, strict=True)])
+    k = np.array([hertz(MATERIAL, *contact) for contact in zip((1, 2, 1), curvature, strict=True)])
     c = damping_ratio(MATERIAL.restitution) * np.sqrt(5.0 * reduced * k)
 
     def overlaps(y):
@@ -48,10 +48,10 @@ def measure() -> list[Row]:
 
     rest = overlaps(root(lambda y: pull(0.0, [*y, 0.0, 0.0])[2:], START, tol=1e-14).x)
     force, start = k * rest**1.5, dem.State(np.column_stack([[0.0, 0.0], START]))
-    run = dem.simulate(made, start, 0.2, frames=200)
-    found, near = overlaps(run.position[-1, :, 1]), 1e-6 * force[0]
+    run = dem.simulate(scene, start, 0.2, frames=200)
+    overlap, near = overlaps(run.position[-1, :, 1]), 1e-6 * force[0]
     floor, lid = run.wall_force[-1]
-    rows = [Row(f"overlap {n}", "m", found[n], rest[n], 1e-6 * rest[n]) for n in range(3)]
+    rows = [Row(f"overlap {n}", "m", overlap[n], rest[n], 1e-6 * rest[n]) for n in range(3)]
     rows += [
         Row("force on the floor", "N", floor, force[0], near),
         Row("force on the lid", "N", lid, force[2], near),
@@ -60,7 +60,7 @@ def measure() -> list[Row]:
     time = 2.0 * math.pi * math.sqrt(mass[0] / (3.0 * k[0] * math.sqrt(rest[0])))
     exact = solve_ivp(pull, (0.0, time), [*START, 0.0, 0.0], "DOP853", rtol=1e-12, atol=1e-15)
     for steps in STEPS:
-        y = dem.simulate(made, start, time, time_step=time / steps).position[-1, :, 1]
+        y = dem.simulate(scene, start, time, time_step=time / steps).position[-1, :, 1]
         error = np.abs(y - exact.y[:2, -1]).max() / rest[0]
         rows.append(Row(ERROR, "1", error, 0.0, (2.0 * math.pi / steps) ** 2, 1.0 / steps))
     errors = [row.value for row in rows[-len(STEPS) :]]

@@ -17,8 +17,8 @@ ROW = 0.32  # inches
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """One row per case, one mark per number; cases with failed numbers come first."""
-    found = verification.of(dataset)
-    cases = sorted(found.by_case, key=lambda case: case[2].passed.all())
+    findings = verification.of(dataset)
+    cases = sorted(findings.by_case, key=lambda case: case[2].passed.all())
     figure = Figure(figsize=(style.WIDTH, 1.4 + ROW * len(cases)))
     axes = figure.subplots()
     look = {"linestyle": "none", "markeredgecolor": "black", "markersize": 5.0, "alpha": 0.7}
@@ -26,16 +26,16 @@ def plot(dataset: xr.Dataset) -> Figure:
         errors = (rows.value - rows.expected) / rows.tolerance
         spread = 0.3 * np.sin(np.arange(len(rows)))  # so that equal errors show side by side
         for passed, marker in ((1, "o"), (0, "X")):
-            here = (rows.passed == passed).values
+            mask = (rows.passed == passed).values
             size = {"markersize": 5.0 if passed else 9.0}
             face = {"markerfacecolor": "#a9c8ea" if passed else "#b34700"}
-            shown = np.clip(errors[here], -MOST, MOST)
-            axes.plot(shown, place + spread[here], marker, **look | size | face)
+            x = np.clip(errors[mask], -MOST, MOST)
+            axes.plot(x, place + spread[mask], marker, **look | size | face)
     axes.axvspan(-1.0, 1.0, **style.WINDOW)
     axes.axvline(0.0, **style.REFERENCE)
     axes.set_yticks(range(len(cases)), [f"{title} ({len(rows)})" for _, title, rows in cases])
     axes.set(xlim=(-MOST - 0.1, MOST + 0.1), ylim=(len(cases) - 0.4, -0.6))
     axes.set_xlabel("Error over its tolerance (grey: passed; crosses: failed)")
-    right = found.total() - found.failed()
-    figure.suptitle(f"{right} of {found.total()} numbers are within their tolerances")
+    right = findings.total() - findings.failed()
+    figure.suptitle(f"{right} of {findings.total()} numbers are within their tolerances")
     return figure

@@ -157,13 +157,13 @@ def main():
     words.add_argument("numbers", nargs="*", type=int, help="of the laws; all if there is none")
     revision = provenance.git_revision()
     for number in words.parse_args().numbers or range(len(LAWS)):
-        found = notices(LAWS[number], *CASES)
+        counts = notices(LAWS[number], *CASES)
         kept = json.loads(FILE.read_text()) if FILE.exists() else {"laws": {}, "revisions": {}}
-        kept["laws"][LAWS[number].kind] = found
+        kept["laws"][LAWS[number].kind] = counts
         kept["revisions"][LAWS[number].kind] = revision
         kept.setdefault("kernels", {})[LAWS[number].kind] = digest()
         FILE.write_text(json.dumps(kept, indent=1) + "\n")
-        print(LAWS[number].kind, found, flush=True)
+        print(LAWS[number].kind, counts, flush=True)
 
 
 if __name__ == "__main__":

@@ -32,7 +32,9 @@ def test_what_is_expected_of_a_contact_comes_from_no_code_of_the_library():
 def test_a_case_fails_once_a_law_is_broken(monkeypatch):
     """Here half of the mass; others are broken in the kernels, at night."""
     right = assembly.mobilities
-    monkeypatch.setattr(assembly, "mobilities", lambda scene: [2.0 * each for each in right(scene)])
+    monkeypatch.setattr(
+        assembly, "mobilities", lambda scene: [2.0 * mobility for mobility in right(scene)]
+    )
     assert not all(row.passed for row in run("chain")[0])
 
 

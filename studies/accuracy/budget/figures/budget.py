@@ -25,30 +25,32 @@ MARKS = dict(zip(NAMES, "s^o", strict=True))
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """One panel a shape: the model as lines, what ten repetitions gave as marks."""
-    found = budget.of(dataset)
+    findings = budget.of(dataset)
     figure, grid = style.panels(
-        len(found.shapes), len(found.shapes), 1.2, 3.6, sharex=True, sharey=True
+        len(findings.shapes), len(findings.shapes), 1.2, 3.6, sharex=True, sharey=True
     )
-    for axes, (name, shape) in zip(grid, found.shapes.items(), strict=True):
+    for axes, (name, shape) in zip(grid, findings.shapes.items(), strict=True):
         best = [shape.best(seconds) for seconds in TIMES]
         curves = {
             way: [shape.spent(at, seconds).error for seconds in TIMES] for way, at in WAYS.items()
         }
-        curves["recommended"] = [each.error for each in best]
+        curves["recommended"] = [spent.error for spent in best]
         for number, (way, curve) in enumerate(curves.items()):
             color = style.CASES[number] if way != "recommended" else "black"
             axes.plot(
                 TIMES, 100.0 * np.array(curve), color=color, linestyle=LINES[way], label=LABELS[way]
             )
-        low, high = 100.0 * np.array([(each.low, each.high) for each in best]).T
+        low, high = 100.0 * np.array([(spent.low, spent.high) for spent in best]).T
         axes.fill_between(
             TIMES, low, high, color="0.85", linewidth=0.0, zorder=0, label="their 95 % interval"
         )
-        for shift, (way, each) in zip((0.85, 1.0, 1.18), found.ways[name].items(), strict=True):
+        for shift, (way, outcome) in zip(
+            (0.85, 1.0, 1.18), findings.ways[name].items(), strict=True
+        ):
             style.intervals(
                 axes,
-                [each.time * shift],
-                [100.0 * interval(each.repeated)],
+                [outcome.time * shift],
+                [100.0 * interval(outcome.repeated)],
                 color="0.15",
                 marker=MARKS[way],
                 markersize=6,
@@ -61,7 +63,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         style.logarithmic(axes)
         axes.set_title(name, loc="left")
     soon, late = (
-        [s.spent(WAYS["default"], t).error / s.best(t).error for s in found.shapes.values()]
+        [s.spent(WAYS["default"], t).error / s.best(t).error for s in findings.shapes.values()]
         for t in (10.0, 3600.0)
     )
     figure.suptitle(

@@ -36,8 +36,8 @@ def runs_of(model: Model, beds: int, seed: int = 0) -> dict:
     def add(part, fraction, granules, first, stroke=WINDOW, count=beds):
         for number in range(count):
             at = Settings(fraction, granules, STOPS, stroke)
-            own = np.random.default_rng([seed, first + number, granules]).normal()
-            draw = (own + rng.normal() / 3.0) / np.hypot(1.0, 1.0 / 3.0)
+            deviation = np.random.default_rng([seed, first + number, granules]).normal()
+            draw = (deviation + rng.normal() / 3.0) / np.hypot(1.0, 1.0 / 3.0)
             mean, time = (
                 model.mean * (1.0 + model.biases(at).sum(axis=0)),
                 model.time(at) * rng.normal(1.0, 0.02),
@@ -75,12 +75,12 @@ def runs_of(model: Model, beds: int, seed: int = 0) -> dict:
 @pytest.fixture(scope="module")
 def dataset():
     return xr.Dataset(
-        {name: (VARIABLES[name][0], each) for name, each in runs_of(TRUE, 300).items()}
+        {name: (VARIABLES[name][0], values) for name, values in runs_of(TRUE, 300).items()}
     )
 
 
 def test_the_model_finds_what_made_the_runs(dataset):
-    found = Runs(dataset, "c1").fit()
+    model = Runs(dataset, "c1").fit()
     for name, off in {
         "mean": 0.03,
         "bounds": 1e-6,
@@ -88,11 +88,11 @@ def test_the_model_finds_what_made_the_runs(dataset):
         "run": 0.05,
         "scatter": 0.15,
     }.items():
-        assert getattr(found, name) == pytest.approx(getattr(TRUE, name), rel=off), name
-    assert found.step == pytest.approx(TRUE.step, abs=3e5)
-    assert found.box == pytest.approx(TRUE.box, abs=0.03)
-    assert found.window == pytest.approx(TRUE.window, abs=0.02)
-    assert found.wider == pytest.approx(TRUE.wider, rel=0.1)
+        assert getattr(model, name) == pytest.approx(getattr(TRUE, name), rel=off), name
+    assert model.step == pytest.approx(TRUE.step, abs=3e5)
+    assert model.box == pytest.approx(TRUE.box, abs=0.03)
+    assert model.window == pytest.approx(TRUE.window, abs=0.02)
+    assert model.wider == pytest.approx(TRUE.wider, rel=0.1)
 
 
 def test_no_way_does_better_than_the_settings_that_are_recommended(dataset):
@@ -115,19 +115,19 @@ def test_an_error_is_that_of_means_drawn_with_these_settings(dataset):
         Settings(0.1, 200, WINDOW, WINDOW),
         Settings(0.1, PAPER, 3.0e-3, 3.0e-3),
     ):
-        told = shape.spent(at, 30.0)
-        off = TRUE.biases(at).sum() + TRUE.spread(at) * rng.normal(size=(4000, told.runs)).mean(
+        spent = shape.spent(at, 30.0)
+        off = TRUE.biases(at).sum() + TRUE.spread(at) * rng.normal(size=(4000, spent.runs)).mean(
             axis=1
         )
-        assert told.error == pytest.approx(np.sqrt((off**2).mean()), rel=0.15)
+        assert spent.error == pytest.approx(np.sqrt((off**2).mean()), rel=0.15)
 
 
 def test_two_levels_gain_where_runs_agree_and_fine_ones_are_dear(dataset):
     """A bed's runs correlate by 0.9: 1 / (1 + 1/9)."""
-    found = levels(Shape(dataset, "c1"), 0.3, 0.1)
-    assert found.correlation[0] == pytest.approx(0.9, abs=0.03)
-    assert found.correlation[1] < found.correlation[0] < found.correlation[2]
-    assert found.gain[2] < 1.0  # three times the step is not thrice as fast, because of damping
+    level = levels(Shape(dataset, "c1"), 0.3, 0.1)
+    assert level.correlation[0] == pytest.approx(0.9, abs=0.03)
+    assert level.correlation[1] < level.correlation[0] < level.correlation[2]
+    assert level.gain[2] < 1.0  # three times the step is not thrice as fast, because of damping
     alike = dataset.copy(deep=True)
     first = {
         seed: drag
@@ -151,14 +151,14 @@ def test_two_levels_take_what_the_best_numbers_of_runs_take(dataset):
         for f in (0.3, 0.1)
     )
     fine, coarse = fine[fine.part == "reference"], coarse[coarse.part == "steps"]
-    own, both = fine.spent.mean(), fine.spent.mean() + coarse.spent.mean()
+    single, both = fine.spent.mean(), fine.spent.mean() + coarse.spent.mean()
     packed = coarse.spent.mean() + fine.spent.mean() - fine.time.mean()
     runs = np.arange(1, 400)
     one, two = runs[:, None], runs[None]
     variance = coarse.drag.var() / one + (fine.drag - coarse.drag).var() / two
     least = (variance * (one * packed + two * both)).min()
     assert levels(Shape(dataset, "c1"), 0.3, 0.1).gain[0] == pytest.approx(
-        fine.drag.var() * own / least, rel=0.03
+        fine.drag.var() * single / least, rel=0.03
     )
 
 
@@ -212,26 +212,26 @@ def test_every_run_is_a_row_with_what_it_gave(tmp_path, monkeypatch):
     )
     run_all(work)
     values, _ = make(work, 1, lambda share: None)
-    found = xr.Dataset({name: (VARIABLES[name][0], each) for name, each in values.items()})
-    assert found.sizes["run"] == 2 + 4 + 1
-    for row in range(found.sizes["run"]):
-        own = found.isel(run=row)
+    rows = xr.Dataset({name: (VARIABLES[name][0], array) for name, array in values.items()})
+    assert rows.sizes["run"] == 2 + 4 + 1
+    for number in range(rows.sizes["run"]):
+        row = rows.isel(run=number)
         at = {
-            "seed": int(own["run_seed"]),
-            "shape": str(own["run_shape"].values),
-            "numerics_step_fraction": float(own["run_fraction"]),
+            "seed": int(row["run_seed"]),
+            "shape": str(row["run_shape"].values),
+            "numerics_step_fraction": float(row["run_fraction"]),
         }
-        drags = xr.load_dataset(work.combined(str(own["run_part"].values))[0])
-        run = drags.sel({key: each for key, each in at.items() if key in drags.dims})
+        drags = xr.load_dataset(work.combined(str(row["run_part"].values))[0])
+        run = drags.sel({key: value for key, value in at.items() if key in drags.dims})
         inside = (run["displacement"] > drags.attrs["window_start"]) & (
             run["displacement"] < drags.attrs["window_stop"]
         )
-        assert float(own["run_drag"][-1]) == pytest.approx(float(run["drag"].where(inside).mean()))
-        assert float(own["run_time"]) == float(run["run_time"])
-        assert float(own["run_time_step"]) * int(run["steps"]) * 2.0 == pytest.approx(
-            float(own["run_stroke"])
+        assert float(row["run_drag"][-1]) == pytest.approx(float(run["drag"].where(inside).mean()))
+        assert float(row["run_time"]) == float(run["run_time"])
+        assert float(row["run_time_step"]) * int(run["steps"]) * 2.0 == pytest.approx(
+            float(row["run_stroke"])
         )  # at 2 m/s
-        assert int(own["run_granules"]) == int(run["granules"])
+        assert int(row["run_granules"]) == int(run["granules"])
 
 
 @pytest.mark.skipif(not budget.path.is_file(), reason="budget.nc is not there yet")

@@ -25,13 +25,13 @@ COLUMNS = {
 def plot(dataset: xr.Dataset) -> Figure:
     """The rule of sweeps on several distributions on the left, several rules on normal values on
     the right."""
-    found, (figure, grid) = (
+    findings, (figure, grid) = (
         precision.of(dataset),
         style.panels(4, 2, 1.0, 3.1, sharex=True, sharey="row"),
     )
     for above, below, title in zip(grid[:2], grid[2:], COLUMNS, strict=True):
         for number, (name, (rule, source)) in enumerate(COLUMNS[title].items()):
-            rows = found.rows(rule, source=source, target=0.05).sort_values("scatter")
+            rows = findings.rows(rule, source=source, target=0.05).sort_values("scatter")
             look = style.numbered(number) | {
                 "linestyle": LINES[number],
                 "markersize": 7,
@@ -43,7 +43,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         above.set_title(title, loc="left")
         below.set_xlabel("Scatter of one run over the mean")
         below.legend()
-    rows = found.rows(target=0.05)
+    rows = findings.rows(target=0.05)
     figure.suptitle(
         f"Sweeps keep their promise: at least {100.0 * rows.asked.min():.1f} % of their means are within 5 %\n"
         f"as asked for, by at most {rows.over.max():.2f} times the runs needed"

@@ -26,8 +26,8 @@ def shortfall(rule, name):
     """By how many standard errors the true mean is within what was asked for less often than
     promised."""
     source, target, promised = SOURCES[name]
-    _, _, _, _, _, asked, *_ = tried(rule, source, target, TRIALS, seed=7)
-    return (promised - asked) / math.sqrt(promised * (1.0 - promised) / TRIALS)
+    _, _, _, _, _, share, *_ = tried(rule, source, target, TRIALS, seed=7)
+    return (promised - share) / math.sqrt(promised * (1.0 - promised) / TRIALS)
 
 
 @pytest.mark.parametrize("name", SOURCES)
@@ -61,9 +61,9 @@ def test_other_rules_stop_where_their_papers_say(rule, least, share, stays):
         ]
         ahead = [max(stays, stays * n // 100) for n in range(401)]
         first = next(n for n in range(401) if narrow[n] and all(narrow[n : n + ahead[n] + 1]))
-        asked = Until(until="5 %", most=5000)
-        assert RULES[rule](asked, sample) == first + ahead[first]
-        assert RULES[rule](asked, sample[: first - 1]) > first - 1
+        until = Until(until="5 %", most=5000)
+        assert RULES[rule](until, sample) == first + ahead[first]
+        assert RULES[rule](until, sample[: first - 1]) > first - 1
 
 
 @pytest.mark.parametrize("name", SOURCES)
