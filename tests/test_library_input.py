@@ -367,8 +367,8 @@ def first_of(array, value):
     array = array.copy()
     if array.size:
         first, other = array.reshape(-1)[:1], np.array(value).astype(array.dtype)
-        # the first byte of a hash may be any number, this one too
-        first[:] = other if other != first[0] else other + 1
+        # the first byte of a hash may be any number, this one too, and a step may be infinite
+        first[:] = other if other != first[0] else 1
     return array
 
 
