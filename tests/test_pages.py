@@ -320,7 +320,9 @@ def sentences():
                 words = (
                     each.value if isinstance(each, ast.Constant) else "…" for each in node.values
                 )
-                yield "".join(words)
+                yield re.sub(
+                    r"\{.*?\}", "…", "".join(words)
+                )  # also of a text that is filled in later
             elif isinstance(node, ast.Constant) and isinstance(node.value, str):
                 yield node.value
 

@@ -303,8 +303,9 @@ class Simulation:
         Examples
         --------
         >>> import dem
-        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]))
-        >>> run = dem.Simulation(scene, dem.State([[0.0, 0.0], [2.1e-3, 0.0]]))
+        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
+        >>> state = dem.State([[0.0, 0.0], [2.1e-3, 0.0]], velocity=[[1.0, 0.0], [-1.0, 0.0]])
+        >>> run = dem.Simulation(scene, state)
         >>> run.check_duration(1e6)
         Traceback (most recent call last):
             ...
@@ -617,10 +618,15 @@ class Simulation:
         A disc resists a cylinder that moves upwards into it:
 
         >>> import dem
-        >>> cylinder = dem.Cylinder(diameter=2e-3, position=(0.0, -2e-3), velocity=(0.0, 1.0))
-        >>> scene = dem.Scene(dem.Disc([1e-3]), friction=dem.Friction(), solids=cylinder)
-        >>> run = dem.Simulation(scene, dem.State([[0.0, 0.0]]))
-        >>> record = run.record(interval=1e-5, count=2)
+        >>> import numpy as np
+        >>> shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
+        >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 4e-3), velocity=(0.0, 1.0))
+        >>> bed = dem.pack(shape, width=8e-3, height=9e-3, solids=cylinder, seed=1)
+        >>> scene = dem.Scene(
+        ...     shape, friction=dem.Friction(), walls=bed.walls, solids=cylinder
+        ... )
+        >>> run = dem.Simulation(scene, bed.state)
+        >>> record = run.record(interval=1e-5, count=4)
         >>> drag = -(record.normal_force + record.tangential_force)[:, 0, 1]  # N
         >>> bool((drag > 0.0).all())
         True

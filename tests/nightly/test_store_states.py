@@ -21,6 +21,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 from test_stopping import Killed, smoke
 
 from dem.base.errors import InputError, RunError
+from dem.io.dataset import read
 from dem.packing.random import Bed
 from dem.sweep import batch as making
 from dem.sweep.combine import combine_block
@@ -178,7 +179,7 @@ class Sweeps(RuleBasedStateMachine):
         runs = [path.stem] if path.parent.parent.name == "runs" else []
         if path.suffix == ".nc":
             with contextlib.suppress(InputError):
-                runs = making.read(path, ("run_id",))[0]["run_id"].tolist()
+                runs = read(path, ("run_id",))[0]["run_id"].tolist()
         self.allowed.update(runs)
         self.damaged.add(path)
         content = bytearray(path.read_bytes())
@@ -245,7 +246,7 @@ class Sweeps(RuleBasedStateMachine):
     def what_is_read_is_right_or_refused_by_name(self):
         for path in (self.folder / "results/store/batches").glob("*.nc"):
             try:
-                values, _ = making.read(path, ("run_id", "failure", "max_overlap"))
+                values, _ = read(path, ("run_id", "failure", "max_overlap"))
             except InputError as error:
                 assert path.name in str(error)
             else:
