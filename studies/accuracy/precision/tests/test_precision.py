@@ -61,9 +61,9 @@ def test_other_rules_stop_where_their_papers_say(rule, least, share, stays):
         ]
         ahead = [max(stays, stays * n // 100) for n in range(401)]
         first = next(n for n in range(401) if narrow[n] and all(narrow[n : n + ahead[n] + 1]))
-        until = Until(until="5 %", most=5000)
-        assert RULES[rule](until, sample) == first + ahead[first]
-        assert RULES[rule](until, sample[: first - 1]) > first - 1
+        precision = Until(until="5 %", most=5000)
+        assert RULES[rule](precision, sample) == first + ahead[first]
+        assert RULES[rule](precision, sample[: first - 1]) > first - 1
 
 
 @pytest.mark.parametrize("name", SOURCES)
