@@ -82,13 +82,27 @@ def weight(body, kind):
 
 
 @inlined
+def magnitude(size):
+    """|g| of g = (size[0] e, size[1]), with e a unit vector.
+
+    The arm of the normal force on a disc is only rounding: below 1e-9 of the rest it changes no
+    digit.
+    """
+    if abs(size[1]) <= 1e-9 * size[0]:
+        return size[0]
+    return math.hypot(size[0], size[1])
+
+
+@inlined
 def add(rows, i, column, modulus, direction, size):
     """Add modulus g g^T, g = (size[0] e, size[1]) with e the direction, to one row of granule i."""
-    g = size[0] * direction[0], size[0] * direction[1], size[1]
-    for a in range(3):
-        for b in range(a + 1):
-            rows[i, column] += modulus * g[b] * g[a]
-            column += 1
+    gx, gy, spin = size[0] * direction[0], size[0] * direction[1], size[1]
+    rows[i, column] += modulus * gx * gx
+    rows[i, column + 1] += modulus * gx * gy
+    rows[i, column + 2] += modulus * gy * gy
+    rows[i, column + 3] += modulus * gx * spin
+    rows[i, column + 4] += modulus * gy * spin
+    rows[i, column + 5] += modulus * spin * spin
 
 
 @inlined
@@ -99,7 +113,7 @@ def add_pair(rows, pair, k, c, direction, weights):
     for a body that no force moves.
     """
     one, two = weights
-    first, second = math.sqrt(one[0] ** 2 + one[1] ** 2), math.sqrt(two[0] ** 2 + two[1] ** 2)
+    first, second = magnitude(one), magnitude(two)
     factor_1, factor_2 = 1.0 + second / max(first, TINY), 1.0 + first / max(second, TINY)
     add(rows, pair[0], STIFFNESS, factor_1 * k, direction, one)
     add(rows, pair[1], STIFFNESS, factor_2 * k, direction, two)
