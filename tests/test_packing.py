@@ -318,14 +318,15 @@ def test_angles_go_from_stage_to_stage_of_growth_and_into_the_bed(monkeypatch):
 
 
 @pytest.mark.skipif(platform.machine() != "x86_64", reason="bits of another processor")
-@pytest.mark.parametrize("case", ["c1", "d1", "e3"])
-def test_a_bed_of_one_patch_keeps_the_bits_of_the_released_ones(case):
-    """Net force, overlap and contacts of the first bed of the paper, to the last bit."""
+@pytest.mark.parametrize(("case", "seed"), [("c1", 1), ("d1", 2), ("e1", 2), ("e3", 5)])
+def test_a_bed_of_one_patch_keeps_the_bits_of_the_released_ones(case, seed):
+    """Net force, overlap and contacts of beds of the paper, to the last bit; of shapes that turn, those that
+    change most with the last digit of a step."""
     values, _ = read(CONFIG.parent / "docs/data/drag.nc", ("case", *RELEASED))
     row = [str(name) for name in values["case"]].index(case)
-    bed = make_bed(load(CONFIG / "paper.yaml").replicate(case, 3900.0, 1))
+    bed = make_bed(load(CONFIG / "paper.yaml").replicate(case, 3900.0, seed))
     for name in RELEASED:
-        assert getattr(bed, name.removeprefix("packing_")) == values[name][row, 0], name
+        assert getattr(bed, name.removeprefix("packing_")) == values[name][row, seed - 1], name
 
 
 def test_preparation_is_part_of_what_a_bed_is():
