@@ -15,9 +15,9 @@ from dem.experiment.box import (
 )
 from dem.experiment.run import Replicate
 from dem.experiment.solids import solids_of
-from dem.packing.compaction import START, compact
+from dem.packing.compaction import START, Press
 from dem.packing.constant_pressure import pack_under
-from dem.packing.job import Job, ignored
+from dem.packing.job import Job
 from dem.packing.random import Bed, Room, relaxed
 from dem.packing.settling import settle
 from dem.packing.swelling import grown
@@ -108,10 +108,12 @@ def packed(configuration, shape, room: Room, job: Job | None = None) -> Bed:
         PREPARATIONS[configuration.packing.preparation],
     )
     job = job or Job()
-    return compact(shape, room, friction, prepare, job) if friction else prepare(shape, room, job)
+    if friction:
+        return Press(shape, room, friction, prepare, job).bed()
+    return prepare(shape, room, job)
 
 
-def make_bed(replicate: Replicate, checkpoint: Path | None = None, report=ignored) -> Bed:
+def make_bed(replicate: Replicate, checkpoint: Path | None = None, report=None) -> Bed:
     """Pack the bed; ellipses always by common normal, which alone has an energy to minimise.
 
     Under a pressure the top wall comes down on a loose bed; under gravity granules of a loose bed
