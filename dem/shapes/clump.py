@@ -238,12 +238,19 @@ def _arcs(discs):
 
 
 def _centred(discs):
-    """Discs (k, 3) about the centre of mass of their union, and Clump.radii (2,) of it.
+    """Discs (k, 3) about the centre of mass of their union, and Clump.radii (2,) of it."""
+    discs = discs - discs[0] * [1.0, 1.0, 0.0]  # near zero, where integrals lose no digits
+    discs[:, :2] -= _moments(discs)[1]
+    area, _, gyration_squared = _moments(discs)
+    return discs, np.sqrt([area / np.pi, gyration_squared])
+
+
+def _moments(discs):
+    """Area (m2), centroid (2,) in m and squared radius of gyration about zero (m2) of a union.
 
     Integrals over the union are line integrals along arcs of z = c + r n, n = exp(i angle): those
     of 1, z and |z|^2 are those of (z . n) times 1/2, z/3 and |z|^2/4.
     """
-    discs = discs - discs[0] * [1.0, 1.0, 0.0]  # near zero, where integrals lose no digits
     c, r, begin, end = _arcs(discs)
     turn = end - begin
     one, two = ((np.exp(1j * k * end) - np.exp(1j * k * begin)) / (1j * k) for k in (1, 2))
@@ -252,11 +259,8 @@ def _centred(discs):
     moment = c * flux + r**2 * (r * one + 0.5 * (c.conj() * two + c * turn))
     polar = (square + r**2) * flux
     polar += r**2 * (2.0 * r * along + square * turn + (c.conj() ** 2 * two).real)
-    area = flux.sum() / 2.0
-    centroid = moment.sum() / (3.0 * area)
-    discs[:, :2] -= centroid.real, centroid.imag
-    gyration_squared = polar.sum() / (4.0 * area) - abs(centroid) ** 2
-    return discs, np.sqrt([area / np.pi, gyration_squared])
+    area, centroid = flux.sum() / 2.0, moment.sum() / (1.5 * flux.sum())
+    return area, (centroid.real, centroid.imag), polar.sum() / (4.0 * area)
 
 
 def _ring(discs, points):
