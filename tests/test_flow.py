@@ -18,8 +18,7 @@ from conftest import STIFF, assert_not_blank
 from dem.analysis.one_run import open_run, read_snapshots, selected
 from dem.base.errors import InputError
 from dem.cli.app import app
-from dem.experiment.bed import diameters
-from dem.experiment.box import width_of
+from dem.experiment.box import diameters_of, width_of
 from dem.experiment.observables import flow as measures
 from dem.experiment.snapshots import Snapshots
 from dem.figures.bed import Drawing
@@ -127,7 +126,7 @@ def test_motion_is_what_was_recorded(results):
     own = motion.replicate.configuration
     assert motion.replicate.label == "e3" and motion.position.shape == (13, 60, 2)
     assert motion.nearest(0.61e-3) == 6
-    assert np.ptp(motion.cylinder_y) == pytest.approx(own.cylinder.stroke)
+    assert np.ptp(motion.displacement) == pytest.approx(own.cylinder.stroke)
     areas = motion.outlines[:, 0]
     x, y = areas[..., 0], areas[..., 1]
     shoelace = 0.5 * np.abs((x[:, :-1] * y[:, 1:] - x[:, 1:] * y[:, :-1]).sum(axis=1))
@@ -273,7 +272,7 @@ def test_export_for_paraview(request, tmp_path, data, run):
     cylinder = motion.replicate.configuration.cylinder
     time = np.diff(motion.displacement)[-1] / cylinder.velocity
     went = np.append(
-        np.diff(motion.position[-2:], axis=0)[0], [[0.0, np.diff(motion.cylinder_y)[-1]]], axis=0
+        np.diff(motion.position[-2:], axis=0)[0], [[0.0, np.diff(motion.displacement)[-1]]], axis=0
     )
     np.testing.assert_allclose(values["velocity"][:, :2] * time, went, rtol=1e-6, atol=1e-12)
     contacts = motion.contacts(snapshots - 1)
@@ -329,10 +328,9 @@ def test_a_solid_at_rest_at_an_angle_is_drawn_at_this_angle():
         run,
         np.full(2, 8e-3),
         np.array([0.0, 1e-3]),
-        np.array([3e-3, 4e-3]),
         state,
         state[..., 0],
-        diameters(run),
+        diameters_of(run),
     )
     drawing = Drawing(Figure().subplots(), of_motion(motion))
     drawing.move(1)

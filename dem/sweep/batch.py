@@ -11,17 +11,15 @@ from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
-from filelock import FileLock
 
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
-from dem.base.sources import PACKAGE, cache_folder, digest, run_codes, with_imports
-from dem.experiment.bed import make_bed, periods
+from dem.base.sources import PACKAGE, run_codes, with_imports
+from dem.experiment.bed import make_bed
 from dem.experiment.run import Replicate
-from dem.experiment.warmup import compile_kernels
 from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, write
 from dem.packing.random import Bed
-from dem.sweep.grouping import kernel_key
+from dem.periodic import periods_of
 from dem.sweep.store import Store
 
 
@@ -39,8 +37,6 @@ def make(store: Store, batch: str, progress=lambda done, failed: None) -> Path:
     for replicate in replicates:
         with store.locked(store.run_of(replicate.id, ".lock")):
             if (row := _stored(store, replicate)) is None:
-                with suppress(Exception):  # the run fails too, with its own words
-                    _compile(replicate)
                 done = len(rows)
                 row = _row(store, replicate, lambda s, d=done, f=failed: progress(d + s, f))
         rows.append(row)
@@ -50,17 +46,6 @@ def make(store: Store, batch: str, progress=lambda done, failed: None) -> Path:
         write_batch(path, replicates, rows)
     store.forget(runs)
     return path
-
-
-def _compile(replicate: Replicate) -> None:
-    """Compile the kernels of a run once for all processes of this machine."""
-    key = digest(kernel_key(replicate), provenance.compilers(), provenance.processor())
-    mark = cache_folder() / "kernels" / key
-    if not mark.exists():
-        mark.parent.mkdir(parents=True, exist_ok=True)
-        with FileLock(mark.with_suffix(".lock")):
-            compile_kernels(replicate)  # which others may have done meanwhile
-            mark.touch()
 
 
 def _stored(store: Store, replicate: Replicate) -> dict | None:
@@ -129,7 +114,8 @@ def _run(store: Store, replicate: Replicate, progress) -> dict:
         return experiment.run(replicate)
     stored = store.bed(replicate, make_bed)
     values = {name: array if np.ndim(array) else float(array) for name, array in stored.items()}
-    bed = Bed(**values, periodic=periods(replicate, values["height"]))
+    sides = replicate.configuration.periodic
+    bed = Bed(**values, periodic=periods_of(values["width"], values["height"], sides))
     checkpoint = store.run_of(replicate.id, ".checkpoint.npz")
     return experiment.run(replicate, bed, progress, checkpoint=checkpoint)
 
@@ -163,10 +149,11 @@ def write_batch(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
         for run, row in zip(replicates, rows, strict=True)
     ]
     values |= {name: np.array([column[name] for column in columns]) for name in columns[0]}
+    ran = [{k: v for k, v in run.values().items() if k != "beside"} for run in replicates]
     attrs = global_attributes(
         f"{len(rows)} runs of the experiment {first.configuration.experiment}",
         "dem batch",
-        values=json.dumps([replicate.values(beside=False) for replicate in replicates]),
+        values=json.dumps(ran),
         source_hash=first.source_hash,
         code=json.dumps(run_codes(*first.files)),
         versions=provenance.versions(),
