@@ -467,7 +467,8 @@ def test_chunks_are_filled_and_runs_of_one_bed_follow_each_other(tmp_path):
 )
 def test_runs_of_other_code_or_with_other_variables_are_in_other_batches(axis):
     """A file of a batch names the code of all its runs, and has a row of each variable for all."""
-    runs = small(axis | {"seed": [1, 2]}).block("drag").unique()
+    record = SMALL["record"] | {"observables": ["drag", "snapshots"]}
+    runs = small(axis | {"seed": [1, 2]}, record=record).block("drag").unique()
     chunks, _ = plan_batches((), runs, 5, "results")
     assert [len(chunk.runs) for chunk in chunks] == [2, 2]
 
