@@ -11,17 +11,14 @@ from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
-from filelock import FileLock
 
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
-from dem.base.sources import PACKAGE, cache_folder, digest, run_codes, with_imports
+from dem.base.sources import PACKAGE, run_codes, with_imports
 from dem.experiment.bed import make_bed, periods
 from dem.experiment.run import Replicate
-from dem.experiment.warmup import compile_kernels
 from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, write
 from dem.packing.random import Bed
-from dem.sweep.grouping import kernel_key
 from dem.sweep.store import Store
 
 
@@ -39,8 +36,6 @@ def make(store: Store, batch: str, progress=lambda done, failed: None) -> Path:
     for replicate in replicates:
         with store.locked(store.run_of(replicate.id, ".lock")):
             if (row := _stored(store, replicate)) is None:
-                with suppress(Exception):  # the run fails too, with its own words
-                    _compile(replicate)
                 done = len(rows)
                 row = _row(store, replicate, lambda s, d=done, f=failed: progress(d + s, f))
         rows.append(row)
@@ -50,17 +45,6 @@ def make(store: Store, batch: str, progress=lambda done, failed: None) -> Path:
         write_batch(path, replicates, rows)
     store.forget(runs)
     return path
-
-
-def _compile(replicate: Replicate) -> None:
-    """Compile the kernels of a run once for all processes of this machine."""
-    key = digest(kernel_key(replicate), provenance.compilers(), provenance.processor())
-    mark = cache_folder() / "kernels" / key
-    if not mark.exists():
-        mark.parent.mkdir(parents=True, exist_ok=True)
-        with FileLock(mark.with_suffix(".lock")):
-            compile_kernels(replicate)  # which others may have done meanwhile
-            mark.touch()
 
 
 def _stored(store: Store, replicate: Replicate) -> dict | None:
