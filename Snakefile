@@ -64,7 +64,7 @@ onstart:
 
 onsuccess:
     if all(map(os.path.exists, COMBINED)):
-        say(outcome(SWEEP, draws=f"snakemake -j2 report --configfile {SWEEP.file or 'FILE'}"))
+        say(outcome(SWEEP, draws=f"snakemake -j2 report --configfile {' '.join(map(os.path.relpath, workflow.configfiles))}"))
 
 
 onerror:

@@ -16,7 +16,6 @@ from dem.sweep.combine import combine_block
 from dem.sweep.config import parse
 from dem.sweep.estimate import effort
 from dem.sweep.state import SweepState
-from dem.sweep.workers import Workers
 
 
 def test_the_estimated_time_of_a_run_is_in_proportion_to_its_steps():
@@ -67,18 +66,6 @@ def stopped(tmp_path):
         state = SweepState(parse(VALUES))
         finish(state, 3)
         yield state
-
-
-def test_a_sweep_with_nothing_to_make_writes_no_file_again(tmp_path):
-    """Figures are drawn again where drag.nc is newer. Another window or more runs are another file."""
-    times = []
-    with chdir(tmp_path):
-        for values in ({}, {}, {"title": "Another"}, {"sweep": {"shape": "c1", "seed": "1 to 11"}}):
-            state = SweepState(parse(VALUES | values))
-            finish(state, 12)
-            state.make(Workers())
-            times.append(Path("results/drag.nc").stat().st_mtime_ns)
-    assert times[0] == times[1] < times[2] < times[3]
 
 
 def text(table):

@@ -19,7 +19,6 @@ from dem.base.sources import ROOT
 from dem.base.statistics import mean_interval
 from dem.cli.app import app
 from dem.cli.show import PlainConsole, print_or_write
-from dem.io.checksums import seal
 from dem.report.info import summary
 from dem.sweep.axis import POINT
 
@@ -57,7 +56,6 @@ def file(tmp_path):
             {"window_start": 1e-3, "window_stop": 4e-3, "title": "three points"},
         )
         dataset.isel(point=list(points)).to_netcdf(tmp_path / name)
-        seal(tmp_path / name)
         return tmp_path / name
 
     return write
@@ -125,7 +123,6 @@ def changed(path, edit):
     with xr.open_dataset(path) as dataset:
         found = edit(dataset.load())
     found.to_netcdf(path)
-    seal(path)
     return path
 
 

@@ -20,7 +20,6 @@ from conftest import CONFIG
 from dem.base.errors import InputError, RunError
 from dem.base.sources import cache_folder
 from dem.cli.app import app
-from dem.io.checksums import seal
 from dem.io.dataset import read
 from dem.sweep import cluster, workers
 from dem.sweep.cluster import Cluster
@@ -113,23 +112,6 @@ def test_a_cluster_of_dask_leaves_what_this_process_leaves(tmp_path, monkeypatch
         monkeypatch.setattr(cluster, "installed", lambda: f"process {os.getpid()}")
         with pytest.raises(InputError, match=r"there is process \d+; it must be process \d+"):
             Cluster(client)
-
-
-@pytest.mark.parametrize(
-    "damage", [lambda content: content[:-1], lambda content: b"." + content[1:]]
-)
-def test_a_file_that_was_damaged_on_its_way_is_not_put_into_the_store(tmp_path, damage):
-    """Cut or changed, where another machine made it."""
-    store, path = Store(tmp_path / "store"), tmp_path / "sealed"
-    path.write_bytes(bytes(1000))
-    seal(path)
-    with pytest.raises(
-        InputError, match=r"ab.nc: its content is not what was written .*; run the same"
-    ):
-        store.add("ab", damage(path.read_bytes()))
-    assert not list(store.folder.rglob("*.*"))
-    store.add("ab", path.read_bytes())
-    assert store.file_of("ab").read_bytes() == path.read_bytes()
 
 
 class Deadly(Workers):

@@ -233,7 +233,7 @@ sweep: {case: [c1, d1], seed: [1, 2]}
 
 def test_a_workflow_goes_on_after_a_kill_and_a_damaged_batch(finished):
     """The same command finishes, with the bits of runs alone. A damaged batch is named, and the next start
-    tries again until it is mended; another sweep of the folder is refused, and writes nothing."""
+    tries again until it is mended."""
     file, target = finished / "config/killed.yaml", "results/killed/drag.nc"
     words = {"configfile": "config/killed.yaml"}
     result, runs = finished / target, finished / "results/store/runs"
@@ -265,19 +265,12 @@ def test_a_workflow_goes_on_after_a_kill_and_a_damaged_batch(finished):
     batch.write_bytes(kept[:20000])
     file.write_text(KILLED.replace("title: one", "title: changed"))
     run = snakemake(finished, target, "-j2", **words)
-    assert run.returncode == 1 and "it has no checksum" in run.stderr
+    assert run.returncode == 1 and "its content is not what was written" in run.stderr
     batch.write_bytes(kept)
     run = snakemake(finished, target, "-j2", **words)
     assert run.returncode == 0 and planned(finished, target, **words) == {}, run.stderr
     with netCDF4.Dataset(result) as one:
         assert one.title == "changed"
-
-    (finished / "config/other.yaml").write_text(file.read_text().replace("[1, 2]", "1"))
-    before = stamps((finished / "results").rglob("*"))
-    run = snakemake(finished, target, "-n", configfile="config/other.yaml")
-    assert run.returncode == 1
-    assert "has the results of config/killed.yaml" in run.stdout + run.stderr
-    assert before == stamps((finished / "results").rglob("*"))
 
 
 def test_a_wrong_configuration_writes_nothing(copy, monkeypatch):

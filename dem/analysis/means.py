@@ -12,7 +12,6 @@ from dem.analysis.values import designs_of
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.base.statistics import LEVEL, half_interval, ratio_interval
-from dem.io.checksums import seal
 from dem.io.dataset import FORMAT
 from dem.io.lazily import open_lazily, require
 
@@ -139,4 +138,3 @@ def write_means(result: xr.Dataset, output: Path) -> None:
             table_of(result).to_csv(part, index=False)
         else:
             result.to_netcdf(part, format=FORMAT)
-            seal(part)

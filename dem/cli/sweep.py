@@ -138,7 +138,7 @@ def store(
     from dem.sweep.store import Store
 
     runs = Store()
-    if not runs.is_there():
+    if not runs.folder.is_dir():
         raise InputError(
             f"{runs.folder}: there is no store; go to the folder where the sweeps were started."
         )

@@ -1,7 +1,5 @@
 """A whole configuration file: the values of a run, and what is varied."""
 
-import os
-from contextlib import suppress
 from functools import cached_property
 from importlib.metadata import files as installed_files
 from pathlib import Path
@@ -248,32 +246,6 @@ def load(path: Path) -> Sweep:
     return parse(read(path), str(path))
 
 
-FROM = "# resolved from "
-
-
-def file_of(sweep: Sweep, path: Path) -> str:
-    """The file that a sweep is known by, as it is seen from the working folder, which may be moved.
-
-    Of the resolved configuration in the sweep's own folder it is the one that this was made from.
-    """
-    path = Path(path).resolve()
-    if path == (Path(sweep.results) / CONFIG).resolve():
-        return origin_of(path)
-    try:
-        return Path(os.path.relpath(path, os.path.realpath(Path.cwd()))).as_posix()
-    except ValueError:  # another drive of Windows
-        return path.as_posix()
-
-
-def origin_of(path: Path) -> str:
-    """The file that a resolved configuration was made from; empty where none is named."""
-    with suppress(OSError, UnicodeDecodeError), path.open(encoding="utf-8") as file:
-        first, name = file.readline().rstrip("\n").partition(FROM)[::2]
-        return "" if first else name
-    return ""
-
-
-def save(sweep: Sweep, path: Path, file: str = "") -> None:
-    """Write the resolved configuration, which `load` reads again. file: that of the sweep."""
-    head = f"{FROM}{file}\n" if file.isprintable() and file else ""
-    write_changed(Path(path), head + yaml.safe_dump(sweep.dump(), sort_keys=False))
+def save(sweep: Sweep, path: Path) -> None:
+    """Write the resolved configuration, which `load` reads again."""
+    write_changed(Path(path), yaml.safe_dump(sweep.dump(), sort_keys=False))

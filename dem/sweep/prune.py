@@ -10,7 +10,7 @@ from contextlib import nullcontext, suppress
 from pathlib import Path
 
 from dem.base.errors import InputError
-from dem.sweep.combine import read_combined
+from dem.sweep.combine import combined_runs
 from dem.sweep.config import CONFIG, FOLDERS
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store
@@ -33,7 +33,7 @@ def sweeps(store: Store, strict: bool = True) -> Iterator[tuple[Path, set[str], 
                     f"{path}: it is a link to what is not there; connect its disk, or delete the "
                     "link if you deleted the folder for good."
                 )
-        runs, beds = {run for path in folder.glob("*.nc") for run in read_combined(path)[1]}, set()
+        runs, beds = {run for path in folder.glob("*.nc") for run in combined_runs(path)}, set()
         if CONFIG in files:
             with nullcontext() if strict else suppress(InputError):
                 state = SweepState.of(folder / CONFIG)
