@@ -56,8 +56,8 @@ include: "rules/studies.smk"
 
 
 onstart:
-    workflow.results_lock, sentences = prepare(SWEEP.results, SWEEP.store.folder)  # until the process ends
-    for sentence in (*sentences, *WARNINGS):
+    workflow.results_lock = prepare(SWEEP.results, SWEEP.store.folder)  # until the process ends
+    for sentence in WARNINGS:
         say(sentence)
     logging.raiseExceptions = False  # that Snakemake's log cannot grow on a full disk is said once
 

@@ -36,7 +36,7 @@ from dem.sweep import state as working
 from dem.sweep.combine import combine_block
 from dem.sweep.config import save
 from dem.sweep.estimate import summary as estimated
-from dem.sweep.restart import hold
+from dem.sweep.restart import prepare
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 
@@ -272,8 +272,8 @@ def test_a_folder_is_held_until_its_process_ends(tmp_path):
     """However it ends: SIGKILL leaves no lock behind."""
     code = f"""
 from pathlib import Path
-from dem.sweep.restart import hold
-lock = hold(Path({str(tmp_path)!r}))
+from dem.sweep.restart import prepare
+lock = prepare(*[Path({str(tmp_path)!r})] * 2)
 print('held', flush=True)
 input()
 """
@@ -282,10 +282,10 @@ input()
     )
     assert process.stdout.readline() == "held\n"
     with pytest.raises(RunError, match="another run works in this folder; wait for it or stop it"):
-        hold(tmp_path)
+        prepare(tmp_path, tmp_path)
     process.kill()
     process.communicate()
-    hold(tmp_path).release()
+    prepare(tmp_path, tmp_path).release()
 
 
 def test_a_time_is_said_as_a_reader_would_say_it():

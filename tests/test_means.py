@@ -18,7 +18,7 @@ from dem.base.errors import InputError
 from dem.base.sources import ROOT
 from dem.base.statistics import mean_interval
 from dem.cli.app import app
-from dem.cli.show import PlainConsole, print_or_write
+from dem.cli.show import plain_console, print_or_write
 from dem.report.info import summary
 from dem.sweep.axis import POINT
 
@@ -112,7 +112,7 @@ def test_what_cannot_be_shown_is_refused(file, tmp_path, call, words):
 
 
 def text_of(shown, width=1000):
-    console = PlainConsole(width=width)
+    console = plain_console(width=width)
     with console.capture() as text:
         console.print(shown)
     return text.get()

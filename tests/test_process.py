@@ -113,16 +113,6 @@ def test_an_edited_file_that_was_only_planned_is_run_as_it_is_now(file):
     assert products(file) == [15]
 
 
-def test_what_a_user_has_imported_is_imported_again(file, monkeypatch):
-    """From one's own tests of the file, which was edited since."""
-    monkeypatch.syspath_prepend(str(file.parent))
-    import product
-
-    assert product.FACTOR == 2
-    write(file.parent, "factors.py", "FACTOR = 3\n")
-    assert products(file) == [3 * seed for seed in SEEDS]
-
-
 def test_files_of_one_name_in_two_folders_are_two(file, tmp_path):
     """Also where only a helper has the name of another."""
     folders = [(file.parent, 2)]

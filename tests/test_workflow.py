@@ -265,7 +265,7 @@ def test_a_workflow_goes_on_after_a_kill_and_a_damaged_batch(finished):
     batch.write_bytes(kept[:20000])
     file.write_text(KILLED.replace("title: one", "title: changed"))
     run = snakemake(finished, target, "-j2", **words)
-    assert run.returncode == 1 and "its content is not what was written" in run.stderr
+    assert run.returncode == 1 and "its content cannot be used" in run.stderr
     batch.write_bytes(kept)
     run = snakemake(finished, target, "-j2", **words)
     assert run.returncode == 0 and planned(finished, target, **words) == {}, run.stderr

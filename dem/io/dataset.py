@@ -205,14 +205,10 @@ def content_of(path: Path, remedy: str = "make it again"):
             raise
         raise InputError(f"{path}: {error}") from None
     except Exception as error:
-        words = " ".join(str(error).split())[:200]
-        if words.startswith(("NetCDF", "[Errno -")):
-            raise InputError(
-                f"{path}: its content is not what was written ({words}); {remedy}."
-            ) from None
-        if isinstance(error, OSError):  # of another file
+        if isinstance(error, OSError) and (error.errno or 0) > 0:  # of another file
             raise
+        words = " ".join(str(error).split())[:200]
         raise InputError(
-            f"{path}: its content cannot be used ({type(error).__name__}: {words}); "
-            "is it another file?"
+            f"{path}: its content cannot be used ({type(error).__name__}: {words}); it is cut off, "
+            f"damaged or another file: {remedy}."
         ) from error

@@ -54,12 +54,10 @@ def open_results(path: str | Path) -> xr.Dataset:
         try:
             return xr.open_dataset(path, engine="netcdf4", chunks=chunks)
         except (OSError, ValueError, RuntimeError):
-            why = "it is cut off, damaged or another file: make it again, or copy it again"
-            if Path(path).suffix in (".yaml", ".yml"):
-                why = (
-                    f"it is a configuration: make its results with dem sweep {path}, and name those"
-                )
-            raise InputError(f"{path}: it is not a readable netCDF file; {why}.") from None
+            raise InputError(
+                f"{path}: it is not a readable netCDF file; it is cut off, damaged or another file: "
+                "make it again, or copy it again."
+            ) from None
 
 
 @contextmanager

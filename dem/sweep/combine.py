@@ -18,6 +18,7 @@ import netCDF4
 import numpy as np
 
 from dem.base.errors import InputError, RunError
+from dem.base.messages import say
 from dem.io.dataset import (
     LABELS,
     OF_STORE,
@@ -276,16 +277,10 @@ def combine_block(
     known = state.observables(name)
     if observable not in known:
         raise InputError(f"observable is {observable!r}; runs of {name} have {', '.join(known)}.")
-    if partial:
-        whole = [path.resolve() for other in state.sweep.blocks for path in state.combined(other)]
-        if output.resolve() in whole:
-            raise InputError(
-                f"output is {str(output)!r}, where the whole of the sweep will be; name another "
-                "file for a part."
-            )
     block = state.block(name)
     if block.until and not partial and observable == known[0]:
-        state.notes += short_of(block, state.values(block))
+        for sentence in short_of(block, state.values(block)):
+            say(sentence)
     if observable == BEDS:
         block = block.first_seeds()
     runs = block.points.keys()

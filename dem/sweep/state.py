@@ -42,13 +42,11 @@ class SweepState:
     sweep: the configuration
     store: where runs are
     root:  folder that all paths of the sweep are in; the working folder if absent
-    notes: sentences to show in the end
     """
 
     def __init__(self, sweep: Sweep, store: Store | None = None, root: Path = Path()):
         self.sweep, self.root = sweep, Path(root)
         self.store = store or Store(self.root / FOLDER)
-        self.notes: list[str] = []
         self._rounds: dict[str, list[Block]] = {}  # of each block
         self._planned: dict[str, Batch] = {}  # those that hold the runs, by identity
         self._new: dict[Batch, list[Replicate]] = {}  # runs of batches whose plans are not written
@@ -222,7 +220,7 @@ class SweepState:
         for name in names:
             self.batches(name)
         for batch, runs in self._new.items():
-            self.store.write_plan(batch, self.sweep.results, runs)
+            self.store.write_plan(batch, runs)
         self._new.clear()
         return str(path)
 
@@ -260,14 +258,14 @@ class SweepState:
     def _fast_cylinder(self) -> Iterator[str]:
         """A warning of the fastest run, where another unit was probably meant: mm/s for m/s, MPa
         for Pa."""
-        speeds = {}  # of the cylinder and of sound, by their ratio
+        speeds = [(0.0, 0.0, 0.0)]  # of the cylinder over that of sound, of both
         for run in self.replicates():
             c = run.configuration
             if c.experiment == "drag":
                 sound = math.sqrt(c.material.young_modulus / run.density)
-                speeds[c.cylinder.velocity / sound] = c.cylinder.velocity, sound
-        if (mach := max(speeds, default=0.0)) > FASTEST:
-            velocity, sound = speeds[mach]
+                speeds.append((c.cylinder.velocity / sound, c.cylinder.velocity, sound))
+        mach, velocity, sound = max(speeds)
+        if mach > FASTEST:
             yield (
                 f"Warning: cylinder.velocity is {velocity:g} m/s, {mach:.2g} of the velocity of "
                 f"sound in a granule, sqrt(material.young_modulus / density) = {sound:.4g} m/s; it "

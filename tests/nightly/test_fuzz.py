@@ -23,7 +23,6 @@ from typer.testing import CliRunner
 
 import dem
 from dem.base.errors import InputError, RunError
-from dem.base.messages import printable
 from dem.base.types import LISTED
 from dem.cli.app import app
 from dem.sweep.config import load, parse
@@ -368,8 +367,7 @@ def a_tampered_file(rng, folder):
             opened.renameVariable(variable.name, "other")
         elif variable.dtype.kind == "f":
             variable[...] = rng.choice([math.nan, math.inf, -1e300, 0.0])
-    result = command(folder, words(verb, options), options.get("-o"), ["drag.nc"])
-    assert result.stdout == printable(result.stdout)
+    command(folder, words(verb, options), options.get("-o"), ["drag.nc"])
 
 
 KINDS = (
