@@ -64,7 +64,8 @@ onstart:
 
 onsuccess:
     if all(map(os.path.exists, COMBINED)):
-        say(outcome(SWEEP, draws=f"snakemake -j2 report --configfile {' '.join(map(os.path.relpath, workflow.configfiles))}"))
+        files = " ".join(map(os.path.relpath, workflow.configfiles))
+        say(outcome(SWEEP, draws=f"snakemake -j2 report --configfile {files}"))
 
 
 onerror:

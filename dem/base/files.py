@@ -53,9 +53,10 @@ def atomic(path: Path) -> Iterator[Path]:
         path.parent.mkdir(parents=True, exist_ok=True)
         yield part
         part.replace(path)
-    except (OSError, RuntimeError):  # of HDF5, which does not say why
-        if shutil.disk_usage(path.parent).free < 1_000_000:  # bytes
-            raise OSError(_cannot(path, "the disk is full")) from None
+    except (OSError, RuntimeError) as error:  # of HDF5, which does not say why
+        full = shutil.disk_usage(path.parent).free < 1_000_000  # bytes
+        if full or str(error).startswith("NetCDF"):
+            raise OSError(_cannot(path, "the disk is full" if full else str(error))) from None
         raise
     finally:
         part.unlink(missing_ok=True)

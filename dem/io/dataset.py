@@ -93,9 +93,8 @@ MORE = {  # attributes of CF beside name and units
         "flag_values": np.arange(len(FAILURES), dtype="i1"),
         "flag_meanings": " ".join(FAILURES),
     },
-    "replicate_drag": {"cell_methods": "replicate_displacement: mean"},
     "time_step": {"cell_methods": "displacement: minimum"},
-    **{key: {"standard_name": "realization"} for key in ("seed", "trial_seed", "replicate")},
+    "seed": {"standard_name": "realization"},
     **{
         key: {"cell_methods": "displacement: mean"}
         for key in ("drag", "drag_normal", "drag_tangential", "transverse_force", "wall_force")
