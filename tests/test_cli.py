@@ -135,7 +135,7 @@ COMBINE = ("combine", "--config", "config/smoke.yaml", "-o", "OUT")
         ),
         (
             ("figure", "all", "docs/data/flow.nc", "-o", "OUT"),
-            "it holds no drag that a figure shows; name drag.nc.",
+            "it holds nothing that a figure shows; name drag.nc.",
         ),
         (
             ("report", "studies/shear/shear.nc", "-o", "OUT.html"),

@@ -5,7 +5,6 @@ import shutil
 
 import meshio
 import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
 from made import made
@@ -15,14 +14,14 @@ from typer.testing import CliRunner
 
 import dem
 from conftest import STIFF, assert_not_blank
-from dem.analysis.one_run import open_run, read_snapshots, selected
+from dem.analysis.one_run import open_run, read_snapshots
 from dem.base.errors import InputError
 from dem.cli.app import app
 from dem.experiment.bed import diameters
 from dem.experiment.box import width_of
 from dem.experiment.observables import flow as measures
 from dem.experiment.snapshots import Snapshots
-from dem.figures.bed import Drawing
+from dem.figures.bed import draw, view_of
 from dem.figures.export import export
 from dem.figures.film import film, picture
 from dem.figures.frames import of_motion
@@ -181,13 +180,6 @@ def test_a_run_is_found_by_its_values(swept):
         raise AssertionError("no file holds the run")
 
 
-def test_of_values_that_print_alike_the_one_that_is_written_is_selected():
-    """Any of them can be named, and a rounded one where nothing is equal to it."""
-    runs = pd.DataFrame({"velocity": [2.0, 2.0000001, 0.1 + 0.2]}, index=["a", "b", "c"])
-    found = [selected(runs, [f"velocity={text}"]) for text in ("2", "2.0000001", "0.3")]
-    assert found == ["a", "b", "c"]
-
-
 @pytest.mark.parametrize(
     ("select", "words"),
     [
@@ -258,27 +250,32 @@ def test_export_for_paraview(request, tmp_path, data, run):
     snapshots, granules = motion.angle.shape
     assert (tmp_path / "vtk/bed.pvd").read_text().count("<DataSet") == snapshots
     mesh = meshio.read(tmp_path / f"vtk/bed{snapshots - 1:04d}.vtu")
-    polygons, lines = (mesh.points[cells.data][..., :2] for cells in mesh.cells)
+    polygons, (ring,), lines = (mesh.points[cells.data][..., :2] for cells in mesh.cells)
     x, y = np.moveaxis(polygons, -1, 0)
     area = 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
     body = mesh.cell_data["granule"][0]
-    parts = (len(body) - 1) // granules
-    assert body.tolist() == [*np.repeat(range(granules), parts), -1]
-    values = {name: each[0][::parts] for name, each in mesh.cell_data.items()}
-    area = area[:-1].reshape(granules, parts).sum(axis=1)
+    parts = len(body) // granules
+    assert body.tolist() == np.repeat(range(granules), parts).tolist()
+    assert mesh.cell_data["granule"][1] == [-1]
+    values = {
+        name: np.append(parted[0][::parts], parted[1], axis=0)
+        for name, parted in mesh.cell_data.items()
+    }
+    area = area.reshape(granules, parts).sum(axis=1)
     np.testing.assert_allclose(area, np.pi / 4 * motion.diameters**2, rtol=0.01)
-    middle = polygons[:-1].mean(axis=1).reshape(granules, parts, 2).mean(axis=1)
+    middle = polygons.mean(axis=1).reshape(granules, parts, 2).mean(axis=1)
     np.testing.assert_allclose(middle, motion.position[-1], atol=0.02 * motion.diameters.max())
-    # what the granules went since the snapshot before, and the cylinder at its velocity
     cylinder = motion.replicate.configuration.cylinder
+    np.testing.assert_allclose(np.ptp(ring, axis=0), cylinder.diameter, rtol=1e-9)
+    # what the granules went since the snapshot before, and the cylinder at its velocity
     time = np.diff(motion.displacement)[-1] / cylinder.velocity
     went = np.append(
         np.diff(motion.position[-2:], axis=0)[0], [[0.0, np.diff(motion.cylinder_y)[-1]]], axis=0
     )
     np.testing.assert_allclose(values["velocity"][:, :2] * time, went, rtol=1e-6, atol=1e-12)
     contacts = motion.contacts(snapshots - 1)
-    assert (mesh.cell_data["granule"][1] == -2).all() and len(lines) == len(contacts.force)
-    np.testing.assert_allclose(mesh.cell_data["force"][1], contacts.force)
+    assert (mesh.cell_data["granule"][2] == -2).all() and len(lines) == len(contacts.force)
+    np.testing.assert_allclose(mesh.cell_data["force"][2], contacts.force)
     # each force acts on both bodies, and on walls, which have no polygon, alone
     on_walls = contacts.force[contacts.partner < -1].sum()
     assert values["force"].sum() + on_walls == pytest.approx(2.0 * contacts.force.sum())
@@ -334,9 +331,9 @@ def test_a_solid_at_rest_at_an_angle_is_drawn_at_this_angle():
         state[..., 0],
         diameters(run),
     )
-    drawing = Drawing(Figure().subplots(), of_motion(motion))
-    drawing.move(1)
-    (outline,) = drawing.solids.get_paths()
+    axes, frames = Figure().subplots(), of_motion(motion)
+    draw(axes, frames, 1, view_of(frames))
+    (outline,) = axes.collections[2].get_paths()
     width, height = np.ptp(outline.vertices, axis=0)
     rounded = 1e3 * width_of(run.configuration.cylinder)  # of both ends
     assert height - rounded == pytest.approx(np.tan(0.5) * (width - rounded), rel=1e-2)

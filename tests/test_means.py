@@ -98,7 +98,10 @@ def test_the_terminal_shows_one_quantity_by_what_varies(file):
 @pytest.mark.parametrize(
     "call, words",
     [
-        (lambda f, d: write_means(means(f()), d / "means.txt"), "it must end in .csv or .nc"),
+        (
+            lambda f, d: write_means(means(f()), d / "means.txt"),
+            "of a file that ends in .csv or .nc",
+        ),
         (lambda f, d: compared(f(), f("o.nc"), "lift"), "it has no lift; it has drag"),
         (
             lambda f, d: compared(f(points=[0]), f("o.nc", points=[2]), "drag"),

@@ -164,8 +164,8 @@ def test_rattlers_count_neither_as_granules_nor_for_contacts():
 @pytest.mark.parametrize(
     ("granules", "beds", "words"),
     [
-        ((50, 100), 4, "number of granules; a line takes 3"),
-        ((50, 100, 200), 2, "2 beds of each size"),
+        ((50, 100), 4, "it has 2 and 4"),
+        ((50, 100, 200), 2, "it has 3 and 2"),
     ],
 )
 def test_too_few_beds_for_a_line_are_refused(granules, beds, words):

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from dem.analysis.one_run import snapshots_of
 from dem.base.errors import InputError, PackingError
@@ -15,9 +16,8 @@ from dem.experiment.box import height_of_box
 from dem.experiment.config import parse
 from dem.experiment.kinds import drag
 from dem.experiment.scene import make_scene
-from dem.figures.film import Scene
+from dem.figures.bed import draw, view_of
 from dem.figures.frames import of_motion
-from dem.figures.style import styled
 from dem.sweep.config import load
 
 CONFIG = Path(__file__).parent.parent / "config"
@@ -84,7 +84,6 @@ def test_the_top_wall_holds_the_pressure_while_the_cylinder_moves():
     assert values["top_height"][-1] != values["top_height"][0]
 
 
-@styled
 def test_a_snapshot_shows_the_top_wall_where_it_is():
     """What touches it there pushes it with the pressure, and no granule is drawn beyond it by more
     than its overlap; it is not where it began."""
@@ -94,11 +93,11 @@ def test_a_snapshot_shows_the_top_wall_where_it_is():
     on_top = found.partner == -3  # after the cylinder and the bottom
     assert found.force[on_top].sum() / area_of(run) == pytest.approx(PRESSURE, rel=0.1)
     frames = of_motion(motion)
-    scene = Scene(frames, "speed", forces=False)
-    scene.show(len(frames.position) - 1)
-    top = max(line[:, 1].min() for line in scene.bed.walls.get_segments())
-    outlines = [path.vertices for path in scene.bed.granules.get_paths()]
-    beyond = max(outline[:, 1].max() for outline in outlines) - top
+    axes = Figure().subplots()
+    draw(axes, frames, -1, view_of(frames))
+    outlines = [path.vertices for path in axes.collections[0].get_paths()]
+    beyond = max(outline[:, 1].max() for outline in outlines) - 1e3 * motion.height[-1]
+    assert axes.patches[0].get_xy()[:, 1].max() == pytest.approx(1e3 * motion.height[-1])
     assert 0.0 < beyond < 1.1e3 * found.overlap[on_top].max()
     assert abs(motion.height[-1] / motion.height[0] - 1.0) > 1e-3
 

@@ -166,13 +166,11 @@ def changes_of_words(configuration: Configuration, words: list[str]) -> dict:
     return changes(texts, configuration, "values")
 
 
-def is_written(value, text: str, tolerance: float = 5e-5) -> bool:
-    """Whether a value is what a text says; a real number also as tables print it, with five digits.
-
-    tolerance: of real numbers, relative to their size.
-    """
+def is_written(value, text: str) -> bool:
+    """Whether a value is what a text says; a real number also as tables print it, with five
+    digits."""
     try:
-        return math.isclose(value, float(text), rel_tol=tolerance * isinstance(value, float))
+        return math.isclose(value, float(text), rel_tol=5e-5 * isinstance(value, float))
     except (TypeError, ValueError):
         return text in (str(value), str(value).lower())  # files have true and none
 
