@@ -128,7 +128,8 @@ def stiffest(law, modulus, radius, overlap):
 def impact_overlap(law, modulus, radius, mass, speed):
     """Greatest overlap (m) of an elastic collision of two like granules at a speed (m/s); radius,
     mass: R* (m) and m* (kg)."""
-    constant, second = stiffness(law, modulus, radius), length(law, 0.5, radius, radius, radius)
+    constant = stiffness(law, modulus, radius)
+    second = length(law, 0.5, 2.0 * radius, 2.0 * radius, radius)
     low, high, met = 0.0, radius, 0.5 * mass * speed * speed
     for _ in range(50):
         middle = 0.5 * (low + high)
