@@ -24,15 +24,15 @@ THIN = {"thickness": 1e-3, **ROUGH}
 PAGE = (ROOT / "docs/howto/law.md").read_text()
 
 
-@pytest.mark.parametrize("restitution", [1.0 - 1e-12, 0.9, 0.5, 0.2])
+@pytest.mark.parametrize("restitution", [1.0 - 1e-12, 0.9, 0.5, 0.3, 0.2, 0.1])
 @pytest.mark.parametrize("law", LAWS)
 def test_restitution_is_as_asked_for_at_the_default_step(law, restitution):
-    """In the mean over collisions that begin anywhere within many steps, to 0.4 %."""
-    size, gap, material = np.full((200, 2), 1e-3), np.linspace(0.0, 1e-5, 200), dem.Material()
+    """In the mean over collisions that begin anywhere within many steps, to 0.3 %."""
+    size, gap, material = np.full((200, 2), 1e-3), np.linspace(1e-7, 1e-5, 200), dem.Material()
     material = replace(material, restitution=restitution)
     scene, state = head_on(size, np.ones(200), gap, material=material, law=LAWS[law], **THIN)
     after = dem.simulate(scene, state, 4e-5).state
-    assert -approach(after.velocity).mean() == pytest.approx(restitution, rel=4e-3)
+    assert -approach(after.velocity).mean() == pytest.approx(restitution, rel=3e-3)
 
 
 @pytest.mark.parametrize("law", ["linear", "line"])
