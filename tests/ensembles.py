@@ -12,7 +12,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from measured import arguments, report
+from measurements import arguments, report
 from nightly.faults import Place
 
 from dem.experiment.bed import make_bed
@@ -54,8 +54,8 @@ def copies(place: Place, config: str, row: dict) -> None:
         work.begin("drag")
         for chunk in chunks:
             if not work.store.file_of(chunk.id).exists():
-                mine = [runs[name] for name in chunk.runs]
-                write_batch(work.store.file_of(chunk.id), mine, [row] * len(mine))
+                replicates = [runs[name] for name in chunk.runs]
+                write_batch(work.store.file_of(chunk.id), replicates, [row] * len(replicates))
 
 
 def measured(place: Place, *command) -> tuple[float, float]:

@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 
 import netCDF4
-from measured import arguments, processor_time, report
+from measurements import arguments, processor_time, report
 from nightly.faults import Place, varied
 
 from dem.base.errors import RunError
@@ -75,16 +75,16 @@ def timed(place: Place, *command) -> float:
 
 
 def main() -> None:
-    given = arguments(
+    options = arguments(
         __doc__,
         seeds={"nargs": "?", "default": 200, "help": "seeds of each of the five cases"},
         batch={"nargs": "?", "default": 100, "help": "runs a job"},
     )
-    many = varied(f"1 to {given.seeds}", CASES)
+    many = varied(f"1 to {options.seeds}", CASES)
     spare_blas()
     with tempfile.TemporaryDirectory() as name:
         place = Place(Path(name))
-        config = place.sweep("many", sweep=many, batch=given.batch, failures=0.05)
+        config = place.sweep("many", sweep=many, batch=options.batch, failures=0.05)
         first = place.sweep("first", sweep=varied([1, 2], CASES))
         for path in (first, config):  # the first loads what is compiled
             packing, running, writing = kernels(place.folder / path)
@@ -97,20 +97,20 @@ def main() -> None:
         with netCDF4.Dataset(place.results("many") / "drag.nc") as file:
             failure = file["failure"][...]
         jobs = len(list((place.results("many").parent / "store/batches").glob("*.nc")))
-    made = int((failure == 0).sum())
+    successes = int((failure == 0).sum())
     values = {
         "runs": failure.size,
-        "made": made,
+        "made": successes,
         "jobs": jobs,
         "packing": packing,
         "running": running,
         "workflow": workflow,
         "starting": jobs * start,
-        "writing": made * writing,
+        "writing": successes * writing,
         "combining": combining,
         "planning": planning,
     }
-    report(values, LAYOUT, "What a sweep of small runs costs beyond its kernels", given.output)
+    report(values, LAYOUT, "What a sweep of small runs costs beyond its kernels", options.output)
 
 
 if __name__ == "__main__":

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made import SMOKE
 from rich.console import Console
+from sweeps import SMOKE
 
 from dem.cli import show
 from dem.io.dataset import read
@@ -29,8 +29,8 @@ def test_the_estimated_time_of_a_run_is_in_proportion_to_its_steps():
         }
         sweep = parse({"extends": "config/smoke.yaml"} | values, "a sweep")
         run = sweep.block("drag").first
-        made = run.configuration.module.run(run)
-        ratios.append(effort(run) / int(made["steps"]))
+        result = run.configuration.module.run(run)
+        ratios.append(effort(run) / int(result["steps"]))
     assert max(ratios) < 1.25 * min(ratios)
 
 

@@ -46,9 +46,9 @@ def test_forces_of_a_random_bed(kind, dt, steps):
         for _ in range(steps):  # all granules stay where they are
             forces(world, dt, np.inf)
         force, torque = forces_of(scene, state, steps * dt)
-        found = world.force
-        assert_allclose(found[:, :2], force, rtol=1e-10, atol=1e-10 * np.abs(force).max())
-        assert_allclose(found[:, 2], torque, rtol=1e-10, atol=1e-10 * np.abs(torque).max())
+        result = world.force
+        assert_allclose(result[:, :2], force, rtol=1e-10, atol=1e-10 * np.abs(force).max())
+        assert_allclose(result[:, 2], torque, rtol=1e-10, atol=1e-10 * np.abs(torque).max())
         assert (np.hypot(*force.T) > 0.0).sum() > 15
 
 
@@ -84,8 +84,8 @@ def test_the_stages_that_are_timed_make_the_forces_of_a_step():
 def guarded(value, rows):
     """A copy of a world whose arrays lie between rows of NaN; rows gets them, by the place of each array."""
     if isinstance(value, tuple):
-        found = [guarded(each, rows) for each in value]
-        return type(value)(*found) if hasattr(value, "_fields") else tuple(found)
+        members = [guarded(member, rows) for member in value]
+        return type(value)(*members) if hasattr(value, "_fields") else tuple(members)
     if not isinstance(value, np.ndarray) or not value.size:
         return value
     place = value.ctypes.data  # one array may have two names

@@ -158,8 +158,8 @@ def test_a_settled_bed_rests_on_its_floor_below_a_free_surface():
     scene = make_scene(replicate, bed)
     diameter = 2.0 * scene.shape.radius
     assert (bed.position[:, 1] + 0.5 * diameter).max() < 0.9 * bed.height
-    still = replace(scene, solids=[replace(solid, velocity=(0.0, 0.0)) for solid in scene.solids])
-    simulation = dem.Simulation(still, bed.state)
+    resting = replace(scene, solids=[replace(solid, velocity=(0.0, 0.0)) for solid in scene.solids])
+    simulation = dem.Simulation(resting, bed.state)
     simulation.advance(5e-3)  # in which a granule that nothing holds falls by a tenth of a diameter
     assert np.abs(simulation.state.position - bed.position).max() < 0.01 * diameter.mean()
 

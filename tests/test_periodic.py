@@ -79,21 +79,21 @@ def gas(side=6, periodic=(True, True), **scene):
     n, period = side * side, side * PITCH
     grid = np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2) + 0.5
     walls = dem.box(period, period)[np.repeat(~np.array(periodic), 2)]
-    usual = {
+    defaults = {
         "material": SOFT,
         "friction": dem.Friction(),
         "thickness": PITCH,
         "walls": lids(walls),
         "solids": dem.Cylinder(
-            0.4 * PITCH, tuple(0.0 if each else PITCH for each in periodic), (0.3, 0.2)
+            0.4 * PITCH, tuple(0.0 if repeats else PITCH for repeats in periodic), (0.3, 0.2)
         ),
-        "periodic": [period if each else None for each in periodic],
+        "periodic": [period if repeats else None for repeats in periodic],
     }
     shape = dem.Disc(rng.uniform(0.25, 0.4, n) * PITCH)
     state = dem.State(
         PITCH * grid, 3.0 * rng.normal(size=(n, 2)), angular_velocity=900.0 * rng.normal(size=n)
     )
-    return dem.Scene(shape, **usual | scene), state
+    return dem.Scene(shape, **defaults | scene), state
 
 
 def moved(state, by, velocity=(0.0, 0.0)):
@@ -102,11 +102,11 @@ def moved(state, by, velocity=(0.0, 0.0)):
     return dem.State(state.position + by, fast, state.angle, state.angular_velocity)
 
 
-def least_image(away, periodic):
+def least_image(separation, periodic):
     """Vectors (..., 2) in m to the nearest image."""
-    period = np.array([np.inf if each is None else each for each in periodic])
+    period = np.array([np.inf if length is None else length for length in periodic])
     whole = np.where(np.isfinite(period), period, 0.0)
-    return away - whole * np.rint(away / period)
+    return separation - whole * np.rint(separation / period)
 
 
 def deep(run):
@@ -122,12 +122,12 @@ def deep(run):
     return pairs, set(np.flatnonzero(gap < 0.0).tolist())
 
 
-def seen(run):
+def contacts_of(run):
     """The same of the contacts that the simulation has."""
-    found = run.contacts()
-    pairs = np.sort(np.column_stack([found.granule, found.partner]), axis=1)
-    between, cylinder = found.partner >= 0, found.partner == -1
-    return set(map(tuple, pairs[between].tolist())), set(found.granule[cylinder].tolist())
+    contacts = run.contacts()
+    pairs = np.sort(np.column_stack([contacts.granule, contacts.partner]), axis=1)
+    between, cylinder = contacts.partner >= 0, contacts.partner == -1
+    return set(map(tuple, pairs[between].tolist())), set(contacts.granule[cylinder].tolist())
 
 
 @st.composite
@@ -145,10 +145,10 @@ def test_pairs_are_those_of_an_all_images_search(bed, kind):
     rows, radius, skin, period = bed
     n = len(rows)
     shape, owner = owned(kind, n)
-    sides = tuple(each or 0.0 for each in period)
+    sides = tuple(length or 0.0 for length in period)
     first, part, other = near_pairs(shape, rows, radius, skin, sides)
-    away = np.array(least_image(rows[:, None, :2] - rows[None, :, :2], period))
-    distance = np.hypot(*away.transpose(2, 0, 1))
+    separation = np.array(least_image(rows[:, None, :2] - rows[None, :, :2], period))
+    distance = np.hypot(*separation.transpose(2, 0, 1))
     expected = [
         (i, j)
         for i in range(n)
@@ -162,11 +162,11 @@ def test_pairs_are_those_of_an_all_images_search(bed, kind):
 @given(repeated(), st.floats(0.01, 3.0), st.sampled_from(FORMS))
 def test_a_solid_lists_every_part_near_one_of_its_images(bed, size, form):
     rows, radius, skin, period = bed
-    there = rows[0, :2] + 0.5
-    surface, boundaries, gaps = solid(form, there, 0.4, size)
-    sides = tuple(each or 0.0 for each in period)
+    position = rows[0, :2] + 0.5
+    surface, boundaries, gaps = solid(form, position, 0.4, size)
+    sides = tuple(length or 0.0 for length in period)
     part, other = near_surface(surface, boundaries, rows, radius, skin, sides)
-    near = gaps(least_image(rows[:, :2] - there, period)) - radius < skin
+    near = gaps(least_image(rows[:, :2] - position, period)) - radius < skin
     assert list(part) == list(np.flatnonzero(near)) and not other.any()
 
 
@@ -174,7 +174,7 @@ def test_a_solid_lists_every_part_near_one_of_its_images(bed, size, form):
 def test_where_the_box_begins_changes_no_motion(kind):
     """A bed moves alike wherever the sides of the box cut it, whichever image of a granule is given."""
     scene, state = crowd(kind)
-    period = np.array([each or 0.0 for each in scene.periodic])
+    period = np.array([length or 0.0 for length in scene.periodic])
     images = np.random.default_rng(2).integers(-3, 4, state.position.shape)
     runs = []
     for by, axis in (
@@ -182,17 +182,17 @@ def test_where_the_box_begins_changes_no_motion(kind):
         (0.37 * period, 0.37 * period),
         (images * period, [2, -1] * period),
     ):
-        there = replace(CYLINDER, position=tuple(axis + np.array(CYLINDER.position)))
-        cut = replace(scene, solids=there)
+        cylinder = replace(CYLINDER, position=tuple(axis + np.array(CYLINDER.position)))
+        cut = replace(scene, solids=cylinder)
         runs.append(dem.Simulation(cut, moved(state, by), STEP))
-    ways = []
+    results = []
     for run in runs:
-        before = run.state.position
+        start = run.state.position
         run.advance(100 * STEP)
-        ways.append((run.state.position - before, run.state.velocity, run.world.force[:, :3]))
-    assert np.abs(ways[0][0]).max() > 5e-3 * PITCH
-    for other in ways[1:]:
-        for one, two in zip(ways[0], other, strict=True):
+        results.append((run.state.position - start, run.state.velocity, run.world.force[:, :3]))
+    assert np.abs(results[0][0]).max() > 5e-3 * PITCH
+    for other in results[1:]:
+        for one, two in zip(results[0], other, strict=True):
             assert_allclose(two, one, rtol=0.0, atol=1e-9 * np.abs(one).max())
 
 
@@ -225,17 +225,17 @@ def test_a_bed_that_travels_through_the_sides_moves_as_one_at_rest(kind):
     """Galilei's law: springs of friction and the normals of contacts last when granules cross a side."""
     scene, state = crowd(kind)
     velocity, time = np.array([12.0, -8.0]), 600 * STEP
-    still = dem.Simulation(scene, state, 0.5 * STEP)
+    resting = dem.Simulation(scene, state, 0.5 * STEP)
     fast = replace(scene, solids=replace(CYLINDER, velocity=tuple(velocity)))
     travels = dem.Simulation(fast, moved(state, 0.0, velocity), 0.5 * STEP)
-    records = [run.record(time / 4.0, 4) for run in (still, travels)]
-    way = still.state.position - state.position
+    records = [run.record(time / 4.0, 4) for run in (resting, travels)]
+    displacement = resting.state.position - state.position
     assert np.abs(records[0].tangential_force).max() > 0.0
     assert_allclose(
         travels.state.position - state.position - velocity * time,
-        way,
+        displacement,
         rtol=0.0,
-        atol=1e-6 * np.abs(way).max(),
+        atol=1e-6 * np.abs(displacement).max(),
     )
     for name in ("normal_force", "tangential_force"):
         one, two = (getattr(record, name) for record in records)
@@ -249,23 +249,23 @@ def test_momentum_is_kept_across_the_sides(kind):
     run, mass = dem.Simulation(scene, state, STEP), scene.mass[:, None]
     run.advance(1000 * STEP)
     run.collect_impulses()
-    before = run.state.velocity
+    velocity = run.state.velocity
     run.advance(1000 * STEP)
     taken = run.collect_impulses()[0].sum(axis=(0, 1))
-    change = mass * (run.state.velocity - before)
+    change = mass * (run.state.velocity - velocity)
     assert np.abs(taken).max() > 1e-3 * np.abs(change).sum()
     assert_allclose(change.sum(axis=0) + taken, 0.0, atol=1e-13 * np.abs(change).sum())
 
 
 def test_energy_is_kept_across_the_sides():
     """Without friction and damping nothing is lost, whichever image of a granule is met."""
-    still = dem.Cylinder(0.4 * PITCH, (0.0, 0.0))
-    scene, state = gas(material=ELASTIC, friction=SMOOTH, solids=still)
+    cylinder = dem.Cylinder(0.4 * PITCH, (0.0, 0.0))
+    scene, state = gas(material=ELASTIC, friction=SMOOTH, solids=cylinder)
     run = dem.Simulation(scene, state, step_fraction=0.05)
-    before = sum(balance(run.world))
+    initial = sum(balance(run.world))
     run.advance(5e-4)
-    assert sum(balance(run.world)) == pytest.approx(before, rel=1e-4)
-    assert np.abs(run.state.velocity - state.velocity).max() > 1.0 and before > 0.0
+    assert sum(balance(run.world)) == pytest.approx(initial, rel=1e-4)
+    assert np.abs(run.state.velocity - state.velocity).max() > 1.0 and initial > 0.0
 
 
 @pytest.mark.parametrize(
@@ -277,9 +277,9 @@ def test_nothing_passes_a_granule_unseen(side, periodic):
     run, count = dem.Simulation(scene, state), np.zeros(2)
     for _ in range(300):
         run.advance(5e-6)
-        assert seen(run) == deep(run)
-        count += [len(each) for each in deep(run)]
-    sides = [axis for axis, each in enumerate(periodic) if each]
+        assert contacts_of(run) == deep(run)
+        count += [len(contacts) for contacts in deep(run)]
+    sides = [axis for axis, repeats in enumerate(periodic) if repeats]
     assert np.abs(run.state.position - state.position)[:, sides].max() > 1.5 * PITCH
     assert count[0] > 20 and count[1] > 5
 
@@ -328,7 +328,7 @@ def test_a_large_bed_is_listed_by_where_granules_are_in_the_box():
     scene, state = gas(36)
     images = np.random.default_rng(2).integers(-3, 4, state.position.shape)
     states = state, moved(state, images * scene.periodic)
-    one, other = (order_of(scene, each.checked(scene.granules)) for each in states)
+    one, other = (order_of(scene, image.checked(scene.granules)) for image in states)
     assert_array_equal(one, other)
     assert np.ptp(np.diff(one)) > 1
 
@@ -349,9 +349,9 @@ REFUSED = {
 @pytest.mark.parametrize("sentence", REFUSED)
 def test_a_period_that_cannot_be_is_refused_in_a_sentence(sentence):
     walls = dem.box(1e-2, 1e-2) if "walls" in sentence else None
-    with pytest.raises(dem.InputError) as told:
+    with pytest.raises(dem.InputError) as error:
         dem.Scene(dem.Disc([0.5e-3, 0.4e-3]), walls=walls, periodic=REFUSED[sentence])
-    assert str(told.value).startswith(sentence) and str(told.value).count(".\n") == 0
+    assert str(error.value).startswith(sentence) and str(error.value).count(".\n") == 0
 
 
 def test_the_least_period_is_enough():
@@ -368,14 +368,14 @@ def test_the_least_period_is_enough():
     run = dem.Simulation(scene, state, skin=5.0)
     for _ in range(100):
         run.advance(1e-5)
-        assert seen(run) == deep(run)
+        assert contacts_of(run) == deep(run)
 
 
 def test_a_result_tells_its_periods():
     scene, state = gas(periodic=(True, False))
-    found = dem.simulate(scene, state, 1e-5).to_dataset()
-    assert_array_equal(found["period"], [6.0 * PITCH, np.nan])
-    assert found["period"].attrs["units"] == "m"
+    dataset = dem.simulate(scene, state, 1e-5).to_dataset()
+    assert_array_equal(dataset["period"], [6.0 * PITCH, np.nan])
+    assert dataset["period"].attrs["units"] == "m"
     assert dem.Scene(dem.Disc([1e-3]), periodic=(None, None)).periodic is None
 
 
@@ -412,15 +412,15 @@ def test_the_pressure_of_a_bed_is_the_energy_that_its_box_gives():
     soft = replace(UNIT, restitution=0.5)
 
     def energy(factor):
-        there = replace(AWAY, position=tuple(factor * np.array(AWAY.position)))
+        cylinder = replace(AWAY, position=tuple(factor * np.array(AWAY.position)))
         scene = dem.Scene(
-            shape, soft, SMOOTH, None, there, thickness=1.0, periodic=tuple(factor * size)
+            shape, soft, SMOOTH, None, cylinder, thickness=1.0, periodic=tuple(factor * size)
         )
         return balance(dem.Simulation(scene, dem.State(bed.position * factor)).world)[1]
 
-    gained = (energy(1.0 - small) - energy(1.0 + small)) / (2.0 * small)
+    gain = (energy(1.0 - small) - energy(1.0 + small)) / (2.0 * small)
     modulus = 0.5  # E* of two granules of unit modulus
-    assert_allclose(bed.pressure * modulus * 2.0 * size.prod(), gained, rtol=1e-4)
+    assert_allclose(bed.pressure * modulus * 2.0 * size.prod(), gain, rtol=1e-4)
 
 
 def test_a_bed_that_is_pressed_with_friction_is_looser_in_contacts_and_at_rest():
@@ -436,19 +436,19 @@ def test_a_bed_that_is_pressed_with_friction_is_looser_in_contacts_and_at_rest()
 def test_measures_of_flow_do_not_depend_on_where_the_box_begins(measure):
     rng, period = np.random.default_rng(1), (8e-3, 8e-3)
     grid = PITCH * np.stack(np.meshgrid(*2 * [np.arange(8.0)]), -1).reshape(-1, 2)
-    before = grid + rng.normal(scale=1e-4, size=grid.shape)
-    after = before + rng.normal(scale=1e-4, size=grid.shape)
+    start = grid + rng.normal(scale=1e-4, size=grid.shape)
+    end = start + rng.normal(scale=1e-4, size=grid.shape)
     layers = measures.layers_of(grid, 8e-3)
 
-    def found(by):
-        here = before + by, after + by
+    def values(shift):
+        positions = start + shift, end + shift
         if measure == "mixing":
-            return measures.mixing(layers, here[1], PITCH, period)
-        return getattr(measures, measure)(*here, PITCH, period)
+            return measures.mixing(layers, positions[1], PITCH, period)
+        return getattr(measures, measure)(*positions, PITCH, period)
 
     turns = rng.integers(-3, 4, grid.shape) * period
-    assert np.isfinite(found(0.0)).all() and np.ptp(np.append(found(0.0), 0.0)) > 0.0
-    assert_allclose(found(turns + [3.3e-3, 1e-4]), found(0.0), rtol=1e-6)
+    assert np.isfinite(values(0.0)).all() and np.ptp(np.append(values(0.0), 0.0)) > 0.0
+    assert_allclose(values(turns + [3.3e-3, 1e-4]), values(0.0), rtol=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -485,26 +485,26 @@ VALUES = {"extends": "config/smoke.yaml", "shape": "c1", "seed": 1, "record": {"
 def test_a_run_of_the_experiment_takes_periodic_sides(periodic):
     """Its walls are those that remain, and the cylinder may leave through the top."""
     lid = {"packing": {"fraction": None, "pressure": 60e6}}  # its kernels are there
-    more = {"cylinder": {"start": 0.9}} if periodic == "xy" else lid
+    changes = {"cylinder": {"start": 0.9}} if periodic == "xy" else lid
     record = VALUES["record"] | {"observables": ["drag", "snapshots", "flow", "alignment"]}
-    found = dem.run_experiment(VALUES | more | {"record": record, "periodic": periodic})
-    stands = np.isfinite(found["wall_force"].values).all(axis=1)
-    assert stands.tolist() == [False, False, *2 * [periodic == "x"]]
-    assert np.isnan(found["wall_force"].values[~stands]).all()
-    assert found["drag"].mean() > 0.0 and found["packing_pressure"] > 0.0
-    assert np.isfinite(found["non_affine"].values[1:]).all()
+    result = dem.run_experiment(VALUES | changes | {"record": record, "periodic": periodic})
+    present = np.isfinite(result["wall_force"].values).all(axis=1)
+    assert present.tolist() == [False, False, *2 * [periodic == "x"]]
+    assert np.isnan(result["wall_force"].values[~present]).all()
+    assert result["drag"].mean() > 0.0 and result["packing_pressure"] > 0.0
+    assert np.isfinite(result["non_affine"].values[1:]).all()
 
 
 def test_periodic_sides_are_part_of_what_a_run_is():
     """Runs, beds and machine code differ; the default, written or not, is the same."""
     values = next(iter(dem.load_sweep("config/smoke.yaml")))
     one, same, other = (
-        of_values(values | more) for more in ({}, {"periodic": "none"}, {"periodic": "x"})
+        of_values(values | changes) for changes in ({}, {"periodic": "none"}, {"periodic": "x"})
     )
-    for of in ("run_key", "bed_key"):
-        assert getattr(one, of)() == getattr(same, of)() != getattr(other, of)()
+    for name in ("run_key", "bed_key"):
+        assert getattr(one, name)() == getattr(same, name)() != getattr(other, name)()
     assert one.variant != other.variant and one.bed_family != other.bed_family
-    data = {key: each for key, each in values.items() if key not in ("shape", "density", "seed")}
+    data = {key: value for key, value in values.items() if key not in ("shape", "density", "seed")}
     for wrong, words in (("z", "periodic is 'z'"), (True, "periodic is True")):
         with pytest.raises(dem.InputError, match=words):
             parse(data | {"periodic": wrong})

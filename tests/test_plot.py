@@ -108,11 +108,11 @@ def test_contacts_of_a_frame_are_of_its_own_time(results):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_a_film_has_a_frame_per_frame_of_the_result(results, tmp_path, name):
-    path, seen = tmp_path / "discs.gif", []
-    assert dem.film(results[name], str(path), progress=seen.append) == path
-    with Image.open(path) as made:
-        assert made.n_frames == len(results[name].time) == len(seen)
-    assert seen[-1] == 1.0 and [each.name for each in tmp_path.iterdir()] == ["discs.gif"]
+    path, progress = tmp_path / "discs.gif", []
+    assert dem.film(results[name], str(path), progress=progress.append) == path
+    with Image.open(path) as image:
+        assert image.n_frames == len(results[name].time) == len(progress)
+    assert progress[-1] == 1.0 and [path.name for path in tmp_path.iterdir()] == ["discs.gif"]
 
 
 def test_a_film_is_an_mp4(results, tmp_path):
@@ -137,9 +137,9 @@ def test_forces_are_drawn_against_time(results):
     result = results["both"]
     solid, walls = dem.plot.forces(result).axes
     assert walls.get_xlabel() == "Time (µs)" and solid.get_ylabel().endswith("(N)")
-    drawn = [each.get_data() for each in walls.patches]
-    assert_allclose([each.values for each in drawn], result.wall_force[1:].T)
-    assert_allclose(drawn[0].edges, 1e6 * result.time)
+    steps = [patch.get_data() for patch in walls.patches]
+    assert_allclose([step.values for step in steps], result.wall_force[1:].T)
+    assert_allclose(steps[0].edges, 1e6 * result.time)
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -15,11 +15,11 @@ from pathlib import Path
 import matplotlib
 import pytest
 import yaml
-from forked import snakemake
-from made import of_file
 from markdown_it import MarkdownIt
+from sweeps import of_file
 from typer.main import get_command
 from typer.testing import CliRunner
+from workflows import snakemake
 
 import dem
 from conftest import CONFIG, posix
@@ -89,14 +89,14 @@ def lines():
 
 def commands():
     """Each command that is shown, as words, and where it is shown first."""
-    found = {}
+    places = {}
     for path, line in lines():
         for part in re.split(r" && |; (?=\w+ )", line.strip()):
             with suppress(ValueError):  # no line of a shell
                 words = tuple(shlex.split(part, comments=True))
                 if words[:1] and words[0] in PROGRAMS:
-                    found.setdefault(words, path)
-    return found
+                    places.setdefault(words, path)
+    return places
 
 
 # Whose commands are not ours: their words are checked as far as they name something of ours.
@@ -158,10 +158,10 @@ def place(copy, tmp_path_factory):
     with chdir(folder):
         for name in ("config/paper.yaml", "config/smoke.yaml", "friction.yaml"):
             of_file(Path(name))
-        for each in findings.FILES:
-            if not (target := Path("results") / each.source).exists():
+        for file in findings.FILES:
+            if not (target := Path("results") / file.source).exists():
                 target.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy(each.path, target)
+                shutil.copy(file.path, target)
         Path("results/rough").mkdir()  # of no sweep
         shutil.copy("results/friction/drag.nc", "results/rough/drag.nc")
         shutil.copy("results/drag.nc", "docs/data/drag.nc")
@@ -243,7 +243,7 @@ def test_verbs_and_options_within_sentences_exist():
         command = get_command(app)
         while rest and hasattr(command, "commands") and rest[0] in command.commands:
             command = command.commands[rest.pop(0)]
-        known = {"--help", *(name for each in command.params for name in each.opts)}
+        known = {"--help", *(name for parameter in command.params for name in parameter.opts)}
         options = {re.sub(r"^(-\w).+", r"\1", word) for word in rest if word.startswith("-")}
         if not options <= known or hasattr(command, "commands"):
             wrong.append(f"{path}: {shlex.join(words)}")
@@ -298,7 +298,7 @@ PYTHON = [
 
 @pytest.mark.parametrize(
     ("path", "pieces"),
-    [pytest.param(*each, id=str(each[0].relative_to(ROOT))) for each in PYTHON if each[1]],
+    [pytest.param(*page, id=str(page[0].relative_to(ROOT))) for page in PYTHON if page[1]],
 )
 def test_python_of_a_page_runs_as_it_is_shown(place, monkeypatch, path, pieces):
     """One piece after another; a file that it names first is written."""
@@ -320,7 +320,7 @@ def test_what_is_a_notebook_runs_in_the_build_of_the_pages():
     cells = [
         path
         for path in PAGES
-        if any("{code-cell}" in each for each, _ in blocks(path.read_text(encoding="utf-8")))
+        if any("{code-cell}" in kind for kind, _ in blocks(path.read_text(encoding="utf-8")))
     ]
     assert cells and all(
         "file_format: mystnb" in path.read_text(encoding="utf-8")[:200] for path in cells

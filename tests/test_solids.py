@@ -66,13 +66,13 @@ def test_momentum_and_angular_momentum_are_kept_with_two_free_solids_and_a_torqu
     ]
     scene, state = rough(solids, dem.State(lattice, velocity), 36, dem.Material(restitution=0.8))
     run = dem.Simulation(scene, state)
-    before = momentum(run, [mass, mass], [inertia, inertia])
+    start = momentum(run, [mass, mass], [inertia, inertia])
     run.advance(2e-3)
-    after = momentum(run, [mass, mass], [inertia, inertia])
+    end = momentum(run, [mass, mass], [inertia, inertia])
     size = scene.mass @ np.abs(velocity).sum(axis=1)
     assert abs(run.world.boundaries.motion[1, 4]) > 1.0  # friction turns the cylinder
-    assert_allclose(after[0], before[0], rtol=0, atol=1e-13 * size)
-    assert_allclose(after[1], before[1] + torque * 2e-3, rtol=0, atol=1e-11 * abs(before[1]))
+    assert_allclose(end[0], start[0], rtol=0, atol=1e-13 * size)
+    assert_allclose(end[1], start[1] + torque * 2e-3, rtol=0, atol=1e-11 * abs(start[1]))
 
 
 @pytest.mark.parametrize(
@@ -235,14 +235,14 @@ def test_a_mirrored_bed_moves_as_in_a_mirror():
     place += np.array([-5e-3, 3.6e-3])
     velocity = rng.normal(size=place.shape) - [0.0, 3.0]
 
-    def moved(sign):
+    def run(sign):
         corners = WEDGE.corners * [sign, 1.0]
         wedge = dem.Polygon(corners[:: int(sign)], WEDGE.radius)
         solids = [FAR, dem.Solid(wedge, (sign * 1e-3, 0.0), sign * 0.4, spin=dem.Turn(1e-9))]
         start = dem.State(place * [sign, 1.0], velocity * [sign, 1.0])
         return dem.simulate(*rough(solids, start, len(place)), 3e-4)
 
-    one, other = moved(1.0), moved(-1.0)
+    one, other = run(1.0), run(-1.0)
     assert np.abs(one.solid_torque[-1, 1]) > 0.0
     assert_allclose(one.position[-1], other.position[-1] * [-1.0, 1.0], rtol=0, atol=1e-10 * R)
     assert_allclose(one.solid_angle[-1], -other.solid_angle[-1], rtol=0, atol=1e-10)
@@ -347,8 +347,8 @@ def test_the_restitution_of_two_materials_is_the_geometric_mean():
     )
     scene = replace(scene, material=[GLASS, STEEL], species=[0, 1])
     result = dem.simulate(scene, state, 2e-4, step_fraction=0.05)
-    after = np.ptp(result.velocity[-1, :, 0])
-    assert_allclose(after, 2.0 * math.sqrt(0.9 * 0.4), rtol=1e-3)
+    speed = np.ptp(result.velocity[-1, :, 0])
+    assert_allclose(speed, 2.0 * math.sqrt(0.9 * 0.4), rtol=1e-3)
     assert_allclose(scene.mass[1] / scene.mass[0], 7800.0 / 2500.0)
 
 

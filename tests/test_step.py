@@ -31,11 +31,11 @@ def phases(partner, count=100):
     if partner == "cylinder":
         angle, radius = 2.0 * np.pi * np.arange(count) / count, 1.0  # m
         out = np.stack([np.cos(angle), np.sin(angle)], 1)
-        place, still = (
+        place, cylinder = (
             (radius + RADIUS + gap)[:, None] * out,
             dem.Cylinder(2.0 * radius, (0.0, 0.0)),
         )
-        return dem.Disc(sizes[:count]), place, -SPEED * out, BEDS | {"solids": still}
+        return dem.Disc(sizes[:count]), place, -SPEED * out, BEDS | {"solids": cylinder}
     superellipse = dem.Superellipse(0.9 * sizes, 0.7 * sizes, 0.3 * sizes, 3.0)
     shape, reach = {
         "disc": (dem.Disc(sizes), RADIUS),
@@ -63,8 +63,8 @@ def test_restitution_at_the_default_step(partner, restitution):
     run = dem.Simulation(scene, dem.State(place, velocity))
     run.advance(1e-4)
     assert not len(run.contacts().granule)
-    after = (run.state.velocity * velocity).sum(axis=1)[:100]
-    error = -after / (SPEED**2 * restitution) - 1.0
+    rebound = (run.state.velocity * velocity).sum(axis=1)[:100]
+    error = -rebound / (SPEED**2 * restitution) - 1.0
     assert abs(error.mean()) < 3e-3
     assert np.abs(error).max() < 1e-2
 
@@ -74,9 +74,9 @@ def test_restitution_does_not_depend_on_frames(frames):
     """Nor on whether they are shorter than a collision."""
     scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
     state = dem.State([[0.0, 0.0], [2.1e-3, 0.0]], velocity=[[1.0, 0.0], [-1.0, 0.0]])
-    after = dem.simulate(scene, state, duration=2e-4, frames=frames).state.velocity[:, 0]
-    assert_allclose(after, [-0.5, 0.5], rtol=5e-3)
-    assert_array_equal(after, dem.simulate(scene, state, duration=2e-4).state.velocity[:, 0])
+    velocity = dem.simulate(scene, state, duration=2e-4, frames=frames).state.velocity[:, 0]
+    assert_allclose(velocity, [-0.5, 0.5], rtol=5e-3)
+    assert_array_equal(velocity, dem.simulate(scene, state, duration=2e-4).state.velocity[:, 0])
 
 
 @pytest.mark.parametrize("speed", [1.0, 50.0, 300.0])
@@ -86,7 +86,7 @@ def test_galilean_invariance(speed):
     place = np.cumsum(sizes + np.roll(sizes, 1) + 0.05 * RADIUS)
     place, blow = np.stack([place, 0.0 * place], 1), np.zeros((11, 2))
     blow[0] = 2.0, 0.1
-    still, moves = (
+    resting, moving = (
         dem.simulate(
             dem.Scene(dem.Disc(sizes), dem.Material(restitution=0.9)),
             dem.State(place, blow + [v, 0.0]),
@@ -95,10 +95,10 @@ def test_galilean_invariance(speed):
         )
         for v in (0.0, speed)
     )
-    assert np.abs(still.state.velocity[:, 0]).min() > 1e-4  # all have been hit
-    assert_allclose(moves.state.velocity - [speed, 0.0], still.state.velocity, atol=1e-12)
-    assert_allclose(moves.state.position - [1e-3 * speed, 0.0], still.state.position, atol=1e-14)
-    assert moves.time_step == still.time_step
+    assert np.abs(resting.state.velocity[:, 0]).min() > 1e-4  # all have been hit
+    assert_allclose(moving.state.velocity - [speed, 0.0], resting.state.velocity, atol=1e-12)
+    assert_allclose(moving.state.position - [1e-3 * speed, 0.0], resting.state.position, atol=1e-14)
+    assert moving.time_step == resting.time_step
 
 
 # Energy
@@ -128,9 +128,9 @@ def energy(run):
 def test_an_elastic_gas_keeps_its_energy(young_modulus):
     """Over some twenty thousand collisions, at the default step."""
     run = dem.Simulation(*gas(young_modulus))
-    before = energy(run)
+    initial = energy(run)
     run.advance(0.5)
-    assert energy(run) == pytest.approx(before, rel=8e-3)
+    assert energy(run) == pytest.approx(initial, rel=8e-3)
 
 
 def test_the_time_step_is_held_where_the_bound_goes_up_and_down():
@@ -258,12 +258,12 @@ def test_impulses_are_the_change_of_momentum(bed):
     free, normal = np.where(scene.is_held, 0.0, scene.mass)[:, None], scene.planes[:, :2]
     across = np.stack([-normal[:, 1], normal[:, 0]], 1)
     for lasts in (0.77e-4, 1.313e-4):
-        before = run.state.velocity
+        velocity = run.state.velocity
         record = run.record(lasts / 3.0, 3)
         on = (record.normal_force + record.tangential_force).sum(axis=1)
         on = on + record.held_force.sum(axis=1)
         on = on + record.wall_force @ normal + record.wall_tangential_force @ across
-        change = free * (run.state.velocity - before)
+        change = free * (run.state.velocity - velocity)
         assert np.abs(record.held_force).max() > 0.0 and np.abs(record.normal_force).max() > 0.0
         taken, size = on.sum(axis=0) * lasts / 3.0, np.abs(change).sum()
         assert_allclose(change.sum(axis=0), -taken, rtol=0.0, atol=1e-12 * size)
@@ -279,11 +279,11 @@ def growth(stiffness, damping):
     """
     n = len(stiffness)
     one, none = np.eye(n), np.zeros((n, n))
-    now = np.hstack([-stiffness, -damping, -damping, 0.5 * damping])
-    velocity = np.hstack([none, one, none, none]) + now
+    current = np.hstack([-stiffness, -damping, -damping, 0.5 * damping])
+    velocity = np.hstack([none, one, none, none]) + current
     place = np.hstack([one, none, none, none]) + velocity
-    before = np.hstack([none, none, one, none])
-    return np.abs(np.linalg.eigvals(np.vstack([place, velocity, now, before]))).max()
+    previous = np.hstack([none, none, one, none])
+    return np.abs(np.linalg.eigvals(np.vstack([place, velocity, current, previous]))).max()
 
 
 def test_the_bound_on_the_step_of_one_contact_is_exact():

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 import yaml
-from made import contents, differing
+from sweeps import contents, differing
 
 ROOT = Path(__file__).parents[2]
 # stage: what Snakemake says when it begins, the longest that a kill then waits (s), and what is taken
@@ -58,9 +58,8 @@ class Place:
     def sweep(self, name: str, **changes) -> str:
         """Write a configuration with further changes; returns its path."""
         data = yaml.safe_load((ROOT / "config/smoke.yaml").read_text()) | self.changes | changes
-        kept = data
         (self.folder / f"config/{name}.yaml").write_text(
-            yaml.safe_dump(kept | {"results": f"results/{name}"}, sort_keys=False)
+            yaml.safe_dump(data | {"results": f"results/{name}"}, sort_keys=False)
         )
         return f"config/{name}.yaml"
 
@@ -81,8 +80,8 @@ class Place:
 
     def finish(self, name: str) -> None:
         """Run the sweep to its end; a run that fails is a fault of ours."""
-        done = self.run([*WORKFLOW, f"config/{name}.yaml"])
-        assert done.returncode == 0, done.stdout + done.stderr
+        process = self.run([*WORKFLOW, f"config/{name}.yaml"])
+        assert process.returncode == 0, process.stdout + process.stderr
 
     def results(self, name: str) -> Path:
         return self.folder / "results" / name
@@ -108,7 +107,7 @@ def lost_and_differing(whole: Path, other: Path) -> tuple[int, int]:
     return lost, changed
 
 
-def finished(store: Path) -> dict[Path, int]:
+def batches(store: Path) -> dict[Path, int]:
     """Files of batches under their own names, and when they were written."""
     return {path: path.stat().st_mtime_ns for path in (store / "batches").glob("[!.]*.nc")}
 
@@ -116,27 +115,27 @@ def finished(store: Path) -> dict[Path, int]:
 def spent_on(store: Path) -> dict[str, float]:
     """The finished runs of a store, in batches and not, and the processor time (s) of each, which
     another run of the same values does not have."""
-    found = {}
+    times = {}
     for path in (store / "runs").rglob("[!.]*[0-9a-f].npz"):
         if "checkpoint" not in path.name:
             with np.load(path) as file:
-                found[path.stem] = float(file["spent"])
-    for path in finished(store):
+                times[path.stem] = float(file["spent"])
+    for path in batches(store):
         values = contents(path, without=())
-        found |= zip(values["run_id"].tolist(), values["spent"].tolist(), strict=True)
-    return found
+        times |= zip(values["run_id"].tolist(), values["spent"].tolist(), strict=True)
+    return times
 
 
 def unreadable(results: Path) -> list[Path]:
     """netCDF files under their own names that cannot be read whole."""
-    found = []
+    damaged = []
     for path in results.rglob("*.nc"):
         if not path.name.startswith(".") and path.exists():  # not a link to what was taken away
             try:
                 contents(path)
             except (OSError, RuntimeError):
-                found.append(path)
-    return found
+                damaged.append(path)
+    return damaged
 
 
 def kill(process: subprocess.Popen) -> None:
@@ -178,7 +177,7 @@ def kills(place: Place, count: int, rng: random.Random) -> str:
         config, results = place.sweep(name, batch=names[name]), place.results(name)
         words, longest, removed = STAGES[stage]
         take_away(results, removed)
-        before = spent_on(place.store)
+        times = spent_on(place.store)
         with log.open("w") as out:
             process = place.start([*(SWEEP if stage == "sweep" else WORKFLOW), config], out)
             reached = wait_for(rf"Job \d+: {words}" if words else "", log, process)
@@ -190,21 +189,21 @@ def kills(place: Place, count: int, rng: random.Random) -> str:
             else:
                 assert process.returncode == 0, log.read_text()
         broken += len(unreadable(results.parent))
-        after = spent_on(place.store)
-        twice += sum(after.get(run, spent) != spent for run, spent in before.items())
-        lost += len(before.keys() - after.keys())
+        times_after = spent_on(place.store)
+        twice += sum(times_after.get(run, spent) != spent for run, spent in times.items())
+        lost += len(times.keys() - times_after.keys())
     missing = changed = 0
     for name in names:
         place.finish(name)
         one, two = lost_and_differing(place.results("whole"), place.results(name))
         missing, changed = missing + one, changed + two
-    told = ", ".join(f"{n} {stage}" for stage, n in sorted(stages.items()))
-    found = (
-        f"{count} ({told}): {lost} finished runs lost, {twice} made twice, {broken} half-written files; in "
+    counts = ", ".join(f"{n} {stage}" for stage, n in sorted(stages.items()))
+    summary = (
+        f"{count} ({counts}): {lost} finished runs lost, {twice} made twice, {broken} half-written files; in "
         f"the end {missing} files of results missing, {changed} differing"
     )
-    assert not (lost or twice or broken or missing or changed), found
-    return found
+    assert not (lost or twice or broken or missing or changed), summary
+    return summary
 
 
 def kills_of_compiling(place: Place, count: int, rng: random.Random) -> str:
@@ -270,11 +269,11 @@ def kills_of_a_run(place: Place, count: int, rng: random.Random) -> str:
 def sentence(run, words: str) -> str:
     """The line that holds these words, in what a run has said."""
     lines = (run.stdout + run.stderr).splitlines()
-    found = [line.strip() for line in lines if re.search(words, line)]
-    assert found and run.returncode, f"no {words!r} in\n" + "\n".join(lines[-40:])
-    said = "\n".join(lines)  # Snakemake names the lines of an input function after its sentence
-    assert "Traceback (most recent" not in said, said
-    return found[0]
+    matches = [line.strip() for line in lines if re.search(words, line)]
+    assert matches and run.returncode, f"no {words!r} in\n" + "\n".join(lines[-40:])
+    output = "\n".join(lines)  # Snakemake names the lines of an input function after its sentence
+    assert "Traceback (most recent" not in output, output
+    return matches[0]
 
 
 def same_as_whole(place: Place, name: str) -> str:
@@ -292,13 +291,13 @@ def a_spoiled_batch(place: Place, name: str, spoil, words: str) -> str:
     config = place.sweep(name)
     place.forget()
     place.finish(name)
-    victim = sorted(finished(place.store))[0]
+    victim = sorted(batches(place.store))[0]
     spoil(victim)
     (place.results(name) / "drag.nc").unlink()
-    said = sentence(place.run([*WORKFLOW, config]), words)
+    message = sentence(place.run([*WORKFLOW, config]), words)
     victim.unlink()
     place.finish(name)
-    return f"{said}\n    {same_as_whole(place, name)}"
+    return f"{message}\n    {same_as_whole(place, name)}"
 
 
 def truncated(place: Place) -> str:
@@ -319,14 +318,14 @@ def two_at_once(place: Place) -> str:
     with log.open("w") as out:
         first = place.start([*WORKFLOW, config], out)
         assert wait_for("Simulate", log, first)
-        said = sentence(place.run([*WORKFLOW, config]), "another run")
+        message = sentence(place.run([*WORKFLOW, config]), "another run")
         assert first.wait() == 0, log.read_text()
-    return f"{said}\n    {same_as_whole(place, 'twice')}"
+    return f"{message}\n    {same_as_whole(place, 'twice')}"
 
 
 def shared(place: Place) -> str:
     """Two at once, in folders of their own, that want the same runs; then by dem sweep too."""
-    made = twice = 0
+    count = twice = 0
     for command in (WORKFLOW, SWEEP):
         place.forget()
         for name in ("one", "other"):
@@ -336,18 +335,18 @@ def shared(place: Place) -> str:
                 place.start([*by, place.sweep(name, batch=size)], log)
                 for by, name, size in ((WORKFLOW, "one", 1), (command, "other", 2))
             ]
-            assert not any([each.wait() for each in both]), Path(log.name).read_text()
+            assert not any([process.wait() for process in both]), Path(log.name).read_text()
         one, other = (
             contents(place.results(name) / "drag.nc", without=()) for name in ("one", "other")
         )
         assert (one["run_id"] == other["run_id"]).all()
-        made, twice = (
-            made + one["run_id"].size,
+        count, twice = (
+            count + one["run_id"].size,
             twice + int((one["run_time"] != other["run_time"]).sum()),
         )
-        told = same_as_whole(place, "one"), same_as_whole(place, "other")
-    assert not twice, f"{twice} of {made} runs are made twice"
-    return f"{made} runs, none is made twice\n    {told[0]}; {told[1]}"
+        comparisons = same_as_whole(place, "one"), same_as_whole(place, "other")
+    assert not twice, f"{twice} of {count} runs are made twice"
+    return f"{count} runs, none is made twice\n    {comparisons[0]}; {comparisons[1]}"
 
 
 def pruned(place: Place) -> str:
@@ -356,8 +355,8 @@ def pruned(place: Place) -> str:
     for name, seeds in {"left": [2, 3], "whole": [1, 2]}.items():
         place.sweep(name, sweep=varied(seeds))
         place.finish(name)
-    before, files = spent_on(place.store), finished(place.store)
-    own = (
+    times, files = spent_on(place.store), batches(place.store)
+    user_files = (
         "batches/notes.txt",
         "batches/mine.nc",
         "batches/ffffffffffffffff.nc",
@@ -365,14 +364,14 @@ def pruned(place: Place) -> str:
         "beds/bed.npz",
         "table.csv",
     )
-    for name in own:  # one has the name of a batch, and nothing says of which runs
+    for name in user_files:  # one has the name of a batch, and nothing says of which runs
         (place.store / name).parent.mkdir(parents=True, exist_ok=True)
         (place.store / name).write_text("mine")
     prune = [sys.executable, "-m", "dem", "store", "--prune"]
     config = place.results("left") / "config.yaml"
     text = config.read_text()
     config.write_text("title: [")
-    told = sentence(place.run(prune), "nothing was removed")
+    refusal = sentence(place.run(prune), "nothing was removed")
     assert all(path.is_file() for path in files)
     config.write_text(text)
     log = place.folder / "prune.log"
@@ -382,15 +381,15 @@ def pruned(place: Place) -> str:
             assert place.run(prune).returncode == 0
         assert process.returncode == 0, log.read_text()
     shutil.rmtree(place.results("left"))
-    said = place.run(prune)
-    assert said.returncode == 0, said.stderr
-    wanted = contents(place.results("whole") / "drag.nc")["run_id"].ravel().tolist()
-    assert all((place.store / name).read_text() == "mine" for name in own)
-    (place.store / own[2]).unlink()
-    (place.store / own[1]).unlink()
-    there = spent_on(place.store)
-    assert all(there.get(run) == before[run] for run in wanted)
-    return f"{told}\n    {said.stdout.strip()} {len(own)} files of the user's own are left, {len(wanted)} runs kept"
+    result = place.run(prune)
+    assert result.returncode == 0, result.stderr
+    run_ids = contents(place.results("whole") / "drag.nc")["run_id"].ravel().tolist()
+    assert all((place.store / name).read_text() == "mine" for name in user_files)
+    (place.store / user_files[2]).unlink()
+    (place.store / user_files[1]).unlink()
+    remaining = spent_on(place.store)
+    assert all(remaining.get(run) == times[run] for run in run_ids)
+    return f"{refusal}\n    {result.stdout.strip()} {len(user_files)} files of the user's own are left, {len(run_ids)} runs kept"
 
 
 def alone(place: Place) -> str:
@@ -405,17 +404,17 @@ def alone(place: Place) -> str:
         process.kill()
         process.wait()
     wait_for_group(process)
-    before = finished(place.store)
+    stamps = batches(place.store)
     place.finish("alone")
-    remade = sum(finished(place.store)[path] != stamp for path, stamp in before.items())
-    assert before and not remade, f"{remade} of {len(before)} batches are made again"
-    return f"{len(before)} batches ended without it, none is made again\n    {same_as_whole(place, 'alone')}"
+    remade = sum(batches(place.store)[path] != stamp for path, stamp in stamps.items())
+    assert stamps and not remade, f"{remade} of {len(stamps)} batches are made again"
+    return f"{len(stamps)} batches ended without it, none is made again\n    {same_as_whole(place, 'alone')}"
 
 
 def interrupted(place: Place) -> str:
     """Ctrl-C, which a terminal sends to the whole group, at several moments of the jobs."""
     config, log = place.sweep("interrupted"), place.folder / "interrupted.log"
-    told = []
+    lines = []
     for delay in (0.0, 0.2, 0.5, 1.0):
         place.forget()  # else all may be there before the last
         with log.open("w") as out:
@@ -424,12 +423,12 @@ def interrupted(place: Place) -> str:
             time.sleep(delay)
             os.killpg(process.pid, signal.SIGINT)
             assert process.wait(60) != 0
-        said = log.read_text()
+        text = log.read_text()
         assert not list(place.results("interrupted").rglob(".*.part"))
-        told += [line for line in said.splitlines() if "run the same command to go on" in line]
-    assert len(told) == 4, said
+        lines += [line for line in text.splitlines() if "run the same command to go on" in line]
+    assert len(lines) == 4, text
     place.finish("interrupted")
-    return f"{told[0]}\n    {same_as_whole(place, 'interrupted')}"
+    return f"{lines[0]}\n    {same_as_whole(place, 'interrupted')}"
 
 
 def in_namespace(place: Place, name: str, script: str, words: str) -> str:
@@ -439,8 +438,8 @@ def in_namespace(place: Place, name: str, script: str, words: str) -> str:
     run = place.run(["unshare", "-m", "sh", "-c", script])
     texts = [(place.folder / f"{name}.{which}").read_text() for which in ("first", "second")]
     assert run.returncode == 0, f"{run.returncode} {run.stderr} {texts[-1][-3000:]}"
-    said = subprocess.CompletedProcess(script, 1, texts[0], "")
-    return f"{sentence(said, words)}\n    {same_as_whole(place, name)}"
+    process = subprocess.CompletedProcess(script, 1, texts[0], "")
+    return f"{sentence(process, words)}\n    {same_as_whole(place, name)}"
 
 
 def mounted(place: Place, name: str, mount: str, mend: str, words: str) -> str:
