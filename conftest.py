@@ -43,8 +43,8 @@ posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX pipes, s
 
 def needs_study(*names):
     """Marks tests that are about studies, any of which may be removed."""
-    there = [(Path(__file__).parent / "studies" / name).is_dir() for name in names]
-    return pytest.mark.skipif(not all(there), reason=f"needs the studies {', '.join(names)}")
+    present = [(Path(__file__).parent / "studies" / name).is_dir() for name in names]
+    return pytest.mark.skipif(not all(present), reason=f"needs the studies {', '.join(names)}")
 
 
 KINDS = sorted(shapes.KINDS, key=len, reverse=True)  # "superellipse" before "ellipse"
@@ -145,7 +145,7 @@ def pytest_collection_modifyitems(config, items):
     if config.option.markexpr == "quick":
         items.sort(key=lambda item: list(QUICK).index(item.path.name))
     elif "PYTEST_XDIST_WORKER" in os.environ:
-        order = {group: place for place, group in enumerate(LONGEST)}
+        order = {group: index for index, group in enumerate(LONGEST)}
         items.sort(key=lambda item: order.get(groups[item], len(order)))
 
 
@@ -174,13 +174,13 @@ class Small(NamedTuple):
 
     def scene(self, **changes):
         """Scene with friction, damping, walls and the cylinder: one compilation a kind of granule."""
-        usual = {
+        defaults = {
             "friction": dem.Friction(),
             "walls": self.bed.walls,
             "solids": self.cylinder,
             "thickness": 1e-3,
         }
-        return dem.Scene(self.shape, **usual | changes)
+        return dem.Scene(self.shape, **defaults | changes)
 
     @property
     def state(self):
@@ -261,8 +261,8 @@ def places_shown(axes):
 
 def assert_not_blank(picture):
     """Data are drawn in colour; axes, grid and words are grey."""
-    with Image.open(picture) as drawn:
-        pixels = np.asarray(drawn.convert("RGB")).astype(int)
+    with Image.open(picture) as image:
+        pixels = np.asarray(image.convert("RGB")).astype(int)
     assert (np.ptp(pixels, axis=2) > 30).mean() > 1e-4, f"{picture} shows no data"
 
 

@@ -299,11 +299,11 @@ def test_a_bar_leaves_results_on_stdout_and_other_lines_whole():
         text=True,
     )
     os.close(child)
-    shown = b"".join(iter(partial(read_some, parent), b"")).decode()
+    text = b"".join(iter(partial(read_some, parent), b"")).decode()
     os.close(parent)
     assert run.stdout == "result\n"
-    assert "\x1b[2Kcompiling\r\n" in shown  # on a line that was cleared
-    assert "packing c1" in shown
+    assert "\x1b[2Kcompiling\r\n" in text  # on a line that was cleared
+    assert "packing c1" in text
 
 
 def test_the_console_script_is_the_application():

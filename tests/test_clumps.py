@@ -72,11 +72,11 @@ def test_area_centre_and_inertia_of_a_union_are_sums_over_its_points():
     """Of three discs, and of two of which one is twice there and one is inside another."""
     inside = [(0.0, 0.0, 1.0), (0.0, 0.0, 1.0), (0.2, 0.0, 0.5), (1.1, 0.0, 0.6)]
     clumps, side = dem.Clump([TRIMER, inside]), np.linspace(-3.0, 3.0, 2001)
-    place = np.stack(np.meshgrid(side, side), axis=-1)
+    points = np.stack(np.meshgrid(side, side), axis=-1)
     for g in range(2):
         discs = clumps.discs[clumps.owner == g]
-        away = np.linalg.norm(place[..., None, :] - discs[:, :2], axis=-1)
-        point = place[(away < discs[:, 2]).any(axis=-1)]
+        distance = np.linalg.norm(points[..., None, :] - discs[:, :2], axis=-1)
+        point = points[(distance < discs[:, 2]).any(axis=-1)]
         assert_allclose(clumps.area[g], len(point) * (side[1] - side[0]) ** 2, rtol=1e-3)
         assert np.abs(point.mean(axis=0)).max() < 1e-3
         assert_allclose(clumps.gyration_squared[g], (point**2).sum(axis=1).mean(), rtol=1e-3)
@@ -181,8 +181,8 @@ def test_contacts_of_clumps_are_those_of_their_discs(bed):
     """Found by brute force among all discs, and named by their granules."""
     shape, packed = bed
     run = dem.Simulation(dem.Scene(shape, ELASTIC, LEAST, packed.walls), packed.state)
-    place, owner = run.world.constituents[:, :2], shape.owner
-    apart = np.linalg.norm(place[:, None] - place, axis=2) - np.add.outer(*2 * [shape.discs[:, 2]])
+    point, owner = run.world.constituents[:, :2], shape.owner
+    apart = np.linalg.norm(point[:, None] - point, axis=2) - np.add.outer(*2 * [shape.discs[:, 2]])
     i, j = np.nonzero(np.triu((apart < 0.0) & (owner[:, None] != owner)))
     contacts = run.contacts()
     pairs = np.sort(

@@ -66,10 +66,10 @@ def volley(shape, seed, spin, **properties):
     n = len(reach) // 2
     angle, turn = rng.uniform(0.0, 2.0 * np.pi, n), 0.5 * np.pi * rng.uniform(-0.99, 0.99, n)
     out = np.column_stack([np.cos(angle), np.sin(angle)])
-    way = np.column_stack([np.cos(angle + turn), np.sin(angle + turn)])
+    direction = np.column_stack([np.cos(angle + turn), np.sin(angle + turn)])
     centre = np.column_stack([np.zeros(n), 30.0 * reach.max() * np.arange(n)])
     position = np.concatenate([centre, centre + 1.001 * (reach[:n] + reach[n:])[:, None] * out])
-    velocity = np.concatenate([np.zeros((n, 2)), -way * rng.uniform(0.5, 2.0, n)[:, None]])
+    velocity = np.concatenate([np.zeros((n, 2)), -direction * rng.uniform(0.5, 2.0, n)[:, None]])
     state = dem.State(
         position, velocity, rng.uniform(0.0, 2.0 * np.pi, 2 * n), rng.uniform(-spin, spin, 2 * n)
     )

@@ -33,10 +33,10 @@ PAPER = (CONFIG / "paper.yaml").read_text(encoding="utf-8")
 def changed(path, value):
     """The paper's configuration with another value at a path of keys."""
     data = yaml.safe_load(PAPER)
-    place = data
+    group = data
     for key in path[:-1]:
-        place = place[key]
-    place[path[-1]] = value
+        group = group[key]
+    group[path[-1]] = value
     return data
 
 

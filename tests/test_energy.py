@@ -21,8 +21,8 @@ def pair(small, velocity, restitution=0.5):
         solids=dem.Cylinder(1e-3, (0.9 * FAR, 0.9 * FAR)),
     )
     middle = 0.5 * FAR
-    place = [[middle, middle], [middle + 1.01e-3, middle]]
-    return dem.Simulation(scene, dem.State(place, velocity), ledger=True, step_fraction=0.05)
+    position = [[middle, middle], [middle + 1.01e-3, middle]]
+    return dem.Simulation(scene, dem.State(position, velocity), ledger=True, step_fraction=0.05)
 
 
 def test_energy_balance_of_a_bed(small_bed):

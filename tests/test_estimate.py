@@ -83,9 +83,9 @@ def test_a_sweep_with_nothing_to_make_writes_no_file_again(tmp_path):
 
 def text(table):
     console = Console(width=160)
-    with console.capture() as shown:
+    with console.capture() as capture:
         console.print(table)
-    return shown.get()
+    return capture.get()
 
 
 def test_status_knows_the_mean_of_finished_runs_before_their_batch_ends(stopped):

@@ -256,16 +256,16 @@ def test_two_files_do_not_replace_each_others_results(one_sweep):
 
 def test_a_sweep_is_known_where_its_file_or_its_folder_was_moved(one_sweep, tmp_path, monkeypatch):
     """The folder of a sweep whose file is gone is anybody's."""
-    place = tmp_path.with_name(f"{tmp_path.name}_moved")
-    tmp_path.rename(place)
+    folder = tmp_path.with_name(f"{tmp_path.name}_moved")
+    tmp_path.rename(folder)
     tmp_path.mkdir()  # pytest's own
-    monkeypatch.chdir(place)
+    monkeypatch.chdir(folder)
     write_sweep("other.yaml", [1])
     Path("sub").mkdir()
     Path("link.yaml").symlink_to("one.yaml")
     for name, allowed in (
         ("one.yaml", True),
-        (place / "one.yaml", True),
+        (folder / "one.yaml", True),
         ("link.yaml", True),
         ("other.yaml", False),
     ):

@@ -32,8 +32,8 @@ from dem.sweep.config import load
 @pytest.fixture(scope="module")
 def grid():
     """A square grid of 100 points, 1 mm apart, a little disturbed."""
-    place = 1e-3 * np.stack(np.meshgrid(np.arange(10.0), np.arange(10.0)), axis=-1).reshape(-1, 2)
-    return place + 1e-4 * np.random.default_rng(1).normal(size=place.shape)
+    point = 1e-3 * np.stack(np.meshgrid(np.arange(10.0), np.arange(10.0)), axis=-1).reshape(-1, 2)
+    return point + 1e-4 * np.random.default_rng(1).normal(size=point.shape)
 
 
 @pytest.fixture(scope="module")
@@ -144,8 +144,8 @@ def test_recorded_measures_are_those_of_the_snapshots(results, motion):
         assert (flow["mixing"].isel(snapshot=0) == 0.0).all()
         lost = flow["contacts_lost"].isel(snapshot=slice(6, None)).values
         assert ((lost >= 0.0) & (lost <= 1.0)).all() and lost.max() > 0.0
-        for name, wanted in measures.measures(motion).items():
-            np.testing.assert_array_equal(flow[name].sel(case="c1", seed=1), wanted)
+        for name, expected in measures.measures(motion).items():
+            np.testing.assert_array_equal(flow[name].sel(case="c1", seed=1), expected)
 
 
 def test_beds_of_the_first_seed_of_each_case_are_in_one_file(results, motion):
@@ -166,8 +166,8 @@ def test_a_run_is_found_by_its_values(swept):
     assert (replicate.label, replicate.seed) == ("d1", 2)
     assert (configuration.friction.granule, configuration.box_width) == (0.3, 10e-3)
     with xr.open_dataset(swept / "drag.nc") as data:
-        place = {"shape": "d1", "friction_granule": 0.3, "box": "wide", "seed": 2}
-        np.testing.assert_array_equal(values["drag"], data["drag"].sel(place))
+        point = {"shape": "d1", "friction_granule": 0.3, "box": "wide", "seed": 2}
+        np.testing.assert_array_equal(values["drag"], data["drag"].sel(point))
     by_label = ["shape=d1", "friction_granule=0.3", "box_width=0.01", "seed=2"]
     assert open_run(swept / "drag.nc", by_label)[0].id == replicate.id
     for chunk in (swept / "store/batches").glob("*.nc"):
@@ -233,8 +233,8 @@ def test_films_and_pictures(motion, tmp_path, color, forces):
     assert (np.abs(last - first).max(axis=2) > 50).mean() > 0.01
     assert progress[-1] == 1.0 and not list(tmp_path.glob("*.part"))
     picture(motion, tmp_path / "bed.png", 1e-3, color, forces)
-    with Image.open(tmp_path / "bed.png") as drawn:
-        assert drawn.size == (1280, 720)
+    with Image.open(tmp_path / "bed.png") as image:
+        assert image.size == (1280, 720)
     assert_not_blank(tmp_path / "bed.png")
 
 

@@ -97,13 +97,13 @@ NO_NUMBERS = {
 def test_all_that_sets_a_number_of_a_run_is_known():
     """What makes runs imports nothing else of the package."""
     files = set(files_of((*RUNS, "experiment/kinds", "experiment/observables")))
-    known = files | set(files_of(NO_NUMBERS))
+    sources = files | set(files_of(NO_NUMBERS))
     for file in files - {PACKAGE / name for name in NO_NUMBERS}:
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom) and node.module.startswith("dem."):
                 for name in (node.module, *(f"{node.module}.{alias.name}" for alias in node.names)):
                     path = ROOT.joinpath(*name.split(".")).with_suffix(".py")
-                    assert path in known or not path.is_file(), f"{file} imports {path}"
+                    assert path in sources or not path.is_file(), f"{file} imports {path}"
 
 
 def test_a_run_depends_on_versions(monkeypatch):

@@ -33,11 +33,11 @@ def drawn(replicate, height=20e-3):
 
 def test_a_run_without_the_new_keys_is_known_by_what_it_was():
     """Finished runs stay finished: what is not asked for is no part of what a run is."""
-    known = json.loads(run().run_key().rsplit(" ", 2)[0])
-    assert {path for path in known if path.startswith("cylinder")} == {
+    keys = json.loads(run().run_key().rsplit(" ", 2)[0])
+    assert {path for path in keys if path.startswith("cylinder")} == {
         f"cylinder.{name}" for name in ("diameter", "velocity", "start", "stroke")
     }
-    assert not {path for path in known if path.startswith(("second", "walls"))}
+    assert not {path for path in keys if path.startswith(("second", "walls"))}
 
 
 @pytest.mark.parametrize(

@@ -38,10 +38,10 @@ def swarm(side=40, seed=1):
         periodic=(side * PITCH, None),
         held=[dem.Held([n], ANCHOR)],
     )
-    place = np.concatenate([grid, [[0.5 * PITCH, (side + 1.5) * PITCH]]])
+    position = np.concatenate([grid, [[0.5 * PITCH, (side + 1.5) * PITCH]]])
     velocity, spin = rng.normal(size=(n + 1, 2)), rng.normal(size=n + 1)
     velocity[n] = 0.0
-    return scene, dem.State(place, velocity, angular_velocity=spin)
+    return scene, dem.State(position, velocity, angular_velocity=spin)
 
 
 def crowd():

@@ -17,13 +17,13 @@ STATE = {"position": [[2e-3, 2e-3], [6e-3, 2e-3]], "velocity": [[1.0, 0.0], [0.0
 
 def discs(**changes):
     """Two discs in a box with a cylinder, at rest but for one."""
-    usual = {
+    defaults = {
         "shape": dem.Disc(SIZES),
         "friction": dem.Friction(),
         "walls": dem.box(2e-2, 1e-2),
         "solids": dem.Cylinder(1e-3, (1.5e-2, 5e-3), (0.0, 1.0)),
     }
-    return dem.Scene(**usual | changes)
+    return dem.Scene(**defaults | changes)
 
 
 def test_a_result_is_a_dataset_with_units(tmp_path):
@@ -89,15 +89,15 @@ def test_thickness_is_the_mean_volume_diameter_unless_it_is_given():
 )
 def test_words_choose_how_ellipses_meet(make):
     """Texts stop at the class; the kernels get types, and scenes, pickles and changes keep them."""
-    usual, other = make(), make(contact="geometric_potential", hertz_radius="local")
-    assert (usual.contact, usual.local_curvature) == (dem.CommonNormal(), None)
+    default, other = make(), make(contact="geometric_potential", hertz_radius="local")
+    assert (default.contact, default.local_curvature) == (dem.CommonNormal(), None)
     assert (other.contact, other.local_curvature) == (dem.GeometricPotential(), True)
-    assert make(contact="common_normal", hertz_radius="volume")[2:] == usual[2:]
+    assert make(contact="common_normal", hertz_radius="volume")[2:] == default[2:]
     assert make(contact=dem.CommonNormal(1e-6)).contact.tolerance == 1e-6
     assert type(other)(*other)[2:] == other[2:]  # as compiled code makes it
     assert pickle.loads(pickle.dumps(other))[2:] == other[2:]
     assert dem.Scene(other.scaled(2.0)).shape[2:] == other[2:]
-    assert dem.Scene(usual._replace(contact="geometric_potential")).shape.contact == other.contact
+    assert dem.Scene(default._replace(contact="geometric_potential")).shape.contact == other.contact
 
 
 def test_simulate_lists_the_options_of_a_simulation():

@@ -24,13 +24,13 @@ DISCS = dem.Disc([1e-3, 1e-3])
 
 
 def scene(**changes):
-    usual = {"shape": DISCS, "friction": dem.Friction(), "walls": dem.box(1e-2, 1e-2)}
-    return dem.Scene(**usual | {"solids": dem.Cylinder(1e-3, (8e-3, 8e-3))} | changes)
+    defaults = {"shape": DISCS, "friction": dem.Friction(), "walls": dem.box(1e-2, 1e-2)}
+    return dem.Scene(**defaults | {"solids": dem.Cylinder(1e-3, (8e-3, 8e-3))} | changes)
 
 
 def simulation(**changes):
-    usual = {"scene": scene(), "state": dem.State(PLACES)}
-    return dem.Simulation(**usual | changes)
+    defaults = {"scene": scene(), "state": dem.State(PLACES)}
+    return dem.Simulation(**defaults | changes)
 
 
 def simulate(**changes):
@@ -226,11 +226,11 @@ def test_real_numbers_of_any_kind_are_taken_alike(kind):
         start = dem.State(position, velocity, angular_velocity=spin)
         return dem.simulate(system, start, 1e-4, frames=np.int64(3))
 
-    given = [as_given(array) for array in arrays]
-    result, expected = run(*given), run(*arrays)
+    inputs = [as_given(array) for array in arrays]
+    result, expected = run(*inputs), run(*arrays)
     assert_array_equal(result.position, expected.position)
     assert_array_equal(result.angular_velocity, expected.angular_velocity)
-    for array, value in zip(arrays, given, strict=True):
+    for array, value in zip(arrays, inputs, strict=True):
         assert_array_equal(array, value)
 
 

@@ -91,8 +91,8 @@ def test_two_sweeps_are_compared_where_both_have_a_point(file):
 
 
 def test_the_terminal_shows_one_quantity_by_what_varies(file):
-    shown = CliRunner().invoke(app, ["means", str(file())]).output
-    assert "friction_granule" in shown and "drag (N)" in shown and len(table_of(means(file()))) == 3
+    text = CliRunner().invoke(app, ["means", str(file())]).output
+    assert "friction_granule" in text and "drag (N)" in text and len(table_of(means(file()))) == 3
     info = CliRunner().invoke(app, ["means", str(file()), "--of", "lift"])
     assert info.exit_code == 2
 
@@ -113,10 +113,10 @@ def test_what_cannot_be_shown_is_refused(file, tmp_path, call, words):
         call(file, tmp_path)
 
 
-def text_of(shown, width=1000):
+def text_of(table, width=1000):
     console = PlainConsole(width=width)
     with console.capture() as text:
-        console.print(shown)
+        console.print(table)
     return text.get()
 
 

@@ -55,8 +55,8 @@ def some(radius, position, velocity=None, motions=None, **changes):
 def bed(small_bed, motions=None, kind="disc", **changes):
     """Scene and state of a bed of granules around a cylinder, one of them held."""
     small = small_bed(kind, fraction=0.82)
-    usual = {"walls": small.bed.walls, "solids": replace(small.cylinder, velocity=(0.0, 0.0))}
-    return scene(small.shape, motions, **usual | changes), small.state
+    defaults = {"walls": small.bed.walls, "solids": replace(small.cylinder, velocity=(0.0, 0.0))}
+    return scene(small.shape, motions, **defaults | changes), small.state
 
 
 def smoothly(speed, time, axis=0, spin=0.0):
@@ -194,13 +194,13 @@ def test_a_driven_boundary_that_meets_nothing_moves_as_mechanics_says(damping):
     record = run.record(time, 1)
     if damping:
         rate = damping / mass
-        way = force / damping * (time - (1.0 - np.exp(-rate * time)) / rate)
+        distance = force / damping * (time - (1.0 - np.exp(-rate * time)) / rate)
     else:
-        way = 0.5 * force / mass * time**2
-    assert record.wall_offset[0, RIGHT] - FAR == pytest.approx(way, rel=1e-5)
-    displacement = np.array([way, 0.5 * time])
+        distance = 0.5 * force / mass * time**2
+    assert record.wall_offset[0, RIGHT] - FAR == pytest.approx(distance, rel=1e-5)
+    displacement = np.array([distance, 0.5 * time])
     assert_allclose(record.solid_position[0, 0] - AWAY.position, displacement, rtol=1e-5)
-    assert record.solid_angle[0, 0] == pytest.approx(way / lever, rel=1e-5)
+    assert record.solid_angle[0, 0] == pytest.approx(distance / lever, rel=1e-5)
     assert_allclose(run.state.position[1] - start.position[1], displacement, rtol=1e-5)
 
 
@@ -297,10 +297,10 @@ def test_a_wall_that_oscillates_comes_back_and_the_bed_feels_it(small_bed):
 def test_nothing_passes_a_moving_boundary_unseen(skin):
     """A fast wall and a fast held granule sweep up all discs of a row, however thin the skin is."""
     r, n = 0.5e-3, 8
-    place = np.column_stack([3e-3 * (1 + np.arange(n)), np.full(n, 5e-3)])
+    position = np.column_stack([3e-3 * (1 + np.arange(n)), np.full(n, 5e-3)])
     system, start = some(
         np.full(n, r),
-        place,
+        position,
         motions={LEFT: (30.0, 0.0)},
         friction=SMOOTH,
         material=replace(SOFT, young_modulus=1e10),
@@ -312,7 +312,7 @@ def test_nothing_passes_a_moving_boundary_unseen(skin):
     assert (behind > 0.5 * r).all() and (np.diff(run.state.position[:n, 0]) > 0.9 * r).all()
     system, start = some(
         np.full(n, r),
-        place - [2.9e-3, 0.0],
+        position - [2.9e-3, 0.0],
         friction=SMOOTH,
         material=replace(SOFT, young_modulus=1e10),
         held=[dem.Held([0], (30.0, 0.0))],
@@ -392,10 +392,10 @@ def driven(mover, ratio, drive, gap, **changes):
 @pytest.mark.parametrize("mover", ["wall", "solid", "held"])
 def test_a_driven_boundary_returns_the_restitution_that_is_asked_for(mover, ratio):
     """To 1 %, at any ratio of masses: the speed of separation over that of approach."""
-    system, place, mass = driven(mover, ratio, (0.0, None), 1e-5)
-    velocity = np.zeros_like(place)
+    system, position, mass = driven(mover, ratio, (0.0, None), 1e-5)
+    velocity = np.zeros_like(position)
     velocity[0, 0] = 1.0
-    run = dem.Simulation(system, dem.State(place, velocity), ledger=True)
+    run = dem.Simulation(system, dem.State(position, velocity), ledger=True)
     impulse, initial = 0.0, run.ledger().before
     while not impulse or run.contacts().granule.size:
         run.advance(2e-5)
@@ -410,8 +410,8 @@ def test_a_driven_boundary_returns_the_restitution_that_is_asked_for(mover, rati
 @pytest.mark.parametrize("mover", ["wall", "solid", "held"])
 def test_the_work_of_a_driven_boundary_is_what_it_loses(mover, ratio):
     """A force presses it from rest on a disc: the ledger adds up to a thousandth."""
-    system, place, _ = driven(mover, ratio, (-0.5, None), 5e-6, material=ELASTIC)
-    run = dem.Simulation(system, dem.State(place), ledger=True, step_fraction=0.03)
+    system, position, _ = driven(mover, ratio, (-0.5, None), 5e-6, material=ELASTIC)
+    run = dem.Simulation(system, dem.State(position), ledger=True, step_fraction=0.03)
     run.advance(2e-4)
     ledger = run.ledger()
     assert ledger.work > 0.0 and ledger.residual < 1e-3

@@ -49,7 +49,7 @@ def test_pairs_are_those_of_an_all_pairs_search(bed, kind):
     shape, owner = owned(kind, n)
     first, part, other = near_pairs(shape, rows, radius, skin, (0.0, 0.0))
     assert_array_equal(part, np.repeat(np.arange(n), np.diff(first)))
-    listed = [(i, j) for i in range(n) for j in other[first[i] : first[i + 1]]]
+    pairs = [(i, j) for i in range(n) for j in other[first[i] : first[i + 1]]]
     distance = np.hypot(*(rows[:, None, :2] - rows[None, :, :2]).transpose(2, 0, 1))
     expected = [
         (i, j)
@@ -57,20 +57,20 @@ def test_pairs_are_those_of_an_all_pairs_search(bed, kind):
         for j in range(i + 1, n)
         if owner[i] != owner[j] and distance[i, j] < radius[i] + radius[j] + skin
     ]
-    assert listed == expected
+    assert pairs == expected
 
 
 def beyond(points, corners):
     """Distances (n,) from a convex polygon to points, zero inside."""
     edges = np.roll(corners, -1, axis=0) - corners
-    away = points[:, None] - corners
-    along = (away * edges).sum(axis=-1) / (edges**2).sum(axis=-1)
-    distance = np.linalg.norm(away - np.clip(along, 0.0, 1.0)[..., None] * edges, axis=-1)
-    inside = (edges[:, 0] * away[..., 1] > edges[:, 1] * away[..., 0]).all(axis=1)
+    offset = points[:, None] - corners
+    along = (offset * edges).sum(axis=-1) / (edges**2).sum(axis=-1)
+    distance = np.linalg.norm(offset - np.clip(along, 0.0, 1.0)[..., None] * edges, axis=-1)
+    inside = (edges[:, 0] * offset[..., 1] > edges[:, 1] * offset[..., 0]).all(axis=1)
     return np.where(inside, 0.0, distance.min(axis=1))
 
 
-def solid(form, place, angle, size):
+def solid(form, position, angle, size):
     """Surface and boundaries of one solid of a size: a circle, what is in one, or a polygon."""
     polygon = Polygon(size * np.array([[-0.5, -0.6], [1.0, -0.5], [0.2, 0.9]]), 0.3 * size)
     faces = Faces(np.array([0, 3]), polygon.faces, np.array([polygon.radius]))
@@ -80,16 +80,16 @@ def solid(form, place, angle, size):
         radius=np.array([size]) if form == "circle" else None,
         faces=faces if form == "polygon" else None,
     )
-    motion, c, s = np.append(place, np.zeros(6)), np.cos(angle), np.sin(angle)
+    motion, c, s = np.append(position, np.zeros(6)), np.cos(angle), np.sin(angle)
     boundaries = SimpleNamespace(
         motion=motion[None], orientation=np.array([[c, s]]), reach=np.array([size])
     )
 
-    def gaps(away):
+    def gaps(offset):
         """From the solid to points relative to its place."""
         if form == "polygon":
-            return beyond(away @ [[c, -s], [s, c]], polygon.corners) - polygon.radius
-        return np.hypot(*away.T) - size
+            return beyond(offset @ [[c, -s], [s, c]], polygon.corners) - polygon.radius
+        return np.hypot(*offset.T) - size
 
     return surface, boundaries, gaps
 

@@ -58,9 +58,9 @@ def test_granules_begin_beside_a_solid_and_none_may_end_in_it(outline):
     points = np.random.default_rng(1).uniform(2e-3, 10e-3, (500, 2))
     ring = solid.placed(solid.position, solid.angle)
     start, side = ring[:-1], np.diff(ring, axis=0)
-    away = points[:, None] - start
-    along = (away * side).sum(axis=-1) / np.maximum((side**2).sum(axis=-1), 1e-30)
-    nearest = away - np.clip(along, 0.0, 1.0)[..., None] * side
+    offset = points[:, None] - start
+    along = (offset * side).sum(axis=-1) / np.maximum((side**2).sum(axis=-1), 1e-30)
+    nearest = offset - np.clip(along, 0.0, 1.0)[..., None] * side
     distance = np.hypot(*np.moveaxis(nearest, -1, 0)).min(axis=1)
     inside, depth = Path(ring).contains_points(points), room.depth(solid, points)
     close = 1e-2 * solid.radius  # outlines are drawn with corners
@@ -170,12 +170,12 @@ def test_bed_is_sown_apart(periodic):
     shape = dem.Ellipse.of_size(np.linspace(0.8e-3, 1.2e-3, 60), 1.5)
     factor, state = dilute_start(shape, Room(width, height, (cylinder,), 3, periodic))
     radius = np.append(factor * shape.bounding_radius, 0.75e-3)
-    place = np.vstack([state.position, cylinder.position])
+    position = np.vstack([state.position, cylinder.position])
     one, two = np.triu_indices(61, 1)
-    away = place[two] - place[one]
+    separation = position[two] - position[one]
     period = [width if "x" in periodic else np.inf, height if "y" in periodic else np.inf]
-    away -= np.where(np.isfinite(period), period, 0.0) * np.rint(away / period)
-    assert factor < 1.0 and (np.hypot(*away.T) >= radius[one] + radius[two]).all()
+    separation -= np.where(np.isfinite(period), period, 0.0) * np.rint(separation / period)
+    assert factor < 1.0 and (np.hypot(*separation.T) >= radius[one] + radius[two]).all()
 
 
 def test_box_too_small_to_scatter_is_refused():

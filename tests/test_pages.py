@@ -23,7 +23,7 @@ BUILT = "_build", "_generated", "jupyter_execute", "data"
 # as they are read, and as they are written: the template of a page instead of the page
 PAGES = sorted(path for path in DOCS.rglob("*.md") if path.relative_to(DOCS).parts[0] not in BUILT)
 PAGES += [ROOT / "README.md", *sorted(ROOT.glob("studies/*/README.md"))]
-WRITTEN = [path if not (by := path.with_suffix(".md.in")).exists() else by for path in PAGES]
+WRITTEN = [path if not (page := path.with_suffix(".md.in")).exists() else page for path in PAGES]
 FRONT_MATTER = re.compile(r"\A---\n(.*?)\n---\n", re.S)
 NO_PROSE = re.compile(
     r"^(?P<fence>`{3,}|~{3,})(?!\{(?!code)).*?^(?P=fence)[`~]*\s*$"  # code; {note} and the like are prose
@@ -72,10 +72,10 @@ def results_typed(text):
     but for the level of intervals and those that its front matter gives with a reason; and what it
     gives in vain, or without one."""
     matter = FRONT_MATTER.match(text)
-    given = (yaml.safe_load(matter[1]) or {}).get("given", {}) if matter else {}
+    constants = (yaml.safe_load(matter[1]) or {}).get("given", {}) if matter else {}
     prose = NO_PROSE.sub(" ", text[matter.end() :] if matter else text)
-    vain = [number for number, reason in given.items() if number not in prose or not reason]
-    for number in sorted((*given, "95 %"), key=len, reverse=True):
+    vain = [number for number, reason in constants.items() if number not in prose or not reason]
+    for number in sorted((*constants, "95 %"), key=len, reverse=True):
         prose = re.sub(rf"(?<![\d.,]){re.escape(number)}", " ", prose)
     return RESULT.findall(prose), vain
 
@@ -174,8 +174,8 @@ def test_a_released_file_is_of_todays_kernels(file):
 
 def test_every_released_file_can_be_renewed():
     """docs/data holds nothing that no script writes."""
-    known = {file.path.name for file in (*findings.FILES, *findings.MEASURED)}
-    assert {path.name for path in (DOCS / "data").glob("*.nc")} <= known
+    paths = {file.path.name for file in (*findings.FILES, *findings.MEASURED)}
+    assert {path.name for path in (DOCS / "data").glob("*.nc")} <= paths
 
 
 def test_timings_name_what_made_them():
@@ -251,8 +251,8 @@ def test_the_sweeps_of_a_page_can_be_run(extended, page):
     """Whole files, named in their first line, and fragments, with where they belong."""
     text = page.read_text(encoding="utf-8")
     sweeps = {name: block for kind, name, block in FILE.findall(text) if kind == "yaml"}
-    for n, (where, block) in enumerate(FRAGMENT.findall(text)):
-        below = block if where == "in place of" else "sweep:\n" + textwrap.indent(block, "  ")
+    for n, (role, block) in enumerate(FRAGMENT.findall(text)):
+        below = block if role == "in place of" else "sweep:\n" + textwrap.indent(block, "  ")
         if "shape:" not in below:
             below += "  shape: [c1]\n"
         sweeps[f"fragment{n}.yaml"] = f"extends: config/paper.yaml\nresults: results/f{n}\n{below}"
@@ -303,8 +303,8 @@ def test_a_picture_is_of_the_released_file_and_of_its_code(path):
 
 
 def test_no_picture_is_left_that_no_page_shows():
-    there = {*DOCS.glob("images/*.png"), *ROOT.glob("studies/*/images/*")}
-    assert there == set(write.pictures())
+    pictures = {*DOCS.glob("images/*.png"), *ROOT.glob("studies/*/images/*")}
+    assert pictures == set(write.pictures())
 
 
 def test_a_sentence_that_the_data_contradicts_ends_the_build():

@@ -49,11 +49,11 @@ def crowd(kind):
     """Granules on a grid that press on each other across the sides, shaken, around a cylinder, in a box
     that repeats itself along x and y."""
     rng, side = np.random.default_rng(1), 7
-    place = PITCH * np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2)
+    position = PITCH * np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2)
     periodic = 2 * (side * PITCH,)
-    away = np.hypot(*least_image(place - CYLINDER.position, periodic).T)
-    place = place[away > CYLINDER.radius + 0.4 * PITCH]
-    n = len(place)
+    distance = np.hypot(*least_image(position - CYLINDER.position, periodic).T)
+    position = position[distance > CYLINDER.radius + 0.4 * PITCH]
+    n = len(position)
     ratio = KINDS[kind].aspect_ratio or 1.4
     scene = dem.Scene(
         KINDS[kind].shape.of_size(rng.uniform(1.0, 1.1, n) * PITCH, ratio),
@@ -64,7 +64,7 @@ def crowd(kind):
         periodic=periodic,
     )
     angle, spin = rng.uniform(0.0, np.pi, n), 500.0 * rng.normal(size=n)
-    return scene, dem.State(place, 0.5 * rng.normal(size=(n, 2)), angle, spin)
+    return scene, dem.State(position, 0.5 * rng.normal(size=(n, 2)), angle, spin)
 
 
 def lids(rows):
@@ -96,10 +96,10 @@ def gas(side=6, periodic=(True, True), **scene):
     return dem.Scene(shape, **defaults | scene), state
 
 
-def moved(state, by, velocity=(0.0, 0.0)):
+def moved(state, shift, velocity=(0.0, 0.0)):
     """The state at other places (m), all granules faster by a velocity (m/s)."""
     fast = state.velocity + velocity
-    return dem.State(state.position + by, fast, state.angle, state.angular_velocity)
+    return dem.State(state.position + shift, fast, state.angle, state.angular_velocity)
 
 
 def least_image(separation, periodic):
@@ -113,12 +113,12 @@ def deep(run):
     """Pairs of discs that overlap, and discs that overlap with the cylinder, found by brute force."""
     scene, state = run.scene, run.state
     radius, periodic = scene.shape.radius, scene.periodic
-    away = least_image(state.position[:, None] - state.position, periodic)
-    gap = np.hypot(*np.moveaxis(away, -1, 0)) - radius[:, None] - radius
+    separation = least_image(state.position[:, None] - state.position, periodic)
+    gap = np.hypot(*np.moveaxis(separation, -1, 0)) - radius[:, None] - radius
     pairs = {tuple(map(int, pair)) for pair in np.argwhere(np.triu(gap < 0.0, 1))}
     (axis,) = run.world.boundaries.motion[len(scene.walls) :, :2]
-    away = least_image(state.position - axis, periodic)
-    gap = np.hypot(*away.T) - radius - scene.solids[0].radius
+    separation = least_image(state.position - axis, periodic)
+    gap = np.hypot(*separation.T) - radius - scene.solids[0].radius
     return pairs, set(np.flatnonzero(gap < 0.0).tolist())
 
 
@@ -177,14 +177,14 @@ def test_where_the_box_begins_changes_no_motion(kind):
     period = np.array([length or 0.0 for length in scene.periodic])
     images = np.random.default_rng(2).integers(-3, 4, state.position.shape)
     runs = []
-    for by, axis in (
+    for shift, axis in (
         (0.0, 0.0),
         (0.37 * period, 0.37 * period),
         (images * period, [2, -1] * period),
     ):
         cylinder = replace(CYLINDER, position=tuple(axis + np.array(CYLINDER.position)))
         cut = replace(scene, solids=cylinder)
-        runs.append(dem.Simulation(cut, moved(state, by), STEP))
+        runs.append(dem.Simulation(cut, moved(state, shift), STEP))
     results = []
     for run in runs:
         start = run.state.position
@@ -204,16 +204,16 @@ def test_a_polygon_across_the_sides_is_met_as_one_in_the_middle():
     period = np.array(scene.periodic)
     images = np.random.default_rng(2).integers(-3, 4, state.position.shape)
     beds = []
-    for by, image in ((0.0, 0.0), (0.5 * period, 0.0), (0.0, images * period)):
-        solid = replace(wedge, position=tuple(by + np.array(CYLINDER.position)))
+    for shift, image in ((0.0, 0.0), (0.5 * period, 0.0), (0.0, images * period)):
+        solid = replace(wedge, position=tuple(shift + np.array(CYLINDER.position)))
         cut = replace(scene, solids=solid)
         table = granule_table(cut, 0.3)
-        world = assemble(cut, moved(state, by + image).checked(cut.granules), table)
+        world = assemble(cut, moved(state, shift + image).checked(cut.granules), table)
         world = rebuild_neighbor_list(world, table)
         forces(world, STEP, np.inf)
-        listed = list_contacts(world, np.arange(cut.granules))
-        on_solid = listed.partner == -1
-        beds.append((world.force, world.boundaries.contact_forces, listed.overlap, listed.branch))
+        touch = list_contacts(world, np.arange(cut.granules))
+        on_solid = touch.partner == -1
+        beds.append((world.force, world.boundaries.contact_forces, touch.overlap, touch.branch))
         assert on_solid.sum() > 3 and np.abs(world.boundaries.contact_forces).min() > 0.0
     for other in beds[1:]:
         for one, two in zip(beds[0], other, strict=True):
@@ -251,10 +251,10 @@ def test_momentum_is_kept_across_the_sides(kind):
     run.collect_impulses()
     velocity = run.state.velocity
     run.advance(1000 * STEP)
-    taken = run.collect_impulses()[0].sum(axis=(0, 1))
+    impulse = run.collect_impulses()[0].sum(axis=(0, 1))
     change = mass * (run.state.velocity - velocity)
-    assert np.abs(taken).max() > 1e-3 * np.abs(change).sum()
-    assert_allclose(change.sum(axis=0) + taken, 0.0, atol=1e-13 * np.abs(change).sum())
+    assert np.abs(impulse).max() > 1e-3 * np.abs(change).sum()
+    assert_allclose(change.sum(axis=0) + impulse, 0.0, atol=1e-13 * np.abs(change).sum())
 
 
 def test_energy_is_kept_across_the_sides():
@@ -466,16 +466,16 @@ def test_a_bed_is_drawn_with_its_images_one_period_away(periodic, count):
 def test_a_picture_is_the_same_whichever_image_is_given():
     scene, state = gas(periodic=(True, False))
     turn = np.random.default_rng(1).integers(-2, 3, len(state.position))[:, None] * [6e-3, 0.0]
-    drawn = []
-    for by in (0.0, turn):
-        result = dem.simulate(scene, moved(state, by), 1e-5)
+    images = []
+    for shift in (0.0, turn):
+        result = dem.simulate(scene, moved(state, shift), 1e-5)
         figure = dem.plot.bed(result, color="speed", forces=True)
         axes = figure.axes[0]
         rings = axes.collections[0].get_paths()
-        drawn.append(sorted(tuple(np.round(ring.vertices.mean(axis=0), 6)) for ring in rings))
+        images.append(sorted(tuple(np.round(ring.vertices.mean(axis=0), 6)) for ring in rings))
         assert len(axes.collections[2].get_paths()) >= 2  # the cylinder
         assert_allclose(axes.get_xlim(), [0.0, 6.0])
-    assert len(drawn[0]) >= scene.granules and drawn[0] == drawn[1]
+    assert len(images[0]) >= scene.granules and images[0] == images[1]
 
 
 VALUES = {"extends": "config/smoke.yaml", "shape": "c1", "seed": 1, "record": {"snapshots": 3}}

@@ -56,8 +56,8 @@ def test_a_disc_is_drawn_at_its_place_with_its_radius(results, frame):
     result = results["both"]
     axes = dem.plot.bed(result, frame=frame, color="layer").axes[0]
     for i, outline in enumerate(verts(axes.collections[0])):
-        away = outline - 1e3 * result.position[frame, i]
-        assert_allclose(np.linalg.norm(away, axis=1), 1e3 * RADIUS[i], rtol=1e-9)
+        offset = outline - 1e3 * result.position[frame, i]
+        assert_allclose(np.linalg.norm(offset, axis=1), 1e3 * RADIUS[i], rtol=1e-9)
     (ring,) = verts(axes.collections[2])
     center = [3.0, 6.0] + 1e3 * result.time[frame] * np.array([1.0, 2.0])
     assert_allclose(center, 1e3 * result.solid_position[frame, 0])
@@ -92,8 +92,8 @@ def test_all_frames_are_in_view(results):
     low, high = of_result(result).view
     reach = RADIUS[:, None]
     assert (result.position - reach > low).all() and (result.position + reach < high).all()
-    away = abs(result.solid_position[:, 0] - 0.5 * (low + high))
-    assert (away + 5e-4 < 0.5 * (high - low)).all()
+    distance = abs(result.solid_position[:, 0] - 0.5 * (low + high))
+    assert (distance + 5e-4 < 0.5 * (high - low)).all()
     assert (low < 0.0).all() and (high > 0.0).all()
 
 

@@ -495,8 +495,8 @@ def test_a_shape_in_a_file_of_ones_own_is_swept_by_the_workflow(swept, tmp_path)
     for name in ("drag.nc", "rotation.nc"):
         assert (tmp_path / "results/pebbles" / name).is_file()
     plans = [
-        sorted(path.name for path in (place / "results/store/batches").glob("*.nc"))
-        for place in (swept, tmp_path)
+        sorted(path.name for path in (folder / "results/store/batches").glob("*.nc"))
+        for folder in (swept, tmp_path)
     ]
     assert plans[0] == plans[1]
     shutil.move(tmp_path / "mine", tmp_path / "elsewhere")

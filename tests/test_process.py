@@ -221,9 +221,9 @@ def test_an_error_in_an_experiment_of_ones_own_fails_its_run_only(file, wrong):
 def terminal_text(thing) -> str:
     """What a terminal shows, in one line."""
     console = Console(width=400)
-    with console.capture() as shown:
+    with console.capture() as capture:
         console.print(thing)
-    return " ".join(shown.get().split())
+    return " ".join(capture.get().split())
 
 
 OBSERVABLE = """

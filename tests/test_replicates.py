@@ -148,11 +148,11 @@ def test_a_stopped_sweep_goes_on_to_the_same_runs(sweep, tmp_path):
         Path("left").write_text(str(runs))
         with pytest.raises(KeyboardInterrupt):
             of_file(sweep(seed))
-    done = of_file(sweep(seed))
+    old = of_file(sweep(seed))
     xr.testing.assert_equal(result().drop_attrs(), whole)
     # Snakemake asks for each round by its number, and would make a round again that is another one now
     fresh = SweepState.of(Path("sweep.yaml"))
-    rounds = [[work.block("drag", k).counts for k in work.rounds("drag")] for work in (done, fresh)]
+    rounds = [[work.block("drag", k).counts for k in work.rounds("drag")] for work in (old, fresh)]
     assert rounds[0] == rounds[1] and len(rounds[0]) > 2
     of_file(sweep("1 to 300"))
     of_file(sweep(seed))

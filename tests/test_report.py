@@ -120,27 +120,27 @@ def panels(page, name):
 
 def test_bars_are_the_means_and_marks_the_runs(page):
     """Of figure 13: the top of each bar and each mark follow from drag.nc."""
-    (shown,), data = panels(page, "figure13")
+    (axes,), data = panels(page, "figure13")
     inside = data["drag"].sel(displacement=slice(data.window_start, data.window_stop))
     runs = inside.mean("displacement")
-    for wanted in [*runs.values.ravel(), *runs.mean("seed").values]:
-        assert np.isclose(shown[:, 1], wanted, rtol=1e-9).any()
+    for expected in [*runs.values.ravel(), *runs.mean("seed").values]:
+        assert np.isclose(axes[:, 1], expected, rtol=1e-9).any()
 
 
 def test_curves_are_the_work_of_the_drag_over_a_fifth_of_a_millimetre(page):
     """Of figure 7: at each displacement the mean over the seeds of the work about it, over that way."""
-    shown, data = panels(page, "figure07")
-    assert len(shown) == data.sizes["case"]
+    axes, data = panels(page, "figure07")
+    assert len(axes) == data.sizes["case"]
     edges = np.append(data["displacement_bounds"][:, 0], data["displacement_bounds"][-1, 1])
     middle = data["displacement"].values
     ends = np.clip([middle - 1e-4, middle + 1e-4], edges[0], edges[-1])
-    for panel, case in zip(shown, data["case"].values, strict=True):
+    for panel, case in zip(axes, data["case"].values, strict=True):
         drag = data["drag"].sel(case=case).mean("seed").values
         work = np.append(0.0, np.cumsum(drag * np.diff(edges)))
-        wanted = np.diff(np.interp(ends, edges, work), axis=0)[0] / np.diff(ends, axis=0)[0]
-        place = np.column_stack([1e3 * middle, wanted])
-        apart = np.abs(panel[:, None] - place).max(axis=2).min(axis=0)
-        assert apart.max() < 1e-6 * wanted.max()
+        expected = np.diff(np.interp(ends, edges, work), axis=0)[0] / np.diff(ends, axis=0)[0]
+        points = np.column_stack([1e3 * middle, expected])
+        apart = np.abs(panel[:, None] - points).max(axis=2).min(axis=0)
+        assert apart.max() < 1e-6 * expected.max()
 
 
 @cache
@@ -166,13 +166,13 @@ def test_every_mean_of_a_sweep_is_drawn(swept):
     assert drawable(folder) == ["sweep"]
     assert_not_blank(folder / "figures/sweep.png")
     figure, _, statistics = figure_of(folder / "drag.nc")
-    shown = np.concatenate([places_shown(axes)[:, 1] for axes in figure.axes])
+    values = np.concatenate([places_shown(axes)[:, 1] for axes in figure.axes])
     expected = statistics["mean"]
     if name == "many":  # 4 x 2 x 3 x 2: restitution along x, friction by lines, two by panels
         left_out = re.search(r"averaged over (\w+)", figure.get_suptitle())
         expected = expected.mean(left_out[1]) if left_out else expected
     for value in expected.values.ravel():
-        assert np.isclose(shown, value, rtol=1e-9).any()
+        assert np.isclose(values, value, rtol=1e-9).any()
     assert len(figure.axes) <= 12
 
 
@@ -181,7 +181,7 @@ def test_axes_of_a_sweep_have_names_and_units(swept):
     figure, _, _ = figure_of(folder / "drag.nc")
     assert "(N)" in figure.axes[0].get_ylabel() and "0.4 mm to 1 mm" in figure.axes[0].get_ylabel()
     labels = {" ".join(axes.get_xlabel().split()) for axes in figure.axes} - {""}
-    wanted = {
+    expected = {
         "grid": {"Friction between granules (1)"},
         "names": {"Box"},
         "many": {"Coefficient of restitution (1)"},
@@ -192,7 +192,7 @@ def test_axes_of_a_sweep_have_names_and_units(swept):
             "Young's modulus (Pa)",
         },
     }
-    assert labels == wanted[name]
+    assert labels == expected[name]
     if name not in ("point", "many"):
         assert [text.get_text() for text in figure.legends[0].get_texts()] == [
             "shape: c1",

@@ -78,12 +78,12 @@ def test_rolling_resistance_keeps_angular_momentum():
     """Both bodies feel opposite moments: two discs of unequal size that meet spinning."""
     radius = np.array([R, 0.4 * R])
     scene = dem.Scene(dem.Disc(radius), SAND, dem.Friction(), BOX, rolling=dem.Rolling(granule=0.5))
-    place = [[1.0, 0.5], [1.0 + 1.42 * R, 0.5 + 0.1 * R]]
-    state = dem.State(place, [[0.1, 0.0], [-0.3, 0.2]], angular_velocity=[200.0, 50.0])
+    position = [[1.0, 0.5], [1.0 + 1.42 * R, 0.5 + 0.1 * R]]
+    state = dem.State(position, [[0.1, 0.0], [-0.3, 0.2]], angular_velocity=[200.0, 50.0])
     result = dem.simulate(scene, state, 5e-3).state
 
     def angular(state):
-        (x, y), (vx, vy) = (state.position - place[0]).T, state.velocity.T
+        (x, y), (vx, vy) = (state.position - position[0]).T, state.velocity.T
         return scene.mass * (x * vy - y * vx), scene.inertia * state.angular_velocity
 
     scale, spun = np.abs(angular(state)).sum(), np.subtract(angular(result), angular(state))[1]
@@ -103,11 +103,11 @@ def swarm(rolling=ROLLING, law=LINE, ledger=True):
     """Twenty discs that fly together within a box."""
     rng = np.random.default_rng(5)
     radius = R * rng.uniform(0.8, 1.2, 20)
-    place = (
+    position = (
         2.5 * R * (np.stack(np.meshgrid(np.arange(5.0), np.arange(4.0)), -1).reshape(-1, 2) + 0.6)
     )
     state = dem.State(
-        place, rng.normal(size=(20, 2)), angular_velocity=rng.normal(scale=300.0, size=20)
+        position, rng.normal(size=(20, 2)), angular_velocity=rng.normal(scale=300.0, size=20)
     )
     scene = dem.Scene(
         dem.Disc(radius), SAND, dem.Friction(), dem.box(15 * R, 12 * R), gravity=(0.0, -G),

@@ -48,11 +48,11 @@ def test_pip_installs_if_uv_fails(tmp_path):
     lock = tmp_path / "an empty lock.txt"
     lock.write_text("")
     broken = {"PIP_NO_INDEX": "1", "PIP_FIND_LINKS": "", "UV_INDEX_STRATEGY": "none such"}
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, SCRIPT, lock], env=os.environ | broken, capture_output=True, text=True
     )
-    assert done.returncode == 0, done.stderr
-    assert "pip installs the same versions" in done.stdout
+    assert process.returncode == 0, process.stderr
+    assert "pip installs the same versions" in process.stdout
 
 
 @pytest.mark.parametrize("folder", ["", "setup", "tests", "docs"])

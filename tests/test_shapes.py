@@ -326,10 +326,10 @@ def test_a_granule_turns_about_its_centre_of_mass_wherever_its_outline_is():
 def test_granules_without_symmetry_hand_their_momentum_to_walls_and_solids():
     """Of eggs that fly about in a box: what they lose, walls and a cylinder get (Newton's third law)."""
     rng, time = np.random.default_rng(1), 1e-3
-    place = 1e-3 * (np.stack(np.meshgrid(*2 * [np.arange(8)]), -1).reshape(-1, 2) + 0.5)
+    position = 1e-3 * (np.stack(np.meshgrid(*2 * [np.arange(8)]), -1).reshape(-1, 2) + 0.5)
     cylinder = dem.Cylinder(1.5e-3, (4e-3, 2e-3), (0.0, 4.0))
-    place = place[np.hypot(*(place - cylinder.position).T) > 2.0 * cylinder.radius]
-    n = len(place)
+    position = position[np.hypot(*(position - cylinder.position).T) > 2.0 * cylinder.radius]
+    n = len(position)
     friction = dem.Friction(wall=0.0)  # because a Result has only the normal forces of walls
     scene = dem.Scene(
         Egg(1e-3 * rng.uniform(0.4, 0.46, n)),
@@ -338,7 +338,7 @@ def test_granules_without_symmetry_hand_their_momentum_to_walls_and_solids():
         solids=cylinder,
         thickness=1e-3,
     )
-    start = dem.State(place, rng.normal(size=(n, 2)), rng.uniform(0.0, 2.0 * np.pi, n))
+    start = dem.State(position, rng.normal(size=(n, 2)), rng.uniform(0.0, 2.0 * np.pi, n))
     run = dem.simulate(scene, start, time)
     assert run.solid_force[1, 0, 1] < 0.0 and (run.wall_force[1] > 0.0).all()
     assert np.abs(run.angular_velocity[1]).max() > 0.0

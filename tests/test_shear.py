@@ -26,7 +26,7 @@ PRESSURE = 1e5  # Pa
 def values(**more):
     """Values of a small bed: 9 diameters long and about 8 high."""
     same = dict.fromkeys(("granule", "wall", "cylinder"), 0.4)
-    asked = {
+    cell = {
         "inertial_number": 0.1,
         "pressure": PRESSURE,
         "settle": 1.0,
@@ -41,7 +41,7 @@ def values(**more):
         "material": {"young_modulus": 5e9, "poisson_ratio": 0.3, "restitution": 0.1},
         "friction": same,
         "shapes": {"disc": {"kind": "disc", "diameter": 1e-3, "granules": 72}},
-        "shear": asked,
+        "shear": cell,
         "shape": "disc",
         "density": 2500.0,
         "seed": 1,
@@ -153,7 +153,7 @@ def swept(friction, fraction=0.8, noise=0.02, seeds=3, strain=4, seed=0):
         return dims, value * (1.0 + noise * rng.standard_normal(shape))
 
     unit = np.sqrt(2500.0 * 0.25 * np.pi * 1e-6 / PRESSURE)
-    asked = {"pressure": PRESSURE, "strain": float(strain)}
+    cell = {"pressure": PRESSURE, "strain": float(strain)}
     return xr.Dataset(
         {
             "lid_shear_stress": around(PRESSURE * friction[..., None, None]),
@@ -172,7 +172,7 @@ def swept(friction, fraction=0.8, noise=0.02, seeds=3, strain=4, seed=0):
             "density": 2500.0,
             "shear_strain": 0.1 * np.arange(1, samples + 1),
         },
-        {"configuration": json.dumps({"shear": asked})},
+        {"configuration": json.dumps({"shear": cell})},
     )
 
 

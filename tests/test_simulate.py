@@ -19,8 +19,8 @@ NAN = float("nan")
 
 def two_discs(**changes):
     """Two discs of 1 mm, 3 mm apart."""
-    usual = {"shape": dem.Disc(np.full(2, 1e-3)), "friction": dem.Friction(), **APART}
-    return dem.Scene(**usual | changes)
+    defaults = {"shape": dem.Disc(np.full(2, 1e-3)), "friction": dem.Friction(), **APART}
+    return dem.Scene(**defaults | changes)
 
 
 def call(scene=None, position=((0.0, 0.0), (3e-3, 0.0)), duration=1e-6, **options):
@@ -85,11 +85,11 @@ ARRAYS = {
     st.integers(0, 3),
     st.sampled_from(["", "longer", "deeper", "flat"]),
 )
-def test_any_array_is_simulated_or_refused(name, value, place, form):
+def test_any_array_is_simulated_or_refused(name, value, index, form):
     """One bad number, or a wrong shape, in an array of the user: finite motion or an error with a name."""
     arrays = {"position": np.array([[0.0, 0.0], [3e-3, 0.0]]), "radius": np.full(2, 1e-3)}
     array = arrays.setdefault(name, np.zeros(ARRAYS[name]))
-    array.flat[place % array.size] = value
+    array.flat[index % array.size] = value
     arrays[name] = {
         "": array,
         "longer": np.concatenate([array, array]),
@@ -148,8 +148,8 @@ def test_overlap_guard_names_granule_and_step(small_bed, kind):
     """Where granules overlap by more than the limit the run stops, before and during the motion."""
     small = small_bed(kind)
     state = small.state
-    away = np.hypot(*(state.position - state.position[20]).T)
-    near = np.argsort(away)[1]
+    distance = np.hypot(*(state.position - state.position[20]).T)
+    near = np.argsort(distance)[1]
     state.position[20] = state.position[near] + 1e-5
     with pytest.raises(dem.OverlapError, match=rf"granule ({near}|20) .* step 0, .* limit is 0\.9"):
         dem.simulate(small.scene(), state, 1e-6, max_overlap=0.9)

@@ -82,8 +82,8 @@ def test_a_figure_that_averages_uses_all_runs_and_joins_values_in_their_order():
     (averaged,) = re.search(r"averaged over (\w)", title).groups()
     assert "14 runs each" in title if averaged == "e" else "averaged" in title
     expected = drag.mean(["seed", "displacement"]).mean(averaged).values
-    shown = np.concatenate([line.get_ydata() for axes in figure.axes for line in axes.lines])
-    assert all(np.isclose(shown, value, rtol=1e-12).any() for value in expected.ravel())
+    values = np.concatenate([line.get_ydata() for axes in figure.axes for line in axes.lines])
+    assert all(np.isclose(values, value, rtol=1e-12).any() for value in expected.ravel())
     for axes in figure.axes:
         assert all((np.diff(line.get_xdata()) > 0.0).all() for line in axes.lines)
 

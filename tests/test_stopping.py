@@ -271,8 +271,8 @@ def test_a_chunk_that_is_there_is_left_alone(tmp_path, attempts):
 
 
 @pytest.mark.parametrize("damage", DAMAGE)
-@pytest.mark.parametrize("what", ["runs", "beds"])
-def test_a_damaged_file_of_the_store_is_made_again(tmp_path, attempts, what, damage):
+@pytest.mark.parametrize("kind", ["runs", "beds"])
+def test_a_damaged_file_of_the_store_is_made_again(tmp_path, attempts, kind, damage):
     """A finished run of a chunk under way, or a bed: the chunk is as if nothing had been damaged."""
     sweep = discs([1])
     whole, chunk = planned(sweep, tmp_path / "whole")
@@ -280,12 +280,12 @@ def test_a_damaged_file_of_the_store_is_made_again(tmp_path, attempts, what, dam
     work, _ = planned(sweep, tmp_path / "stopped")
     with pytest.raises(Killed):
         making.make(work.store, chunk, progress=killed_at(1.4))
-    files = (work.store.folder / what).rglob("[!.]*.npz")
+    files = (work.store.folder / kind).rglob("[!.]*.npz")
     (file,) = (path for path in files if "checkpoint" not in path.name)
     file.write_bytes(DAMAGE[damage](file.read_bytes()))
     attempts.clear()
     making.make(work.store, chunk)
-    assert len(attempts) == (2 if what == "runs" else 1)
+    assert len(attempts) == (2 if kind == "runs" else 1)
     same(whole.store.file_of(chunk), work.store.file_of(chunk))
 
 
@@ -506,7 +506,7 @@ def test_an_interrupt_is_answered_and_leaves_what_was_simulated(call, threads):
     """Time and state agree to the last step, nothing moves on, and the run can go on."""
     scene, state = crowd()
     n = scene.granules
-    place = np.column_stack([3e-3 * np.arange(n), np.zeros(n)])
+    position = np.column_stack([3e-3 * np.arange(n), np.zeros(n)])
     path = dem.PrescribedMotion([0.0, 1.0], [[0.0, 1.0], [0.0, 1.0]])
     scene = replace(
         scene,
@@ -515,7 +515,7 @@ def test_an_interrupt_is_answered_and_leaves_what_was_simulated(call, threads):
         solids=dem.Cylinder(1e-3, (0.0, 1.0), path),
         periodic=(3e-3 * n, None),
     )
-    run = dem.Simulation(scene, dem.State(place), threads=threads, time_step=1e-9)
+    run = dem.Simulation(scene, dem.State(position), threads=threads, time_step=1e-9)
     run.advance(1e-7)
     began = time.monotonic()
     with Alarm(0.5), pytest.raises(KeyboardInterrupt):

@@ -30,8 +30,8 @@ CORNER = dem.Cylinder(1e-9, (1e-9, 1e-9))  # it meets nothing
 def volume(run):
     """Of a box without its solids (m3)."""
     width, height = run.scene.planes[1, 2], run.scene.planes[3, 2]
-    taken = sum(solid.area for solid in run.scene.solids)
-    return (width * height - taken) * run.scene.thickness
+    area = sum(solid.area for solid in run.scene.solids)
+    return (width * height - area) * run.scene.thickness
 
 
 def shaken(small):
@@ -49,12 +49,12 @@ def shaken(small):
 def column():
     """Discs with friction that have come to rest under gravity, between smooth sides."""
     rng = np.random.default_rng(2)
-    row, place = np.divmod(np.arange(120), 8)
+    row, x = np.divmod(np.arange(120), 8)
     shape = dem.Disc(0.5e-3 * rng.uniform(0.8, 1.2, 120))
     walls = dem.box(10e-3, 30e-3)
     scene = dem.Scene(shape, SOFT, SMOOTH_SIDES, walls, gravity=(0.0, -G), thickness=THICKNESS)
-    place = 1e-3 + 1.14e-3 * place + 0.1e-3 * (row % 2)
-    run = dem.Simulation(scene, dem.State(np.column_stack([place, 1e-3 + 1.3e-3 * row])))
+    x = 1e-3 + 1.14e-3 * x + 0.1e-3 * (row % 2)
+    run = dem.Simulation(scene, dem.State(np.column_stack([x, 1e-3 + 1.3e-3 * row])))
     run.advance(1.0)
     return run
 
@@ -211,19 +211,19 @@ def test_a_gas_has_the_pressure_of_its_energy_and_no_fabric():
     """Pressure times area is the kinetic energy in two dimensions; what does not touch has no fabric."""
     rng = np.random.default_rng(3)
     scene = dem.Scene(dem.Disc(np.full(9, 0.2e-3)), SOFT, walls=dem.box(6e-3, 6e-3), **USUAL)
-    place = 1e-3 + 2e-3 * np.array(np.divmod(np.arange(9), 3)).T
+    position = 1e-3 + 2e-3 * np.array(np.divmod(np.arange(9), 3)).T
     velocity = rng.normal(size=(9, 2))
     velocity -= velocity.mean(axis=0)
-    run = dem.Simulation(scene, dem.State(place, velocity))
+    run = dem.Simulation(scene, dem.State(position, velocity))
     stress = run.stress()
     assert not stress.contact.any() and np.isnan(stress.fabric).all()
     assert stress.coordination_number == 0.0
     energy = run.diagnose().kinetic_energy
     assert stress.pressure * 36e-6 * scene.thickness == pytest.approx(energy)
-    drifting = dem.Simulation(scene, dem.State(place, velocity + [3.0, 4.0]))
+    drifting = dem.Simulation(scene, dem.State(position, velocity + [3.0, 4.0]))
     assert_allclose(drifting.stress().kinetic, stress.kinetic)  # of the motion about the mean
-    sliding = np.column_stack([1e3 * place[:, 1], np.zeros(9)])  # each row at its own speed
-    rows = dem.Simulation(scene, dem.State(place, sliding))
+    sliding = np.column_stack([1e3 * position[:, 1], np.zeros(9)])  # each row at its own speed
+    rows = dem.Simulation(scene, dem.State(position, sliding))
     assert rows.stress().pressure > 0.0
     assert_allclose(rows.stress(y=[0.0, 2e-3, 4e-3, 6e-3]).pressure, 0.0, atol=1e-9)
     empty = run.stress(y=[2e-3, 2.5e-3])

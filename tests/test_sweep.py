@@ -502,13 +502,13 @@ def test_a_value_that_is_added_makes_only_its_runs(tmp_path):
     chunks = {path: path.stat().st_mtime_ns for path in work.files("drag")}
     beds = list((tmp_path / "store/beds").rglob("*.npz"))
     assert len(beds) == 2
-    more = SweepState(
+    other = SweepState(
         small({"seed": [2, 1], "friction.granule": [0.5, 0.1, 0.3], "shape": "c1"}, batch=1),
         work.store,
     )
-    new = [chunk for chunk in more.batches("drag") if not more.store.file_of(chunk.id).exists()]
+    new = [chunk for chunk in other.batches("drag") if not other.store.file_of(chunk.id).exists()]
     assert [len(chunk.runs) for chunk in new] == [1, 1]
-    done(more.sweep, tmp_path)
+    done(other.sweep, tmp_path)
     assert chunks == {path: path.stat().st_mtime_ns for path in chunks}
     assert list((tmp_path / "store/beds").rglob("*.npz")) == beds
 
@@ -702,7 +702,7 @@ def refused(words):
 
 def test_prune_keeps_beds_and_checkpoints_of_runs_under_way(pruned):
     """And removes those of a sweep whose folder was deleted."""
-    gone = small({"shape": "c1", "seed": [3]}).block("drag").runs
+    absent = small({"shape": "c1", "seed": [3]}).block("drag").runs
     kept, left = (
         [
             place(run)
@@ -712,7 +712,7 @@ def test_prune_keeps_beds_and_checkpoints_of_runs_under_way(pruned):
                 lambda r: pruned.store.run_of(r.id, ".checkpoint.npz"),
             )
         ]
-        for runs in (pruned.sweep.block("drag").runs, gone)
+        for runs in (pruned.sweep.block("drag").runs, absent)
     )
     for path in kept + left:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -775,9 +775,9 @@ def test_prune_removes_nothing_whose_runs_are_unknown(pruned):
 def test_a_folder_of_the_store_that_is_away_is_one_sentence(pruned, folder, kind):
     """All its runs would be made again, and Python would say that the file exists."""
     Path("small.yaml").write_text(yaml.safe_dump(pruned.sweep.dump()))
-    place = pruned.store.folder / folder
-    shutil.rmtree(place)
-    place.touch() if kind == "a file" else place.symlink_to("nowhere")
+    path = pruned.store.folder / folder
+    shutil.rmtree(path)
+    path.touch() if kind == "a file" else path.symlink_to("nowhere")
     files = listed("results")
     for words in (
         ["store", "--prune"],
@@ -786,7 +786,7 @@ def test_a_folder_of_the_store_that_is_away_is_one_sentence(pruned, folder, kind
         ["sweep", "small.yaml"],
     ):
         result = CliRunner().invoke(app, words)
-        assert result.exit_code == 2 and f"{place}: it is no folder" in result.stderr, result.output
+        assert result.exit_code == 2 and f"{path}: it is no folder" in result.stderr, result.output
         assert listed("results") == files
 
 
@@ -861,11 +861,11 @@ def test_a_run_extends_a_path():
 def test_a_run_extends_a_file():
     """The values of the file, but for those that are said."""
     values = {"extends": str(CONFIG / "smoke.yaml"), "shape": "c1", "seed": 2}
-    usual = dem.run_experiment(values)
+    default = dem.run_experiment(values)
     rough = dem.run_experiment(values | {"friction": {"granule": 0.5}})
-    assert float(rough["drag"].mean()) > float(usual["drag"].mean()) > 0.0
+    assert float(rough["drag"].mean()) > float(default["drag"].mean()) > 0.0
     sweep = load(CONFIG / "smoke.yaml")
-    assert usual.attrs["run_id"] == Replicate(sweep, "c1", 3.9e3, 2).id
+    assert default.attrs["run_id"] == Replicate(sweep, "c1", 3.9e3, 2).id
 
 
 @pytest.mark.parametrize(

@@ -101,8 +101,8 @@ def test_a_bed_with_a_run_that_failed_does_not_count():
     drag[1, 3, 0] = np.nan
     result = rates(swept(drag))
     assert result.beds == whole.beds == 5
-    for place, means in result.means.items():
-        np.testing.assert_allclose(means[0], whole.means[place][0])
+    for point, means in result.means.items():
+        np.testing.assert_allclose(means[0], whole.means[point][0])
 
 
 @pytest.mark.parametrize(
@@ -133,10 +133,10 @@ def test_too_little_for_a_law_is_refused(drag, words):
 def test_the_inertial_number_is_a_ratio_of_two_times(name, values, factors):
     """Of the values that the runs have, not the file; where they differ, no axis is shared."""
     runs = swept([made_up(1000.0, 40.0, 1.0)] * 2).drop_vars(name, errors="ignore")
-    usual = inertial_number(swept([made_up(1000.0, 40.0, 1.0)]))
+    reference = inertial_number(swept([made_up(1000.0, 40.0, 1.0)]))
     for value, factor in zip(values, factors, strict=True):
         number = inertial_number(runs.assign_coords({name: value}))
-        assert number == pytest.approx(factor * usual)
+        assert number == pytest.approx(factor * reference)
     assert inertial_number(runs.assign_coords({name: ("friction", values)})) is None
 
 

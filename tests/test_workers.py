@@ -179,7 +179,7 @@ def test_a_sweep_whose_workers_are_gone_keeps_what_is_finished(file):
         state.make(Gone())
     assert state.counts() == (2, 4)
     counts = []
-    state.make(Workers(), lambda *now: counts.append(now))
+    state.make(Workers(), lambda *count: counts.append(count))
     assert state.counts() == (4, 4) and counts[-1] == (4, 0)
 
 
@@ -212,16 +212,16 @@ def test_a_scheduler_that_cannot_be_used_is_one_sentence(file, idle):
         free.bind(("127.0.0.1", 0))
         nobody = f"tcp://127.0.0.1:{free.getsockname()[1]}"
     (file.parent / "other.json").write_text("{}")
-    for where, status, words in (
+    for address, status, words in (
         (nobody, 2, "no Dask scheduler answers there"),
         ("gopher://here", 2, "no Dask scheduler answers there"),
         ("other.json", 2, "no Dask scheduler answers there"),
         (idle, 1, "has no worker after 0.5 s"),
     ):
         started = time.monotonic()
-        run = CliRunner().invoke(app, ["sweep", str(file), "--scheduler", where, "--wait", "0.5"])
-        assert run.exit_code == status, (where, run.output)
-        assert re.search(words, run.output) and where in run.output
+        run = CliRunner().invoke(app, ["sweep", str(file), "--scheduler", address, "--wait", "0.5"])
+        assert run.exit_code == status, (address, run.output)
+        assert re.search(words, run.output) and address in run.output
         assert time.monotonic() - started < 60.0 and "Traceback" not in run.output
         assert not (file.parent / "results").exists()
 

@@ -114,7 +114,7 @@ def chord(d, one, two):
     def deepest(d, one, other):
         """Least G = (x/a)^2 + (y/b)^2 - 1 of the other on my outline; the point from my centre; rho there."""
 
-        def place(u, d, one, other):
+        def point(u, d, one, other):
             axis, frame = unit(one.angle), unit(other.angle)
             along, up = one.a * np.cos(u), one.b * np.sin(u)
             x = along[..., None] * axis + up[..., None] * turned(axis)
@@ -127,13 +127,13 @@ def chord(d, one, two):
             return x, scaled(x - d), scaled(dx), scaled(x)
 
         index = np.arange(len(d))[:, None]
-        _, r, _, _ = place(DIRECTIONS, d[:, None], one.of(index), other.of(index))
+        _, r, _, _ = point(DIRECTIONS, d[:, None], one.of(index), other.of(index))
         u = DIRECTIONS[dot(r, r).argmin(axis=1)]
         for _ in range(NEWTON):
-            _, r, t, p = place(u, d, one, other)
+            _, r, t, p = point(u, d, one, other)
             bend = np.maximum(dot(t, t) - dot(r, p), 0.1 * dot(t, t))
             u = u - np.clip(dot(r, t) / bend, -0.1, 0.1)
-        x, r, _, _ = place(u, d, one, other)
+        x, r, _, _ = point(u, d, one, other)
         speed = (one.a * np.sin(u)) ** 2 + (one.b * np.cos(u)) ** 2
         return dot(r, r) - 1.0, x, speed**1.5 / (one.a * one.b)
 
@@ -453,10 +453,10 @@ class Contacts:
     x and y; where nothing yields, that of the granule; inertia (k,): I* (kg m2) about the contact.
     """
 
-    def __init__(self, laws, which, one, two, lightness, mass, inertia):
+    def __init__(self, laws, kind, one, two, lightness, mass, inertia):
         self.one, self.two, self.law = one, two, copy(laws[0])
         for name in CONSTANTS:
-            setattr(self.law, name, np.array([getattr(law, name) for law in laws])[which])
+            setattr(self.law, name, np.array([getattr(law, name) for law in laws])[kind])
         self.lightness = np.where(lightness > 0.0, lightness, 1.0 / mass[:, None])
         self.inertia, self.memory = inertia, np.zeros((3, len(one)))
 
@@ -518,10 +518,10 @@ class Twin:
             for a, first in enumerate(materials)
             for b, second in enumerate(materials)
         ]
-        which = len(materials) * species[one] + species[two]
+        kind = len(materials) * species[one] + species[two]
         both = lightness[one] + lightness[two]
         self.pairs = Contacts(
-            laws, which, one, two, both, mass[one], 1.0 / (swing[one] + swing[two])
+            laws, kind, one, two, both, mass[one], 1.0 / (swing[one] + swing[two])
         )
 
         def around(bodies, moving, coefficients, mu_r):
@@ -569,8 +569,8 @@ class Twin:
         def pair(one, two):
             d = self.nearest(centre[two] - centre[one])
             touch = granules.search(d, outline.of(one), outline.of(two))
-            away = d + offset[one] - offset[two]  # of the centre of granule 2 from that of 1
-            return touch, away, (granules.radius[one], granules.radius[two])
+            separation = d + offset[one] - offset[two]  # of the centre of granule 2 from that of 1
+            return touch, separation, (granules.radius[one], granules.radius[two])
 
         def near_pairs(one, two):
             d = self.nearest(centre[two] - centre[one])

@@ -69,10 +69,10 @@ class Machine:
             return client.run(lambda dask_worker: dask_worker.state.executed_count)
 
 
-def sweep(place: Path, file: str, *options: str, **more) -> subprocess.Popen:
+def sweep(folder: Path, file: str, *options: str, **more) -> subprocess.Popen:
     """Start a sweep of a file in a folder."""
     command = [*DEM, "sweep", file, *options]
-    return subprocess.Popen(command, cwd=place, stderr=subprocess.PIPE, text=True, **more)
+    return subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE, text=True, **more)
 
 
 def differing_files(one: Path, other: Path) -> list[str]:
@@ -86,9 +86,9 @@ def differing_files(one: Path, other: Path) -> list[str]:
     return names
 
 
-def batches(place: Path) -> dict[Path, bytes]:
+def batches(folder: Path) -> dict[Path, bytes]:
     """The batches of a store."""
-    return {path: path.read_bytes() for path in (place / "results/store/batches").glob("*.nc")}
+    return {path: path.read_bytes() for path in (folder / "results/store/batches").glob("*.nc")}
 
 
 def main(file: str = "config/smoke.yaml", kills: int = 20, seed: int = 1) -> None:

@@ -131,8 +131,8 @@ def _make_checkpoint():
     from dem.experiment.bed import make_bed
     from dem.experiment.kinds import drag
 
-    def stop(done):
-        if done >= 0.5:
+    def stop(progress):
+        if progress >= 0.5:
             raise KeyboardInterrupt
 
     replicate = load("q.yaml").replicate("c1", 3.9e3, 1)

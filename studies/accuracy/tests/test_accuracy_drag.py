@@ -83,7 +83,7 @@ def series(length, runs=400, bins=1000, width=1e-5, seed=1):
     drag[:, 0] = rng.normal(size=runs)
     for k in range(1, bins):
         drag[:, k] = keep * drag[:, k - 1] + np.sqrt(1.0 - keep**2) * rng.normal(size=runs)
-    place = (np.arange(bins) + 0.5) * width
+    middle = (np.arange(bins) + 0.5) * width
     return xr.Dataset(
         {
             "replicate_drag": (
@@ -92,7 +92,7 @@ def series(length, runs=400, bins=1000, width=1e-5, seed=1):
             ),
             "replicate_time": ("replicate", np.ones(runs)),
         },
-        {"replicate_displacement": place},
+        {"replicate_displacement": middle},
         attrs={"window_start": 1e-3, "window_stop": 5e-3},
     )
 

@@ -26,9 +26,9 @@ def apart(small, steps, speed=1.0, of=np.max, same=False, **changes):
     step = 0.3 * dem.Simulation(scene, state).diagnose().critical_time_step
     ours = dem.Simulation(scene, state, time_step=step)
     ours.advance(steps * step)
-    with lammps.Run(scene, state, step, same=same) as theirs:
-        theirs.advance(steps)
-        position, other = ours.state.position, theirs.position
+    with lammps.Run(scene, state, step, same=same) as lammps_run:
+        lammps_run.advance(steps)
+        position, other = ours.state.position, lammps_run.position
     size = scene.shape.bounding_radius.mean()
     return of(np.abs(position - other)) / size, of(np.abs(position - state.position)) / size
 

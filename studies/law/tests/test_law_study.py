@@ -44,8 +44,8 @@ def runs() -> xr.Dataset:
 def test_the_sweep_packs_and_runs_under_each_law():
     block = load(STUDY / "sweep.yaml").block("drag")
     assert "law" in possible(block, figures())
-    known = [run.configuration.contact for run in block.runs.values()]
-    assert len({contact.law for contact in known}) == 3
+    contacts = [run.configuration.contact for run in block.runs.values()]
+    assert len({contact.law for contact in contacts}) == 3
 
 
 def test_shapes_are_compared_under_one_law(runs, tmp_path):
