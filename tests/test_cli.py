@@ -39,7 +39,7 @@ def verbs(command, words=()):
     """The words of every verb of the command line, those of groups too."""
     if not hasattr(command, "commands"):
         return [words]
-    return [each for name, sub in command.commands.items() for each in verbs(sub, (*words, name))]
+    return [verb for name, sub in command.commands.items() for verb in verbs(sub, (*words, name))]
 
 
 VERBS = verbs(get_command(app))
@@ -225,14 +225,14 @@ def test_a_sweep_ends_with_the_file_of_its_runs_and_what_to_do_next(tmp_path, mo
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("dem.sweep.state.SweepState.make", make)
-    after = r"dem info results/smoke/drag.nc or dem figure all results/smoke/drag.nc\n"
+    commands = r"dem info results/smoke/drag.nc or dem figure all results/smoke/drag.nc\n"
     for words in (
         r"results/smoke holds 10 runs, 10 of them new\. ",
         r"results/smoke holds 10 runs, 0 of them new\. ",
     ):
         result = CliRunner().invoke(app, ["sweep", str(ROOT / "config/smoke.yaml")])
         assert result.exit_code == 0 and result.stdout == ""
-        assert re.fullmatch(f"{words}Next: {after}", result.stderr), result.stderr
+        assert re.fullmatch(f"{words}Next: {commands}", result.stderr), result.stderr
 
 
 @pytest.mark.parametrize(
@@ -274,23 +274,23 @@ def read_some(terminal):
 def test_a_bar_leaves_results_on_stdout_and_other_lines_whole():
     """Of a terminal that shows stderr, while stdout is a pipe."""
     try:
-        mine, theirs = os.openpty()
+        parent, child = os.openpty()
     except OSError as error:
         pytest.skip(f"no terminals here: {error}")
     run = subprocess.run(
         [sys.executable, "-c", BESIDE_A_BAR],
         cwd=ROOT,
         stdout=subprocess.PIPE,
-        stderr=theirs,
+        stderr=child,
         env=os.environ | {"TERM": "xterm"},
         text=True,
     )
-    os.close(theirs)
-    shown = b"".join(iter(partial(read_some, mine), b"")).decode()
-    os.close(mine)
+    os.close(child)
+    text = b"".join(iter(partial(read_some, parent), b"")).decode()
+    os.close(parent)
     assert run.stdout == "result\n"
-    assert "\x1b[2Kcompiling\r\n" in shown  # on a line that was cleared
-    assert "packing c1" in shown
+    assert "\x1b[2Kcompiling\r\n" in text  # on a line that was cleared
+    assert "packing c1" in text
 
 
 def test_the_console_script_is_the_application():

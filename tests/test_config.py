@@ -30,10 +30,10 @@ PAPER = (CONFIG / "paper.yaml").read_text(encoding="utf-8")
 def changed(path, value):
     """The paper's configuration with another value at a path of keys."""
     data = yaml.safe_load(PAPER)
-    place = data
+    group = data
     for key in path[:-1]:
-        place = place[key]
-    place[path[-1]] = value
+        group = group[key]
+    group[path[-1]] = value
     return data
 
 
@@ -192,23 +192,23 @@ def test_files_that_are_no_configuration_are_refused(tmp_path, text):
 def test_keys_for_anchors_are_ignored(tmp_path):
     """At the top of a file and of that which it extends, also by editors; elsewhere they are no keys."""
     (tmp_path / "base.yaml").write_text(f"x-notes: [1, 2]\n{PAPER}")
-    own = tmp_path / "own.yaml"
+    path = tmp_path / "own.yaml"
     text = "x-rough: &rough {granule: 0.5, wall: 0.5}\nextends: base.yaml\nresults: results/own\nfriction: {<<: *rough, wall: 0.1}\n"
-    own.write_text(text)
-    found = load(own)
-    assert (found.friction.granule, found.friction.wall) == (0.5, 0.1)
-    assert "x-rough" not in found.dump() and not list(
-        Draft202012Validator(schema()).iter_errors(read(own))
+    path.write_text(text)
+    sweep = load(path)
+    assert (sweep.friction.granule, sweep.friction.wall) == (0.5, 0.1)
+    assert "x-rough" not in sweep.dump() and not list(
+        Draft202012Validator(schema()).iter_errors(read(path))
     )
-    own.write_text(text + "numerics: {x-a: 1}\n")
+    path.write_text(text + "numerics: {x-a: 1}\n")
     with pytest.raises(InputError, match=r"numerics\.x-a is not a known key"):
-        load(own)
+        load(path)
 
 
 def test_a_whole_number_may_be_a_text():
     """As those of a group are that Snakemake's --config changes."""
-    told = parse(changed(["sweep"], {"case": "c1", "seed": ["3", "089"]}) | {"batch": "20"})
-    assert told.batch == 20 and told.block("drag").axes[-1].coordinate == [3, 89]
+    sweep = parse(changed(["sweep"], {"case": "c1", "seed": ["3", "089"]}) | {"batch": "20"})
+    assert sweep.batch == 20 and sweep.block("drag").axes[-1].coordinate == [3, 89]
 
 
 def test_aliases_and_merges_are_read(tmp_path):
@@ -292,9 +292,9 @@ def test_the_schema_of_editors_is_that_of_the_code():
 def as_editors_read(data):
     """Values as YAML 1.2 has them, where 3.9e3 is a number, and keys are texts."""
     if isinstance(data, dict):
-        return {str(key): as_editors_read(each) for key, each in data.items()}
+        return {str(key): as_editors_read(value) for key, value in data.items()}
     if isinstance(data, list):
-        return [as_editors_read(each) for each in data]
+        return [as_editors_read(value) for value in data]
     try:
         return float(data) if isinstance(data, str) else data
     except ValueError:

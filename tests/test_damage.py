@@ -26,7 +26,7 @@ TITLE = "a [red]title[/red] [/nothing]"
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory):
+def results(tmp_path_factory):
     """A folder with the batch of two runs, and their drag.nc and snapshots.nc."""
     folder = tmp_path_factory.mktemp("made")
     with contextlib.chdir(folder):
@@ -39,15 +39,15 @@ def made(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def hostile(made, tmp_path_factory):
+def hostile(results, tmp_path_factory):
     """The same files with another title and name of the case, which no configuration may have."""
     folder = tmp_path_factory.mktemp("hostile")
     for name in ("drag.nc", "snapshots.nc"):
-        with xr.open_dataset(made / name) as dataset:
+        with xr.open_dataset(results / name) as dataset:
             changed = dataset.load().drop_encoding().assign_coords(case=[HOSTILE])
         changed.attrs["title"] = TITLE
         changed.to_netcdf(folder / name)
-    shutil.copy(made / "runs.nc", folder)
+    shutil.copy(results / "runs.nc", folder)
     with netCDF4.Dataset(folder / "runs.nc", "a") as file:
         file.title = TITLE
     return folder
@@ -63,10 +63,10 @@ def test_a_file_that_is_cut_off_is_refused(made, tmp_path, name):
         pass
 
 
-def test_other_programs_notice_damage_to_arrays(made):
+def test_other_programs_notice_damage_to_arrays(results):
     """By netCDF's own checksums, whoever reads them."""
     for name in ("runs.nc", "drag.nc", "snapshots.nc"):
-        with netCDF4.Dataset(made / name) as file:
+        with netCDF4.Dataset(results / name) as file:
             for variable in file.variables.values():
                 if variable.dtype is not str and "S" not in str(variable.dtype) and variable.ndim:
                     unguarded = variable.name in (*AXES, *LABELS) and name != "runs.nc"
@@ -79,7 +79,7 @@ def told(*words):
         warnings.simplefilter("always", RuntimeWarning)
         result = CliRunner().invoke(app, [str(word) for word in words])
     assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    assert not [each for each in warned if issubclass(each.category, RuntimeWarning)], result.output
+    assert not [w for w in warned if issubclass(w.category, RuntimeWarning)], result.output
     return result.exit_code, result.output
 
 
@@ -158,7 +158,7 @@ def test_a_foreign_file_is_answered_with_a_sentence(tmp_path, verb, fault):
     """Or with dashes where it has gaps; no traceback, no warning of numpy."""
     layout = BEDS if verb == "beds" else COMBINED
     path = foreign(tmp_path / "mine.nc", layout, **({"attrs": ATTRS} | FOREIGN[fault]))
-    status, output = told(*VERBS[verb](path, tmp_path / "out"))
+    status, output = outcome(*VERBS[verb](path, tmp_path / "out"))
     assert status in (0, 2)
     if status:
         assert str(tmp_path) in output
@@ -172,7 +172,7 @@ def test_a_drag_over_other_dimensions_is_refused(tmp_path, dims):
     layout = COMBINED | {"drag": (dims, "N", "")}
     path = foreign(tmp_path / "mine.nc", layout, attrs=ATTRS)
     for verb in ("info", "figure"):
-        status, output = told(*VERBS[verb](path, tmp_path / "out"))
+        status, output = outcome(*VERBS[verb](path, tmp_path / "out"))
         assert status == 2 and "its drag is not over case, seed, displacement" in output
 
 

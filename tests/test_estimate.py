@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made import SMOKE
 from rich.console import Console
+from sweeps import SMOKE
 
 from dem.cli import show
 from dem.io.dataset import read
@@ -28,8 +28,8 @@ def test_the_estimated_time_of_a_run_is_in_proportion_to_its_steps():
         }
         sweep = parse({"extends": "config/smoke.yaml"} | values, "a sweep")
         run = sweep.block("drag").first
-        made = run.configuration.module.run(run)
-        ratios.append(effort(run) / int(made["steps"]))
+        result = run.configuration.module.run(run)
+        ratios.append(effort(run) / int(result["steps"]))
     assert max(ratios) < 1.25 * min(ratios)
 
 
@@ -70,9 +70,9 @@ def stopped(tmp_path):
 
 def text(table):
     console = Console(width=160)
-    with console.capture() as shown:
+    with console.capture() as capture:
         console.print(table)
-    return shown.get()
+    return capture.get()
 
 
 def test_status_knows_the_mean_of_finished_runs_before_their_batch_ends(stopped):

@@ -44,23 +44,23 @@ from dem.sweep.store import Store
 @pytest.fixture
 def two_fail(monkeypatch):
     """The bed of seed 2, and the run of seed 3 at the higher density, fail; how often they are tried."""
-    tried, make_bed, run = [], making.make_bed, drag.run
+    attempts, make_bed, run = [], making.make_bed, drag.run
 
     def bed(replicate, checkpoint):
         if replicate.seed == 2:
-            tried.append((replicate.seed, replicate.density))
+            attempts.append((replicate.seed, replicate.density))
             raise PackingError("seed 2 cannot be made.")
         return make_bed(replicate, checkpoint)
 
     def running(replicate, *rest, **more):
         if (replicate.seed, replicate.density) == (3, 3.9e4):
-            tried.append((replicate.seed, replicate.density))
+            attempts.append((replicate.seed, replicate.density))
             raise OverlapError("granule 7 at step 12.")
         return run(replicate, *rest, **more)
 
     monkeypatch.setattr(making, "make_bed", bed)
     monkeypatch.setattr(drag, "run", running)
-    return tried
+    return attempts
 
 
 def done(sweep, folder):
@@ -140,15 +140,15 @@ def test_a_run_that_failed_is_tried_again_when_it_is_asked_for(tmp_path, monkeyp
     sweep = discs([1, 2, 3], failures=0.5)
     work = done(sweep, tmp_path)
     (file,), names = work.files("drag"), ("drag", "failure", "spent", "steps")
-    before, _ = read(file, names)
+    old, _ = read(file, names)
     assert work.retry() == 3 and len(two_fail) == 3
     monkeypatch.undo()
     done(sweep, tmp_path)
-    after, _ = read(file, names)
-    kept = before["failure"] == 0
-    assert not after["failure"].any() and np.isfinite(after["drag"]).all()
+    new, _ = read(file, names)
+    success = old["failure"] == 0
+    assert not new["failure"].any() and np.isfinite(new["drag"]).all()
     for name in names:
-        np.testing.assert_array_equal(before[name][kept], after[name][kept])
+        np.testing.assert_array_equal(old[name][success], new[name][success])
     assert work.retry() == 0 and file.is_file()
     rough = discs([1, 2, 3], friction={"granule": 0.1, "wall": 0.1, "cylinder": 0.1})
     assert not set(rough.block("drag").points) & set(sweep.block("drag").points)
@@ -156,7 +156,7 @@ def test_a_run_that_failed_is_tried_again_when_it_is_asked_for(tmp_path, monkeyp
 
 def test_a_run_that_failed_in_another_batch_is_tried_again(tmp_path, two_fail):
     """Where two sweeps were planned before it was made; the second takes over what did not fail."""
-    store, found = Store(tmp_path / "store"), []
+    store, results = Store(tmp_path / "store"), []
     sweeps = [
         SweepState(discs([1, 2], results=f"results/{name}"), store, root=tmp_path) for name in "ab"
     ]
@@ -165,11 +165,11 @@ def test_a_run_that_failed_in_another_batch_is_tried_again(tmp_path, two_fail):
     for tries, work in zip((2, 4), sweeps, strict=True):
         (path,) = (making.make(store, batch.id) for batch in work.batches("drag"))
         assert len(two_fail) == tries
-        found.append(read(path, ("failure", "spent"))[0])
-    one, other = found
-    made = one["failure"] == 0
-    assert made.sum() == 2 and (made == (other["failure"] == 0)).all()
-    np.testing.assert_array_equal(one["spent"][made], other["spent"][made])
+        results.append(read(path, ("failure", "spent"))[0])
+    one, other = results
+    success = one["failure"] == 0
+    assert success.sum() == 2 and (success == (other["failure"] == 0)).all()
+    np.testing.assert_array_equal(one["spent"][success], other["spent"][success])
 
 
 def test_a_dry_run_counts_failed_runs_of_a_chunk_under_way(tmp_path, two_fail):
@@ -178,9 +178,9 @@ def test_a_dry_run_counts_failed_runs_of_a_chunk_under_way(tmp_path, two_fail):
     with pytest.raises(Killed):
         making.make(work.store, chunk, progress=killed_at(3))
     assert "2 finished, 1 failed" in estimated(work, 1)
-    made = making.make(work.store, chunk)
+    path = making.make(work.store, chunk)
     assert "2 finished, 2 failed" in estimated(work, 1)
-    made.write_bytes(made.read_bytes()[:-1])
+    path.write_bytes(path.read_bytes()[:-1])
     with pytest.raises(InputError, match="delete it and run again"):
         estimated(work, 1)
 
@@ -199,11 +199,11 @@ def test_the_command_ends_with_1_where_runs_failed_and_tries_them_again(tmp_path
     assert "c1 at 3900 kg/m3: none of its 2 runs" in line
     monkeypatch.setattr(making, "make_bed", make_bed)
     assert CliRunner().invoke(app, arguments).exit_code == 1
-    told = CliRunner().invoke(app, [*arguments, "--dry-run"]).stdout
-    assert "0 finished, 4 failed (dem sweep --retry makes these" in told
-    assert "About" not in told
-    told = CliRunner().invoke(app, [*arguments, "--dry-run", "--retry"]).stdout
-    assert "4 failed (these are made again)" in told and "About" in told
+    output = CliRunner().invoke(app, [*arguments, "--dry-run"]).stdout
+    assert "0 finished, 4 failed (dem sweep --retry makes these" in output
+    assert "About" not in output
+    output = CliRunner().invoke(app, [*arguments, "--dry-run", "--retry"]).stdout
+    assert "4 failed (these are made again)" in output and "About" in output
     result = CliRunner().invoke(app, [*arguments, "--retry"])
     assert result.exit_code == 0 and "4 failed runs are tried again" in result.stderr, result.output
     assert (tmp_path / "results/few/drag.nc").is_file()
@@ -254,8 +254,8 @@ def test_a_damaged_chunk_leaves_the_good_result(one_sweep, monkeypatch):
     (chunk,) = Path("results/store/batches").glob("*.nc")
     chunk.write_bytes(chunk.read_bytes()[:20000])
     good = (one_sweep / "drag.nc").read_bytes()
-    status, told = swept("one.yaml")
-    assert status == 2 and str(chunk) in told and "delete it" in told
+    status, output = swept("one.yaml")
+    assert status == 2 and str(chunk) in output and "delete it" in output
     assert (one_sweep / "drag.nc").read_bytes() == good
 
 
@@ -289,8 +289,8 @@ input()
 
 
 def test_a_time_is_said_as_a_reader_would_say_it():
-    found = [span(seconds) for seconds in (59.4, 60, 3599, 3600, 90000)]
-    assert found == ["59 s", "1 min 0 s", "59 min 59 s", "1 h 0 min", "25 h 0 min"]
+    texts = [span(seconds) for seconds in (59.4, 60, 3599, 3600, 90000)]
+    assert texts == ["59 s", "1 min 0 s", "59 min 59 s", "1 h 0 min", "25 h 0 min"]
 
 
 SAYS_WHEN_IT_PACKS = """
@@ -311,9 +311,9 @@ def test_a_stopped_command_says_one_sentence_and_leaves_no_file(tmp_path, number
     with subprocess.Popen(command, **streams) as process:
         assert process.stdout.readline() == "packing\n"
         process.send_signal(number)
-        said = process.stderr.read()
+        text = process.stderr.read()
     assert process.returncode == 128 + number
-    assert said.endswith("Interrupted; no half-written file is left.\n") and "Traceback" not in said
+    assert text.endswith("Interrupted; no half-written file is left.\n") and "Traceback" not in text
     assert not list(tmp_path.iterdir())
 
 
@@ -332,11 +332,11 @@ def test_a_stopped_sweep_keeps_what_is_finished_and_says_how_to_go_on(tmp_path, 
             assert process.poll() is None
             time.sleep(0.05)
         process.send_signal(number)
-        said = process.stderr.read()  # until its workers have ended, which have the pipe too
+        output = process.stderr.read()  # until its workers have ended, which have the pipe too
     assert process.returncode == 128 + number
     sentence = r"Interrupted; (\d+) of 400 runs are kept; run the same command to go on"
-    found = re.fullmatch(sentence, said.splitlines()[-1])
-    assert found and int(found[1]) > 0 and "Traceback" not in said, said
+    match = re.fullmatch(sentence, output.splitlines()[-1])
+    assert match and int(match[1]) > 0 and "Traceback" not in output, output
     assert not list(tmp_path.rglob("*.part"))
 
 

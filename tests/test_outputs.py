@@ -19,8 +19,8 @@ from dem.cli.app import app
 
 def commands(verbs=app, head=()):
     """All commands below an app: their words and their function."""
-    for each in verbs.registered_commands:
-        yield (*head, each.name or each.callback.__name__), each.callback
+    for command in verbs.registered_commands:
+        yield (*head, command.name or command.callback.__name__), command.callback
     for group in verbs.registered_groups:
         yield from commands(group.typer_instance, (*head, group.name))
 
@@ -89,7 +89,7 @@ def test_no_command_writes_where_it_must_not(tmp_path, monkeypatch, words, funct
         result = CliRunner().invoke(app, [*words, *words_for(function, name, path, source)])
         assert result.exit_code == 2, (fault, result.output, result.exception)
         assert len(result.stderr.strip().splitlines()) == 1, (fault, result.output)
-        assert content(tmp_path) == before, fault
+        assert content(tmp_path) == files, fault
 
 
 def test_every_output_is_checked_before_any_work():

@@ -56,8 +56,8 @@ def test_a_disc_is_drawn_at_its_place_with_its_radius(results, frame):
     result = results["both"]
     axes = dem.plot.bed(result, frame=frame, color="layer").axes[0]
     for i, outline in enumerate(verts(axes.collections[0])):
-        away = outline - 1e3 * result.position[frame, i]
-        assert_allclose(np.linalg.norm(away, axis=1), 1e3 * RADIUS[i], rtol=1e-9)
+        offset = outline - 1e3 * result.position[frame, i]
+        assert_allclose(np.linalg.norm(offset, axis=1), 1e3 * RADIUS[i], rtol=1e-9)
     (ring,) = verts(axes.collections[2])
     center = [3.0, 6.0] + 1e3 * result.time[frame] * np.array([1.0, 2.0])
     assert_allclose(center, 1e3 * result.solid_position[frame, 0])
@@ -89,8 +89,8 @@ def test_all_frames_are_in_view(results):
     low, high = bed.view_of(of_result(result))
     reach = RADIUS[:, None]
     assert (result.position - reach > low).all() and (result.position + reach < high).all()
-    away = abs(result.solid_position[:, 0] - 0.5 * (low + high))
-    assert (away + 5e-4 < 0.5 * (high - low)).all()
+    distance = abs(result.solid_position[:, 0] - 0.5 * (low + high))
+    assert (distance + 5e-4 < 0.5 * (high - low)).all()
     assert (low < 0.0).all() and (high > 0.0).all()
 
 
@@ -105,11 +105,11 @@ def test_contacts_of_a_frame_are_of_its_own_time(results):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_a_film_has_a_frame_per_frame_of_the_result(results, tmp_path, name):
-    path, seen = tmp_path / "discs.gif", []
-    assert dem.film(results[name], str(path), progress=seen.append) == path
-    with Image.open(path) as made:
-        assert made.n_frames == len(results[name].time) == len(seen)
-    assert seen[-1] == 1.0 and [each.name for each in tmp_path.iterdir()] == ["discs.gif"]
+    path, progress = tmp_path / "discs.gif", []
+    assert dem.film(results[name], str(path), progress=progress.append) == path
+    with Image.open(path) as image:
+        assert image.n_frames == len(results[name].time) == len(progress)
+    assert progress[-1] == 1.0 and [path.name for path in tmp_path.iterdir()] == ["discs.gif"]
 
 
 def test_a_film_is_an_mp4(results, tmp_path):

@@ -197,19 +197,19 @@ def test_an_error_in_an_experiment_of_ones_own_fails_its_run_only(file, wrong):
     )
     write(file.parent, "product.py", f"import dem{text}")
     dem.run_sweep(file).close()
-    with xr.open_dataset("results/product/product.nc") as made:
-        failed = made["failure"].values.ravel().astype(bool).tolist()
+    with xr.open_dataset("results/product/product.nc") as dataset:
+        failed = dataset["failure"].values.ravel().astype(bool).tolist()
         assert failed == [False, True, False]
-    assert WRONG[wrong] in said(summary(Path("results/product/product.nc")))
-    assert f"1 failed: {WRONG[wrong]}" in said(status(SweepState.of(file)))
+    assert WRONG[wrong] in terminal_text(summary(Path("results/product/product.nc")))
+    assert f"1 failed: {WRONG[wrong]}" in terminal_text(status(SweepState.of(file)))
 
 
-def said(thing) -> str:
+def terminal_text(thing) -> str:
     """What a terminal shows, in one line."""
     console = Console(width=400)
-    with console.capture() as shown:
+    with console.capture() as capture:
         console.print(thing)
-    return " ".join(shown.get().split())
+    return " ".join(capture.get().split())
 
 
 OBSERVABLE = """
@@ -227,10 +227,10 @@ def test_an_error_in_an_observable_of_ones_own_fails_its_run_only(tmp_path, monk
     write(tmp_path, "turn.py", OBSERVABLE)
     sweep = f"extends: {CONFIG}/smoke.yaml\nresults: results/turn\nfailures: 0.9\n"
     sweep += "record: {observables: [drag, turn.py]}\nsweep: {case: [c1], seed: [1, 2, 3]}\n"
-    made = dem.run_sweep(write(tmp_path, "sweep.yaml", sweep))
-    assert made["failure"].values.ravel().astype(bool).tolist() == [False, True, True]
-    assert "turn.py, line 7: AttributeError: 'RunData' object has no" in made["failure"].comment
-    assert "drag.py, line " in made["failure"].comment and "NoneType" in made["failure"].comment
+    data = dem.run_sweep(write(tmp_path, "sweep.yaml", sweep))
+    assert data["failure"].values.ravel().astype(bool).tolist() == [False, True, True]
+    assert "turn.py, line 7: AttributeError: 'RunData' object has no" in data["failure"].comment
+    assert "drag.py, line " in data["failure"].comment and "NoneType" in data["failure"].comment
 
 
 @posix

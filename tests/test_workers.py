@@ -50,8 +50,8 @@ def write(folder, monkeypatch, **more):
 
 
 def drag_of(file, executor=None) -> np.ndarray:
-    with dem.run_sweep(file, executor) as found:
-        return found["drag"].values
+    with dem.run_sweep(file, executor) as dataset:
+        return dataset["drag"].values
 
 
 def test_any_executor_leaves_what_this_process_leaves(file):
@@ -122,9 +122,9 @@ class Deadly(Workers):
     def submit(self, plan):
         if all(run.seed != 3 for run in Store(plan.parents[1]).replicates(plan.stem)):
             return super().submit(plan)
-        found = Future()
-        found.set_exception(MemoryError())
-        return found
+        future = Future()
+        future.set_exception(MemoryError())
+        return future
 
 
 def test_only_the_run_that_kills_its_worker_is_a_failed_one(tmp_path, monkeypatch):
@@ -146,13 +146,13 @@ class Gone(Workers):
     """Workers whose scheduler ends after the first batch."""
 
     def submit(self, plan):
-        if not getattr(self, "asked", False):
-            self.asked = True
+        if not getattr(self, "started", False):
+            self.started = True
             return super().submit(plan)
-        found = Future()
-        found.cancel()
-        found.set_running_or_notify_cancel()
-        return found
+        future = Future()
+        future.cancel()
+        future.set_running_or_notify_cancel()
+        return future
 
 
 def test_a_sweep_whose_workers_are_gone_keeps_what_is_finished(file):
@@ -160,9 +160,9 @@ def test_a_sweep_whose_workers_are_gone_keeps_what_is_finished(file):
     with pytest.raises(RunError, match="run the same again: finished runs are kept"):
         state.make(Gone())
     assert state.counts() == (2, 4)
-    said = []
-    state.make(Workers(), lambda *now: said.append(now))
-    assert state.counts() == (4, 4) and said[-1] == (4, 0)
+    counts = []
+    state.make(Workers(), lambda *count: counts.append(count))
+    assert state.counts() == (4, 4) and counts[-1] == (4, 0)
 
 
 def test_a_process_makes_one_run_at_a_time(file):
@@ -188,16 +188,16 @@ def test_a_scheduler_that_cannot_be_used_is_one_sentence(file, idle):
         free.bind(("127.0.0.1", 0))
         nobody = f"tcp://127.0.0.1:{free.getsockname()[1]}"
     (file.parent / "other.json").write_text("{}")
-    for where, status, words in (
+    for address, status, words in (
         (nobody, 2, "no Dask scheduler answers there"),
         ("gopher://here", 2, "no Dask scheduler answers there"),
         ("other.json", 2, "no Dask scheduler answers there"),
         (idle, 1, "has no worker after 0.5 s"),
     ):
         started = time.monotonic()
-        run = CliRunner().invoke(app, ["sweep", str(file), "--scheduler", where, "--wait", "0.5"])
-        assert run.exit_code == status, (where, run.output)
-        assert re.search(words, run.output) and where in run.output
+        run = CliRunner().invoke(app, ["sweep", str(file), "--scheduler", address, "--wait", "0.5"])
+        assert run.exit_code == status, (address, run.output)
+        assert re.search(words, run.output) and address in run.output
         assert time.monotonic() - started < 60.0 and "Traceback" not in run.output
         assert not (file.parent / "results").exists()
 

@@ -35,7 +35,7 @@ class Mutant(NamedTuple):
     asks: str
 
 
-BOX, DISCS, SMOOTH = (TWIN.format(each) for each in ("box of discs", "discs", "smooth discs"))
+BOX, DISCS, SMOOTH = (TWIN.format(scene) for scene in ("box of discs", "discs", "smooth discs"))
 SOLIDS, TURNED = TWIN.format("discs around solids"), TWIN.format("ellipses around solids")
 DUMBBELLS, ELLIPSES = TWIN.format("dumbbells"), TWIN.format("ellipses")
 LOCAL, CHORD = TWIN.format("ellipses of local radius"), TWIN.format("ellipses by the chord")
@@ -155,7 +155,7 @@ MUTANTS = (
 )  # fmt: skip
 
 
-def made(mutant: Mutant, folder: Path) -> Path:
+def faulty_copy(mutant: Mutant, folder: Path) -> Path:
     """A copy of the project with the fault."""
     copy = folder / "project"
     for name in COPIED:
@@ -170,28 +170,28 @@ def made(mutant: Mutant, folder: Path) -> Path:
     text = broken.read_text(encoding="utf-8")
     assert text.count(mutant.right) == 1, f"{mutant.file} has no single {mutant.right!r}"
     broken.write_text(text.replace(mutant.right, mutant.wrong), encoding="utf-8")
-    kept = cache_folder()  # kernels that the fault does not concern need not be compiled again
-    if kept.is_dir():
-        shutil.copytree(kept, copy / ".numba", ignore=shutil.ignore_patterns("*.lock"))
+    cache = cache_folder()  # kernels that the fault does not concern need not be compiled again
+    if cache.is_dir():
+        shutil.copytree(cache, copy / ".numba", ignore=shutil.ignore_patterns("*.lock"))
     return copy
 
 
-def asked(copy: Path, *words: str) -> str | None:
+def first_failure(copy: Path, *words: str) -> str | None:
     """The first test that fails in a copy of the project, as pytest names it; None if none does."""
     options = "-x -n0 -p no:cacheprovider --hypothesis-profile=mutants -m quick"
     command = [sys.executable, "-m", "pytest", *options.split(), *words]
     environment = os.environ | {"NUMBA_CACHE_DIR": str(copy / ".numba"), "PYTHONPATH": str(copy)}
-    ran = subprocess.Popen(
+    process = subprocess.Popen(
         command, cwd=copy, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         text=True, start_new_session=True, preexec_fn=_limited,
     )  # fmt: skip
-    said, _ = ran.communicate()
-    failed = [line for line in said.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    output, _ = process.communicate()
+    failed = [line for line in output.splitlines() if line.startswith(("FAILED", "ERROR"))]
     if failed:
         return failed[0].partition(" - ")[0]
-    if ran.returncode < 0:
-        return f"stopped by signal {-ran.returncode}"  # it crashes, or never ends
-    assert ran.returncode == 0, said  # else no test was asked
+    if process.returncode < 0:
+        return f"stopped by signal {-process.returncode}"  # it crashes, or never ends
+    assert process.returncode == 0, output  # else no test was asked
     return None
 
 
@@ -205,5 +205,5 @@ def _limited():
 def notices(mutant: Mutant) -> str | None:
     """The first quick test that fails on a mutant, None if it survives."""
     with tempfile.TemporaryDirectory() as folder:
-        copy = made(mutant, Path(folder))
-        return asked(copy, mutant.asks) or asked(copy)
+        copy = faulty_copy(mutant, Path(folder))
+        return first_failure(copy, mutant.asks) or first_failure(copy)
