@@ -73,7 +73,7 @@ def test_other_programs_notice_damage_to_arrays(results):
                     assert variable.filters()["fletcher32"] or unguarded, variable.name
 
 
-def told(*words):
+def outcome(*words):
     """Exit status and output of a command; a traceback fails the test."""
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always", RuntimeWarning)

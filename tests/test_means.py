@@ -114,7 +114,7 @@ def test_what_cannot_be_shown_is_refused(file, tmp_path, call, words):
         call(file, tmp_path)
 
 
-def text_of(shown, width=1000):
+def text_of(table, width=1000):
     console = plain_console(width=width)
     with console.capture() as text:
         console.print(table)

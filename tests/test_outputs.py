@@ -84,7 +84,7 @@ def test_no_command_writes_where_it_must_not(tmp_path, monkeypatch, words, funct
     places = {"a folder": tmp_path / f"sub{kind}", "a file of another kind": tmp_path / "note.md"}
     if not kind:
         del places["a file of another kind"]
-    before = content(tmp_path)
+    files = content(tmp_path)
     for fault, path in places.items():
         result = CliRunner().invoke(app, [*words, *words_for(function, name, path, source)])
         assert result.exit_code == 2, (fault, result.output, result.exception)

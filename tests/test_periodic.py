@@ -473,7 +473,7 @@ def test_a_picture_is_the_same_whichever_image_is_given():
         axes = figure.axes[0]
         granules, cylinders = (axes.collections[first::4] for first in (0, 2))  # by image
         rings = [ring for image in granules for ring in image.get_paths()]
-        drawn.append(sorted(tuple(np.round(ring.vertices.mean(axis=0), 6)) for ring in rings))
+        images.append(sorted(tuple(np.round(ring.vertices.mean(axis=0), 6)) for ring in rings))
         assert len(cylinders) == 3 and all(len(image.get_paths()) == 1 for image in cylinders)
         assert_allclose(axes.get_xlim(), [0.0, 6.0])
     assert len(images[0]) >= scene.granules and images[0] == images[1]

@@ -98,7 +98,7 @@ def test_a_snapshot_shows_the_top_wall_where_it_is():
     outlines = [path.vertices for path in axes.collections[0].get_paths()]
     beyond = max(outline[:, 1].max() for outline in outlines) - 1e3 * motion.height[-1]
     assert axes.patches[0].get_xy()[:, 1].max() == pytest.approx(1e3 * motion.height[-1])
-    assert 0.0 < beyond < 1.1e3 * found.overlap[on_top].max()
+    assert 0.0 < beyond < 1.1e3 * contacts.overlap[on_top].max()
     assert abs(motion.height[-1] / motion.height[0] - 1.0) > 1e-3
 
 

@@ -69,8 +69,8 @@ def test_a_drag_without_rate_is_its_own_limit():
     """Where only noise differs between velocities, no rise is found at any."""
     result = rates(swept([made_up(1000.0, 0.0, 1.0)]))
     for velocity in VELOCITY[:-2]:
-        law = found.laws[()]
-        above = found.interval(law.rise * velocity**law.exponent)
+        law = result.laws[()]
+        above = result.interval(law.rise * velocity**law.exponent)
         assert above.low < 0.0 < above.high and abs(above.value) < 0.05
 
 

@@ -234,7 +234,7 @@ sweep: {case: [c1, d1], seed: [1, 2]}
 def test_a_workflow_goes_on_after_a_kill_and_a_damaged_batch(checkout):
     """The same command finishes, with the bits of runs alone. A damaged batch is named, and the next start
     tries again until it is mended."""
-    file, target = finished / "config/killed.yaml", "results/killed/drag.nc"
+    file, target = checkout / "config/killed.yaml", "results/killed/drag.nc"
     words = {"configfile": "config/killed.yaml"}
     result, runs = checkout / target, checkout / "results/store/runs"
     file.write_text(KILLED)
@@ -264,11 +264,11 @@ def test_a_workflow_goes_on_after_a_kill_and_a_damaged_batch(checkout):
     content = batch.read_bytes()
     batch.write_bytes(content[:20000])
     file.write_text(KILLED.replace("title: one", "title: changed"))
-    run = snakemake(finished, target, "-j2", **words)
+    run = snakemake(checkout, target, "-j2", **words)
     assert run.returncode == 1 and "its content cannot be used" in run.stderr
-    batch.write_bytes(kept)
-    run = snakemake(finished, target, "-j2", **words)
-    assert run.returncode == 0 and planned(finished, target, **words) == {}, run.stderr
+    batch.write_bytes(content)
+    run = snakemake(checkout, target, "-j2", **words)
+    assert run.returncode == 0 and planned(checkout, target, **words) == {}, run.stderr
     with netCDF4.Dataset(result) as one:
         assert one.title == "changed"
 

@@ -301,7 +301,7 @@ def a_spoiled_batch(checkout: Checkout, name: str, spoil, words: str) -> str:
 
 def truncated(checkout: Checkout) -> str:
     """A batch that is half as long as it was."""
-    return a_spoiled_batch(place, "truncated", half, "delete it and run again")
+    return a_spoiled_batch(checkout, "truncated", half, "delete it and run again")
 
 
 def foreign(checkout: Checkout) -> str:
@@ -370,7 +370,7 @@ def pruned(checkout: Checkout) -> str:
     config = checkout.results("left") / "config.yaml"
     text = config.read_text()
     config.write_text("title: [")
-    told = sentence(place.run(prune), "config.yaml")
+    refusal = sentence(checkout.run(prune), "config.yaml")
     assert all(path.is_file() for path in files)
     config.write_text(text)
     log = checkout.folder / "prune.log"

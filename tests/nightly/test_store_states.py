@@ -206,7 +206,7 @@ class Sweeps(RuleBasedStateMachine):
         try:
             prune(self.store)
         except InputError:
-            assert self.files() == before
+            assert self.files() == files
         else:
             self.allowed.update(self.run_counts.keys() - needed)
             removed = {path.name.partition(".")[0] for path in set(files) - set(self.files())}
