@@ -191,5 +191,5 @@ def test_text_of_a_file_is_no_script_in_the_report(hostile, tmp_path):
 
 @pytest.mark.parametrize("name", ["drag.nc", "runs.nc", "snapshots.nc"])
 def test_text_of_a_file_is_no_markup_on_the_terminal(hostile, name):
-    status, output = told("info", hostile / name)
+    status, output = outcome("info", hostile / name)
     assert status == 0 and "[red]title[/red]" in output and "[/nothing]" in output
