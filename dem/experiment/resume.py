@@ -1,7 +1,6 @@
 """A run of the experiment that can be stopped and continued, bit for bit."""
 
 from collections import defaultdict
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,7 +12,6 @@ from dem.base.messages import say
 from dem.dynamics.result import Record
 from dem.dynamics.simulation import Simulation
 from dem.experiment.run import Replicate
-from dem.io.checksums import Changed, is_sealed, seal
 from dem.scene import ARRAYS, State
 
 
@@ -48,11 +46,9 @@ class PartialRun:
             fields = {name: getattr(state, name) for name in ARRAYS}
             groups |= {f"state{number}": fields, f"look{number}": look}
         arrays = {f"{group}.{k}": v for group, values in groups.items() for k, v in values.items()}
-        with atomic(path) as part:
-            with part.open("wb") as file:
-                file.write(head_of(replicate))
-                np.savez(file, **arrays)
-            seal(part)
+        with atomic(path) as part, part.open("wb") as file:
+            file.write(head_of(replicate))
+            np.savez(file, **arrays)
 
 
 def head_of(replicate: Replicate) -> bytes:
@@ -61,8 +57,8 @@ def head_of(replicate: Replicate) -> bytes:
 
 
 def is_resumable(path: Path, replicate: Replicate) -> bool:
-    """Whether a file is a whole checkpoint of this run, and not a damaged one or none; raises
-    InputError for another file, which a checkpoint must not replace."""
+    """Whether there is a checkpoint of this run, which may be damaged; raises InputError for another
+    file, which a checkpoint must not replace."""
     if not path.exists():
         return False
     head = b"a folder"
@@ -73,9 +69,7 @@ def is_resumable(path: Path, replicate: Replicate) -> bool:
         raise InputError(
             f"{path}: it is no checkpoint of this run; delete it or name another file as checkpoint."
         )
-    with suppress(Changed):
-        return is_sealed(path)
-    return False
+    return True
 
 
 def resumed(path: Path, replicate: Replicate, simulation: Simulation) -> PartialRun | None:
@@ -85,15 +79,17 @@ def resumed(path: Path, replicate: Replicate, simulation: Simulation) -> Partial
     for any other file.
     """
     if not is_resumable(path, replicate):
-        if path.is_file():
-            say(f"{path}: this checkpoint is damaged; the run begins again.")
         return None
     groups = defaultdict(dict)
-    with path.open("rb") as file:
-        file.readline()
-        for key, values in np.load(file).items():
-            group, _, name = key.partition(".")
-            groups[group][name] = values
+    try:
+        with path.open("rb") as file:
+            file.readline()
+            for key, values in np.load(file).items():
+                group, _, name = key.partition(".")
+                groups[group][name] = values
+    except Exception:  # damage makes numpy raise many errors
+        say(f"{path}: this checkpoint is damaged; the run begins again.")
+        return None
     simulation.restore(groups["simulation"])
     spent, snapshots = groups["run"].values()
     states, looks = (
