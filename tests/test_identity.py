@@ -22,7 +22,7 @@ from dem.sweep.config import load
 
 LINE = "\nEDITED = True\n"
 USED = "experiment/kinds/drag.py", "experiment/observables/drag.py"  # by the run
-AGAIN = {  # file: what is added, or what is put in place of what
+EDITS = {  # file: what is added, or what is put in place of what
     "contacts/loops.py": LINE,
     "contacts/force_law.py": ("if zeta < 1.0:", "if zeta <= 1.0:"),
     "dynamics/skin.py": LINE,
@@ -38,7 +38,7 @@ AGAIN = {  # file: what is added, or what is put in place of what
     "experiment/kinds/drag.py": ("BINS_A_CALL = 20", "BINS_A_CALL = 21"),
     "experiment/observables/drag.py": LINE,
 }
-KEPT = {
+HARMLESS = {
     "contacts/loops.py": "\n# a comment\n",
     "experiment/scene.py": ('"""The scene of the run."""', '"""Another word."""'),
     "experiment/kinds/drag.py": ("checkpoint: Path | None", "checkpoint: str | None"),
@@ -68,15 +68,15 @@ def package(tmp_path_factory):
 
 
 @pytest.mark.parametrize(
-    ("name", "edit", "again"),
-    [(*each, True) for each in AGAIN.items()] + [(*each, False) for each in KEPT.items()],
+    ("name", "edit", "expected"),
+    [(*item, True) for item in EDITS.items()] + [(*item, False) for item in HARMLESS.items()],
 )
-def test_a_run_is_made_again_only_where_its_numbers_may_change(package, name, edit, again):
-    path, before = package / name, hash_of(package)
+def test_a_run_is_made_again_only_where_its_numbers_may_change(package, name, edit, expected):
+    path, digest = package / name, hash_of(package)
     text = path.read_text() if path.exists() else None
     path.write_text((text or "") + edit if isinstance(edit, str) else text.replace(*edit))
     try:
-        assert text != path.read_text() and (hash_of(package) != before) == again
+        assert text != path.read_text() and (hash_of(package) != digest) == expected
     finally:
         path.unlink() if text is None else path.write_text(text)
 
@@ -97,13 +97,13 @@ NO_NUMBERS = {
 def test_all_that_sets_a_number_of_a_run_is_known():
     """What makes runs imports nothing else of the package."""
     files = set(files_of((*RUNS, "experiment/kinds", "experiment/observables")))
-    known = files | set(files_of(NO_NUMBERS))
+    sources = files | set(files_of(NO_NUMBERS))
     for file in files - {PACKAGE / name for name in NO_NUMBERS}:
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom) and node.module.startswith("dem."):
-                for name in (node.module, *(f"{node.module}.{each.name}" for each in node.names)):
+                for name in (node.module, *(f"{node.module}.{alias.name}" for alias in node.names)):
                     path = ROOT.joinpath(*name.split(".")).with_suffix(".py")
-                    assert path in known or not path.is_file(), f"{file} imports {path}"
+                    assert path in sources or not path.is_file(), f"{file} imports {path}"
 
 
 def test_a_run_depends_on_versions(monkeypatch):

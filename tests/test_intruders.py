@@ -33,11 +33,11 @@ def drawn(replicate, height=20e-3):
 
 def test_a_run_without_the_new_keys_is_known_by_what_it_was():
     """Finished runs stay finished: what is not asked for is no part of what a run is."""
-    known = json.loads(run().run_key().rsplit(" ", 2)[0])
-    assert {path for path in known if path.startswith("cylinder")} == {
+    keys = json.loads(run().run_key().rsplit(" ", 2)[0])
+    assert {path for path in keys if path.startswith("cylinder")} == {
         f"cylinder.{name}" for name in ("diameter", "velocity", "start", "stroke")
     }
-    assert not {path for path in known if path.startswith(("second", "walls"))}
+    assert not {path for path in keys if path.startswith(("second", "walls"))}
 
 
 @pytest.mark.parametrize(
@@ -158,8 +158,8 @@ def test_a_settled_bed_rests_on_its_floor_below_a_free_surface():
     scene = make_scene(replicate, bed)
     diameter = 2.0 * scene.shape.radius
     assert (bed.position[:, 1] + 0.5 * diameter).max() < 0.9 * bed.height
-    still = replace(scene, solids=[replace(solid, velocity=(0.0, 0.0)) for solid in scene.solids])
-    simulation = dem.Simulation(still, bed.state)
+    resting = replace(scene, solids=[replace(solid, velocity=(0.0, 0.0)) for solid in scene.solids])
+    simulation = dem.Simulation(resting, bed.state)
     simulation.advance(5e-3)  # in which a granule that nothing holds falls by a tenth of a diameter
     assert np.abs(simulation.state.position - bed.position).max() < 0.01 * diameter.mean()
 

@@ -11,23 +11,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
+import xarray as xr
 
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
 from dem.experiment.config import of_values
 from dem.experiment.run import Replicate
-from dem.io.dataset import LABELS, content_of
+from dem.io.dataset import LABELS
 from dem.io.lazily import open_lazily
 from dem.sweep.axis import is_written
 from dem.sweep.store import Store
 
 if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
     from dem.experiment.snapshots import Snapshots
 
-PRINTED = 5e-5  # relative tolerance of a number that a table shows with five digits
 SHOWN = 8  # values of an axis that a sentence lists
 
 
@@ -66,19 +64,11 @@ def batch_of(path: Path, run: str) -> Path:
 
 def replicate_of(path: Path, dataset: xr.Dataset, row: int) -> Replicate:
     """What a run of a batch is."""
-    with content_of(path):
-        try:
-            return of_values(json.loads(dataset.attrs["values"])[row], str(path))
-        except (KeyError, ValueError, IndexError):
-            raise InputError(
-                f"{path}: it does not say what its runs are; is it another file?"
-            ) from None
+    return of_values(json.loads(dataset.attrs["values"])[row], str(path))
 
 
 def values_of_runs(dataset: xr.Dataset) -> pd.DataFrame:
     """What tells the runs apart, axes and labels first: one row a run, by its identity."""
-    import pandas as pd
-
     if "run" not in dataset.dims:
         frame = dataset["run_id"].to_dataframe().reset_index().set_index("run_id")
         return frame[frame.index != ""]  # no run where a point has fewer replicates
@@ -101,14 +91,10 @@ def selected(runs: pd.DataFrame, select: list[str]) -> str:
             varied = ", ".join(name for name in runs if runs[name].nunique() > 1)
             hint = did_you_mean(key.replace(".", "_"), columns, f"; they differ in {varied}")
             raise InputError(f"its runs have no value named {key}{hint}.")
-        exact, near = (
-            rest[[is_written(value, text, tolerance) for value in rest[name]]]
-            for tolerance in (0.0, PRINTED)
-        )
-        if near.empty:
-            listed = ", ".join(rest[name].map(_word).unique()[:SHOWN])
+        listed = ", ".join(rest[name].map(_word).unique()[:SHOWN])
+        rest = rest[[is_written(value, text) for value in rest[name]]]
+        if rest.empty:
             raise InputError(f"there is no run with {word}; {name} is {listed}.")
-        rest = near if exact.empty else exact
     if (count := rest.index.nunique()) == 1:
         return rest.index[0]
     example, words = [], rest.map(_word)
@@ -132,7 +118,7 @@ def read_snapshots(
 
     shapes: folder of the files of shapes of a user's own, which may then run.
     """
-    replicate, values = open_run(path, list(select))
+    replicate, values = open_run(path, select)
     return snapshots_of(path, replicate.with_shapes(shapes), values)
 
 

@@ -159,11 +159,9 @@ def _top(file: Path) -> Path:
 def refuse_edits() -> None:
     """Raise InputError where a file of this package has changed since this process read it."""
     for file, content in _first_read.items():
-        with suppress(*UNREADABLE):
-            now = file.read_bytes()
-            if now == content or _code(now) == _code(content):
-                continue
-        raise InputError(EDITED.format(file))
+        now = file.read_bytes()
+        if now != content and _code(now) != _code(content):
+            raise InputError(EDITED.format(file))
 
 
 @cache

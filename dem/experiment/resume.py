@@ -2,7 +2,6 @@
 
 import hashlib
 from collections import defaultdict
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +14,6 @@ from dem.dynamics.result import Record
 from dem.dynamics.simulation import Simulation
 from dem.experiment.kinds import filled
 from dem.experiment.run import Replicate
-from dem.io.checksums import Changed, is_sealed, seal
 from dem.packing.random import Bed
 from dem.scene import State
 
@@ -58,11 +56,9 @@ class PartialRun:
             "time": {"spent": self.spent},
         }
         arrays = {f"{group}.{k}": v for group, values in groups.items() for k, v in values.items()}
-        with atomic(path) as part:
-            with part.open("wb") as file:
-                file.write(mark_of(replicate, bed))
-                np.savez(file, **arrays)
-            seal(part)
+        with atomic(path) as part, part.open("wb") as file:
+            file.write(mark_of(replicate, bed))
+            np.savez(file, **arrays)
 
 
 def mark_of(replicate: Replicate, bed: Bed | None) -> bytes:
@@ -75,22 +71,18 @@ def mark_of(replicate: Replicate, bed: Bed | None) -> bytes:
 
 
 def is_resumable(path: Path, replicate: Replicate, bed: Bed | None = None) -> bool:
-    """Whether a file is a whole checkpoint of this run, and not a damaged one or none.
+    """Whether there is a checkpoint of this run, which may be damaged.
 
     bed: None where it is not made yet. Raises InputError for another file, which a checkpoint must
     not replace.
     """
     if not Path(path).exists():
         return False
-    head, whole = b"another file", False
+    head = b"another file"
     if path.is_file():
         with path.open("rb") as file:
             head = file.readline(200)
-        with suppress(Changed):
-            whole = is_sealed(path)
-    if not head or (head.startswith(HEAD) and not whole):
-        return False
-    if head.startswith(mark_of(replicate, bed)):
+    if not head or head.startswith(mark_of(replicate, bed)):
         return True
     fault = "a checkpoint of another run" if head.startswith(HEAD) else "no checkpoint"
     raise InputError(f"{path}: it is {fault}; delete it or name another file as checkpoint.")
@@ -105,15 +97,17 @@ def resumed(
     for any other file.
     """
     if not is_resumable(path, replicate, bed):
-        if path.is_file():
-            say(f"{path}: this checkpoint is damaged; the run begins again.")
         return None
     groups = defaultdict(dict)
-    with path.open("rb") as file:
-        file.readline()
-        for key, values in np.load(file).items():
-            group, _, name = key.partition(".")
-            groups[group][name] = values
+    try:
+        with path.open("rb") as file:
+            file.readline()
+            for key, values in np.load(file).items():
+                group, _, name = key.partition(".")
+                groups[group][name] = values
+    except Exception:  # damage makes numpy raise many errors
+        say(f"{path}: this checkpoint is damaged; the run begins again.")
+        return None
     simulation.restore(groups["simulation"])
     states = [State(*rows) for rows in zip(*(groups["state"][name] for name in STATE), strict=True)]
     looks = [{k: v[at] for k, v in groups["look"].items()} for at in range(len(states))]

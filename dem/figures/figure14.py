@@ -38,8 +38,9 @@ def plot(dataset: xr.Dataset) -> Figure:
     style.finish_bars(axes, ticks, dataset)
     compared = set(numbers["density"].values.tolist())
     paper = f"; paper: at most {PAPER} %" if compared == BETWEEN else ""
-    above = f"Above each group: change with density{style.its_interval(dataset)}{paper}"
-    axes.set_title(above, loc="left")
+    axes.set_title(
+        f"Above each group: change with density and its 95 % interval{paper}", loc="left"
+    )
     figure.suptitle("Mean drag by density of the granules")
     style.legend(figure, axes, ncols=2)
     return figure
@@ -56,7 +57,7 @@ def _group(axes, place, labels, numbers) -> None:
         density = float(own["density"])
         alike = numbers.sel(case=numbers["density"] == density)
         words = f"{density:,g}".replace(",", "\N{THIN SPACE}")
-        name = f"mean of {style.runs(alike)} at {words} kg/m³"
+        name = f"mean of {style.runs(alike['run_mean'])} at {words} kg/m³"
         look = {"color": fill, "edgecolor": "black", "hatch": hatch, "label": name}
         tops.append(style.bar(axes, middle, width, own, **look))
     changes = [change(numbers["run_mean"], labels[0], label) for label in labels[1:]]

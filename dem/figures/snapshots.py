@@ -12,9 +12,10 @@ from dem.analysis.one_run import snapshots_of
 from dem.base.errors import InputError
 from dem.experiment.config import Configuration, of_values
 from dem.experiment.snapshots import Snapshots
-from dem.figures import bed, style
+from dem.figures import style
+from dem.figures.bed import draw, view_of
 from dem.figures.frames import Frames, of_motion
-from dem.shapes import outlines
+from dem.shapes import is_drawn, outlines
 from dem.sweep.axis import RUN_KEYS
 
 SHARES = (0.0, 0.5, 1.0)  # of the stroke: displacements that are shown
@@ -59,13 +60,14 @@ def beds(dataset: xr.Dataset, shapes: tuple[str, ...], colors: str, title: str) 
     grid = figure.subplots(len(motions), len(snapshots), squeeze=False)
     for row, (case, motion) in zip(grid, motions.items(), strict=True):
         frames = frames_of_case(motion)
+        view = view_of(frames)
         for axes, snapshot in zip(row, snapshots, strict=True):
-            drawing = bed.Drawing(axes, frames)
-            drawing.move(snapshot)
-            drawing.paint(frames.paints[colors])
+            draw(axes, frames, snapshot, view, facecolors=frames.paints[colors])
+            axes.set_axis_off()
         one, height = dataset.sel(case=case), motion.height[0]
+        note = "" if is_drawn(one["kind"].item()) else ", drawn as discs of equal area"
         row[0].annotate(
-            f"{case}: {style.describe(one)}{style.drawn(one)}\nbox {1e3 * width:.3g} mm \N{MULTIPLICATION SIGN} {1e3 * height:.3g} mm",
+            f"{case}: {style.describe(one)}{note}\nbox {1e3 * width:.3g} mm \N{MULTIPLICATION SIGN} {1e3 * height:.3g} mm",
             (-0.04, 0.5),
             rotation=90,
             xycoords="axes fraction",

@@ -15,7 +15,6 @@ BED_ALONE  True where it reads nothing but what makes the bed
 run(replicate, bed=None, progress=..., ...)   variables of a run by name; bed: at rest, packed here if None
 axes(configuration)                           values of the variables of AXIS, by name
 duration(replicate)                           time (s) that a run simulates, to estimate what it takes
-warm_up(replicate)                            compiles what a run needs
 All but run may be left out.
 """
 
