@@ -9,8 +9,7 @@ import xarray as xr
 from dem.analysis.onset import LEAST, limits
 from dem.base.errors import InputError
 from dem.dynamics.contact_list import ContactList
-from dem.experiment.bed import diameters
-from dem.experiment.box import height_of_box
+from dem.experiment.box import diameters_of, height_of_box
 from dem.experiment.config import parse
 from dem.experiment.kinds import jamming, onset
 from dem.figures.catalogue import FIGURES
@@ -55,7 +54,7 @@ def test_ellipses_jam_with_fewer_contacts_than_degrees_of_freedom(ratio):
 def test_a_bed_bears_no_load_below_the_onset_and_that_of_hertz_above():
     """The load goes as the distance from the onset to the power of 3/2."""
     replicate = bed(1.3)
-    sizes, config = diameters(replicate), replicate.configuration
+    sizes, config = diameters_of(replicate), replicate.configuration
     shape = KINDS["ellipse"].shape.of_size(sizes, 1.3)
     press = Press(shape, Room(config.box_width, height_of_box(config, sizes), (), 1, "xy"))
     fraction = onset.run(replicate)["onset_fraction"]
