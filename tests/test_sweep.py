@@ -683,10 +683,10 @@ def pruning():
 
 def refused(words):
     """That pruning says so, in sentences, and that nothing is removed."""
-    before = listed("results")
-    found = pruning()
-    assert found.exit_code == 2 and words in found.stderr, (found.output, found.exception)
-    assert listed("results") == before
+    files = listed("results")
+    result = pruning()
+    assert result.exit_code == 2 and words in result.stderr, (result.output, result.exception)
+    assert listed("results") == files
 
 
 def test_prune_keeps_beds_and_checkpoints_of_runs_under_way(pruned):
@@ -786,12 +786,12 @@ def test_a_sweep_says_where_a_new_store_begins(tmp_path, monkeypatch):
     (tmp_path / "small.yaml").write_text(yaml.safe_dump(small({"shape": "c1"}).dump()))
     command = ["sweep", "small.yaml", "--dry-run"]
     monkeypatch.chdir(tmp_path)
-    found = CliRunner().invoke(app, command)
-    assert f"{tmp_path}/results/store: this store of runs is new" in found.stderr, found.output
+    result = CliRunner().invoke(app, command)
+    assert f"{tmp_path}/results/store: this store of runs is new" in result.stderr, result.output
     assert not (tmp_path / "results").exists()
     (tmp_path / "results/store").mkdir(parents=True)
-    found = CliRunner().invoke(app, command)
-    assert found.exit_code == 0 and "store" not in found.stderr
+    result = CliRunner().invoke(app, command)
+    assert result.exit_code == 0 and "store" not in result.stderr
 
 
 # The library
