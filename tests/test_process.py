@@ -180,7 +180,7 @@ WRONG = {  # what is put instead of the result: why the run failed
     "exit(3)": "product.py, line 9: SystemExit: 3",
     "helped()": "factors.py, line 4: KeyError: 'a'",
     "'four'": "the variable product is 'four'; it must be a number.",
-    "[1.0, 2.0]": "with shape (2,); it must be a number.",
+    "[1.0, 2.0]": "the variable product is an array of float64 with shape (2,); it must be a number.",
     "1} and {'other': 1": "the variable other must be both in VARIABLES and in what product.py gives.",
     "1} and None or {0": "the variable product must be both in VARIABLES and in what product.py gives.",
     "1, 'other': set()": "the variable other must be both in VARIABLES and in what product.py gives.",
