@@ -146,12 +146,13 @@ def contents(folder):
 
 
 def check_sentences(text, most=LISTED + 1):
-    """What a user reads are sentences, one a line, after the progress lines of a log."""
+    """What a user reads are sentences, one a line, after the progress lines of a log; or what Python says of
+    a file."""
     if text.lstrip().startswith("Usage:"):
         return  # of the command line's own parser
     lines = [line.rstrip() for line in text.strip().splitlines()]
-    lines = [line for line in lines if not re.match(r"\d{4}-\d\d-\d\d ", line)]
-    assert 0 < len(lines) <= most, text
+    lines = [line for line in lines if not re.match(r"\d{4}-\d\d-\d\d |\[Errno ", line)]
+    assert text.strip() and len(lines) <= most, text
     assert all(line.endswith((".", "?")) and line.isprintable() for line in lines), text
 
 
