@@ -316,9 +316,9 @@ def test_a_reader_that_has_seen_enough_gets_no_traceback():
     read, write = os.pipe()
     os.close(read)
     command = [*dem, "info", "docs/data/drag.nc"]
-    ran = subprocess.run(command, cwd=ROOT, stdout=write, stderr=subprocess.PIPE)
+    process = subprocess.run(command, cwd=ROOT, stdout=write, stderr=subprocess.PIPE)
     os.close(write)
-    assert (ran.returncode, ran.stderr) == (1, b"")
+    assert (process.returncode, process.stderr) == (1, b"")
 
 
 def test_a_dry_run_only_reads(tmp_path, monkeypatch):

@@ -54,9 +54,9 @@ def hostile(results, tmp_path_factory):
 
 
 @pytest.mark.parametrize("name", ["runs.nc", "drag.nc", "snapshots.nc"])
-def test_a_file_that_is_cut_off_is_refused(made, tmp_path, name):
+def test_a_file_that_is_cut_off_is_refused(results, tmp_path, name):
     cut = tmp_path / name
-    cut.write_bytes((made / name).read_bytes()[:-1000])
+    cut.write_bytes((results / name).read_bytes()[:-1000])
     with pytest.raises(InputError, match=f"{cut}: its content cannot be used .* run again"):
         read(cut, ("run_id",))
     with pytest.raises(InputError, match=f"{cut}: it is not a readable netCDF"), open_lazily(cut):

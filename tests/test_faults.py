@@ -240,12 +240,12 @@ def test_a_sweep_says_how_many_runs_of_its_file_will_be_gone(one_sweep):
         ("two.yaml", [1], "drag.nc: 2 of the 2 runs that it held are no longer"),
     ):
         write_sweep(name, seeds)
-        status, told = swept(name)
-        assert status == 0 and words in told, told
+        status, output = swept(name)
+        assert status == 0 and words in output, output
         with netCDF4.Dataset(one_sweep / "drag.nc") as file:
             assert file["seed"][:].tolist() == seeds
-    status, told = swept(str(one_sweep / "config.yaml"))
-    assert status == 0 and "no longer" not in told, told
+    status, output = swept(str(one_sweep / "config.yaml"))
+    assert status == 0 and "no longer" not in output, output
 
 
 def test_a_damaged_chunk_leaves_the_good_result(one_sweep, monkeypatch):

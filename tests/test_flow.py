@@ -17,8 +17,7 @@ from conftest import STIFF, assert_not_blank
 from dem.analysis.one_run import open_run, read_snapshots
 from dem.base.errors import InputError
 from dem.cli.app import app
-from dem.experiment.bed import diameters
-from dem.experiment.box import width_of
+from dem.experiment.box import diameters_of, width_of
 from dem.experiment.observables import flow as measures
 from dem.experiment.snapshots import Snapshots
 from dem.figures.bed import draw, view_of
@@ -126,7 +125,7 @@ def test_motion_is_what_was_recorded(results):
     configuration = motion.replicate.configuration
     assert motion.replicate.label == "e3" and motion.position.shape == (13, 60, 2)
     assert motion.nearest(0.61e-3) == 6
-    assert np.ptp(motion.cylinder_y) == pytest.approx(configuration.cylinder.stroke)
+    assert np.ptp(motion.displacement) == pytest.approx(configuration.cylinder.stroke)
     areas = motion.outlines[:, 0]
     x, y = areas[..., 0], areas[..., 1]
     shoelace = 0.5 * np.abs((x[:, :-1] * y[:, 1:] - x[:, 1:] * y[:, :-1]).sum(axis=1))
@@ -270,7 +269,7 @@ def test_export_for_paraview(request, tmp_path, data, run):
     # what the granules went since the snapshot before, and the cylinder at its velocity
     time = np.diff(motion.displacement)[-1] / cylinder.velocity
     step = np.append(
-        np.diff(motion.position[-2:], axis=0)[0], [[0.0, np.diff(motion.cylinder_y)[-1]]], axis=0
+        np.diff(motion.position[-2:], axis=0)[0], [[0.0, np.diff(motion.displacement)[-1]]], axis=0
     )
     np.testing.assert_allclose(values["velocity"][:, :2] * time, step, rtol=1e-6, atol=1e-12)
     contacts = motion.contacts(snapshots - 1)
@@ -326,10 +325,9 @@ def test_a_solid_at_rest_at_an_angle_is_drawn_at_this_angle():
         run,
         np.full(2, 8e-3),
         np.array([0.0, 1e-3]),
-        np.array([3e-3, 4e-3]),
         state,
         state[..., 0],
-        diameters(run),
+        diameters_of(run),
     )
     axes, frames = Figure().subplots(), of_motion(motion)
     draw(axes, frames, 1, view_of(frames))

@@ -16,7 +16,7 @@ from dem.base import sources
 from dem.base.sources import PACKAGE, ROOT, RUNS, code_hash, codes, files_of
 from dem.experiment import run
 from dem.experiment.config import EXPERIMENTS
-from dem.experiment.observables import OBSERVABLES, module_of
+from dem.experiment.observables import OBSERVABLES
 from dem.io import dataset
 from dem.sweep.config import load
 
@@ -119,7 +119,7 @@ LAYOUTS = {1: "07117a61fa96d550"}  # same with more, which only runs of new valu
 def test_another_layout_of_the_files_of_runs_has_another_version():
     """Because what only writes files is no part of the identity of a run."""
     tables = [dataset.AXES, dataset.LABELS, dataset.OF_RUN, dataset.OF_STORE]
-    tables += [module_of(name).VARIABLES for name in OBSERVABLES]
+    tables += [header["VARIABLES"] for header in OBSERVABLES.values()]
     for name in EXPERIMENTS:
         tables.append(getattr(import_module(f"dem.experiment.kinds.{name}"), "VARIABLES", {}))
     # names, dimensions and units; words may change

@@ -10,11 +10,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 import dem
-from dem.experiment.bed import make_bed
+from dem.experiment.bed import make_bed, solids
 from dem.experiment.box import area_of_solids, circles_of, height_of_box
 from dem.experiment.kinds import drag
 from dem.experiment.scene import make_scene
-from dem.experiment.solids import solids_of
 from dem.sweep.config import load
 
 CONFIG = Path(__file__).parent.parent / "config"
@@ -28,7 +27,7 @@ def run(changes=(), **sections):
 
 
 def drawn(replicate, height=20e-3):
-    return solids_of(replicate, height, 1e-3)
+    return solids(replicate, height)
 
 
 def test_a_run_without_the_new_keys_is_known_by_what_it_was():
@@ -87,10 +86,11 @@ def test_a_second_cylinder_is_at_its_gap_and_bearing(direction, bearing, towards
 
 
 def test_a_cylinder_that_turns_freely_has_the_inertia_of_its_density():
-    (solid,) = drawn(run({"cylinder.spin": "free"}))
+    free = {"cylinder.spin": "free", "material.thickness": 1e-3}
+    (solid,) = drawn(run(free))
     mass = 3900.0 * math.pi * solid.radius**2 * 1e-3
     assert_allclose(solid.spin.inertia, 0.5 * mass * solid.radius**2)
-    (plate,) = drawn(run({"cylinder.spin": "free", "cylinder.outline": "plate"}))
+    (plate,) = drawn(run(free | {"cylinder.outline": "plate"}))
     thin = plate.area * 3900.0 * 1e-3 * (2.0 * plate.radius) ** 2 / 12.0
     assert_allclose(plate.spin.inertia, thin, rtol=0.1)
 

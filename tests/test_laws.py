@@ -31,8 +31,8 @@ def test_restitution_is_as_asked_for_at_the_default_step(law, restitution):
     size, gap, material = np.full((200, 2), 1e-3), np.linspace(1e-7, 1e-5, 200), dem.Material()
     material = replace(material, restitution=restitution)
     scene, state = head_on(size, np.ones(200), gap, material=material, law=LAWS[law], **THIN)
-    after = dem.simulate(scene, state, 4e-5).state
-    assert -approach(after.velocity).mean() == pytest.approx(restitution, rel=3e-3)
+    result = dem.simulate(scene, state, 4e-5).state
+    assert -approach(result.velocity).mean() == pytest.approx(restitution, rel=3e-3)
 
 
 @pytest.mark.parametrize("law", ["linear", "line"])

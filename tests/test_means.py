@@ -124,8 +124,8 @@ def text_of(table, width=1000):
 def changed(path, edit):
     """Write a file again as `edit` has it."""
     with xr.open_dataset(path) as dataset:
-        found = edit(dataset.load())
-    found.to_netcdf(path)
+        result = edit(dataset.load())
+    result.to_netcdf(path)
     return path
 
 

@@ -137,9 +137,9 @@ def test_forces_are_drawn_against_time(results):
     solid, walls = dem.plot.forces(result).axes
     assert walls.get_xlabel() == "Time" and solid.get_ylabel().endswith("(N)")
     assert walls.xaxis.get_major_formatter()(2e-5) == "20 µs"
-    drawn = [each.get_data() for each in walls.patches]
-    assert_allclose([each.values for each in drawn], result.wall_force[1:].T)
-    assert_allclose(drawn[0].edges, result.time)
+    steps = [patch.get_data() for patch in walls.patches]
+    assert_allclose([step.values for step in steps], result.wall_force[1:].T)
+    assert_allclose(steps[0].edges, result.time)
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from dem.analysis.one_run import snapshots_of
 from dem.base.errors import InputError, PackingError
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import diameters, make_bed, solids
-from dem.experiment.box import height_of_box
+from dem.experiment.bed import make_bed, solids
+from dem.experiment.box import diameters_of, height_of_box
 from dem.experiment.config import parse
 from dem.experiment.kinds import drag
 from dem.experiment.scene import make_scene
+from dem.experiment.snapshots import snapshots_of
 from dem.figures.bed import draw, view_of
 from dem.figures.frames import of_motion
 from dem.sweep.config import load
@@ -88,7 +88,7 @@ def test_a_snapshot_shows_the_top_wall_where_it_is():
     """What touches it there pushes it with the pressure, and no granule is drawn beyond it by more
     than its overlap; it is not where it began."""
     run = replicate()
-    motion = snapshots_of("drawn", run, drawn() | drag.axes(run.configuration))
+    motion = snapshots_of(run, drawn() | drag.axes(run.configuration))
     contacts = motion.contacts(-1)
     on_top = contacts.partner == -3  # after the cylinder and the bottom
     assert contacts.force[on_top].sum() / area_of(run) == pytest.approx(PRESSURE, rel=0.1)
@@ -128,7 +128,7 @@ def test_the_same_values_give_the_same_bed():
 def test_a_box_too_low_for_the_stroke_is_refused():
     """Of the box at a packing fraction of 0.84 the stroke leaves a micrometre; the bed is lower."""
     run, bed = replicate(HIGH), bed_under(HIGH)
-    nominal = height_of_box(run.configuration, diameters(run))
+    nominal = height_of_box(run.configuration, diameters_of(run))
     (at,) = solids(run, bed.height)
     stroke = nominal - at.position[1] - at.radius - 1e-6
     assert bed.height < nominal

@@ -224,10 +224,10 @@ def test_a_failed_run_counts_and_is_not_replaced(sweep):
 def test_a_point_whose_first_runs_fail_gets_more_and_one_whose_all_fail_is_said(sweep, capsys):
     cases = "[b, d]\n  friction.granule: [0.2, 0.5]"
     of_file(sweep("{until: 20 %, of: force, most: 40}", cases, "failures: 0.9\n"))
-    found = result().sel(case="d")
-    assert found["replicates"].values.tolist()[1] == 40
-    known = found["force"].sel(friction_granule=0.2).dropna("seed")
-    assert known.size >= 10 and float(half_interval(known)) <= 0.2 * float(known.mean())
+    dataset = result().sel(case="d")
+    assert dataset["replicates"].values.tolist()[1] == 40
+    sample = dataset["force"].sel(friction_granule=0.2).dropna("seed")
+    assert sample.size >= 10 and float(half_interval(sample)) <= 0.2 * float(sample.mean())
     (sentence,) = capsys.readouterr().err.splitlines()
     assert "1 of 4 points" in sentence and "case d, friction_granule 0.5" in sentence
     assert "is not known after 40 replicates" in sentence

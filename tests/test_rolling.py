@@ -150,7 +150,7 @@ def test_a_simulation_goes_on_with_its_rolling_springs():
 
 
 def test_rolling_resistance_varies_as_others_do_and_leaves_the_bed(tmp_path):
-    """A dimension of a sweep from zero on, whose runs share their beds and kernels."""
+    """A dimension of a sweep from zero on, whose runs share their beds, and all roll."""
     file = tmp_path / "roll.yaml"
     file.write_text(
         f"extends: {CONFIG / 'smoke.yaml'}\nresults: results/roll\n"
@@ -161,7 +161,7 @@ def test_rolling_resistance_varies_as_others_do_and_leaves_the_bed(tmp_path):
     runs, plain = list(block.runs.values()), load(CONFIG / "smoke.yaml").block("drag").first
     assert "rolling_granule" in block.dims and runs[0].id != runs[1].id
     assert runs[0].bed_id == runs[1].bed_id == plain.bed_id
-    assert runs[0].variant == runs[1].variant != plain.variant
+    assert all(run.rolling for run in runs) and not plain.rolling
     assert "rolling" not in plain.run_key()
 
 

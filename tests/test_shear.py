@@ -12,6 +12,7 @@ import xarray as xr
 from conftest import needs_study
 from dem.analysis.shear import AXIS, LEAST, rheology
 from dem.base.errors import InputError, RunError
+from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import make_bed
 from dem.experiment.config import of_values
 from dem.experiment.kinds import shear
@@ -94,20 +95,20 @@ def test_the_inertial_number_is_a_ratio_of_two_times():
 def test_both_walls_go_all_the_way_along_the_bed():
     """No gap between held discs is wide enough for another disc."""
     replicate = of_values(values())
-    cell = shear.make_cell(replicate, make_bed(replicate))
-    for group in cell.scene.held:
-        x = np.sort(cell.state.position[group.granules, 0] % 9e-3)
+    scene, state = shear.make_cell(replicate, make_bed(replicate))
+    for group in scene.held:
+        x = np.sort(state.position[group.granules, 0] % 9e-3)
         gaps = np.diff(np.append(x, x[0] + 9e-3))
         assert gaps.max() < 2.0e-3
 
 
 def test_a_granule_that_gets_out_is_told():
     replicate = of_values(values())
-    cell = shear.make_cell(replicate, make_bed(replicate))
-    free = int(np.flatnonzero(~cell.scene.is_held)[0])
-    cell.state.position[free, 1] = cell.state.position[:, 1].max() + 5e-3
+    scene, state = shear.make_cell(replicate, make_bed(replicate))
+    free = int(np.flatnonzero(~scene.is_held)[0])
+    state.position[free, 1] = state.position[:, 1].max() + 5e-3
     with pytest.raises(RunError, match=f"granule {free} got out through a gap"):
-        shear._sample(shear.start(replicate, cell), cell, 1e-7)
+        shear._sample(Simulation(scene, state), 1e-7)
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,7 @@ from dem.sweep import store as stores
 from dem.sweep.axis import changes_of_words
 from dem.sweep.combine import about, combine, combine_block
 from dem.sweep.config import load, merged, parse
-from dem.sweep.grouping import kernel_key, plan_batches
+from dem.sweep.grouping import plan_batches
 from dem.sweep.prune import prune, sweeps, usage
 from dem.sweep.state import SweepState
 
@@ -403,34 +403,6 @@ def test_every_place_of_a_sweep_that_comes_with_the_code_is_a_run_of_its_own(fil
         assert len(run_ids) == len(set(run_ids)) > 1
 
 
-def test_runs_that_compute_the_same_motion_share_machine_code(tmp_path):
-    """Whatever they record, and whichever body damps; other forces need other code, and so does a law that was
-    edited."""
-
-    def kernels(path="seed", value=1, observables=("drag", "snapshots"), **values):
-        record = SMALL["record"] | {"observables": list(observables)}
-        sweep = small({"shape": "c1", path: [value]}, record=record, **values)
-        return kernel_key(sweep.block("drag").first)
-
-    first = kernels()
-    assert first == kernels("friction.wall", 0.0) == kernels(observables=["drag"])
-    damped = {"left": {"material": {"young_modulus": 1e9, "restitution": 0.5}}}
-    assert first == kernels("material.restitution", 1.0, walls=damped)
-    laws = []
-    for number in range(2):
-        (tmp_path / f"{number}").mkdir()
-        (tmp_path / f"{number}/mine.py").write_text(f"class Law:\n    power = {number}\n")
-        beside = str(tmp_path / f"{number}")
-        laws.append(kernels(contact={"law": "mine.Law"}, beside=beside))
-    others = [
-        *laws,
-        kernels("gravity", 9.81),
-        kernels("material.restitution", 1.0),
-        kernels(observables=["drag", "ledger"]),
-    ]
-    assert len({first, *others}) == 6
-
-
 def test_an_ellipse_reads_how_its_contacts_are_found():
     """A disc does not: its places on that axis are one run, made once."""
     contacts = ["common_normal", "geometric_potential"]
@@ -482,6 +454,23 @@ def test_chunks_are_filled_and_runs_of_one_bed_follow_each_other(tmp_path):
         if size == 2:
             beds = {run.id: run.bed_id for run in block.unique()}
             assert all(len({beds[run] for run in chunk.runs}) == 1 for chunk in chunks)
+
+
+@pytest.mark.parametrize(
+    "axis",
+    [
+        {"shape": ["c1", "e3"]},
+        {"shape": "c1", "contact.law": ["hertz", "linear"]},
+        {"shape": "c1", "cylinder.spin": [None, "free"]},
+    ],
+    ids=["kind", "law", "variables"],
+)
+def test_runs_of_other_code_or_with_other_variables_are_in_other_batches(axis):
+    """A file of a batch names the code of all its runs, and has a row of each variable for all."""
+    record = SMALL["record"] | {"observables": ["drag", "snapshots"]}
+    runs = small(axis | {"seed": [1, 2]}, record=record).block("drag").unique()
+    chunks, _ = plan_batches((), runs, 5, "results")
+    assert [len(chunk.runs) for chunk in chunks] == [2, 2]
 
 
 def test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs():
@@ -694,10 +683,10 @@ def pruning():
 
 def refused(words):
     """That pruning says so, in sentences, and that nothing is removed."""
-    before = listed("results")
-    found = pruning()
-    assert found.exit_code == 2 and words in found.stderr, (found.output, found.exception)
-    assert listed("results") == before
+    files = listed("results")
+    result = pruning()
+    assert result.exit_code == 2 and words in result.stderr, (result.output, result.exception)
+    assert listed("results") == files
 
 
 def test_prune_keeps_beds_and_checkpoints_of_runs_under_way(pruned):
@@ -797,12 +786,12 @@ def test_a_sweep_says_where_a_new_store_begins(tmp_path, monkeypatch):
     (tmp_path / "small.yaml").write_text(yaml.safe_dump(small({"shape": "c1"}).dump()))
     command = ["sweep", "small.yaml", "--dry-run"]
     monkeypatch.chdir(tmp_path)
-    found = CliRunner().invoke(app, command)
-    assert f"{tmp_path}/results/store: this store of runs is new" in found.stderr, found.output
+    result = CliRunner().invoke(app, command)
+    assert f"{tmp_path}/results/store: this store of runs is new" in result.stderr, result.output
     assert not (tmp_path / "results").exists()
     (tmp_path / "results/store").mkdir(parents=True)
-    found = CliRunner().invoke(app, command)
-    assert found.exit_code == 0 and "store" not in found.stderr
+    result = CliRunner().invoke(app, command)
+    assert result.exit_code == 0 and "store" not in result.stderr
 
 
 # The library

@@ -10,7 +10,6 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -29,10 +28,13 @@ if TYPE_CHECKING:
 SHOWN = 8  # values of an axis that a sentence lists
 
 
-def open_run(path: Path, select: list[str]) -> tuple[Replicate, dict]:
+def open_run(
+    path: Path, select: list[str], shapes: Path | str | None = None
+) -> tuple[Replicate, dict]:
     """One run of a file and its variables by name; raises InputError where there is not just one.
 
     select: words such as "case=c1" and "friction.granule=0.3", as many as single out the run.
+    shapes: as of `read_snapshots`.
     """
     with open_lazily(path) as dataset:
         if "run_id" not in dataset.variables:
@@ -41,7 +43,8 @@ def open_run(path: Path, select: list[str]) -> tuple[Replicate, dict]:
     path = batch_of(path, run) if combined else path
     with open_lazily(path) as dataset:
         row = dataset["run_id"].values.tolist().index(run)
-        replicate, variables = replicate_of(path, dataset, row), dataset.isel(run=row).variables
+        replicate = replicate_of(path, dataset, row, shapes)
+        variables = dataset.isel(run=row).variables
         if int(variables["failure"]):
             reason = str(variables["failure_reason"].values).strip()
             raise InputError(f"{path}: {replicate.words()}, failed: {reason}")
@@ -62,9 +65,10 @@ def batch_of(path: Path, run: str) -> Path:
     )
 
 
-def replicate_of(path: Path, dataset: xr.Dataset, row: int) -> Replicate:
+def replicate_of(path: Path, dataset: xr.Dataset, row: int, shapes=None) -> Replicate:
     """What a run of a batch is."""
-    return of_values(json.loads(dataset.attrs["values"])[row], str(path))
+    beside = {"beside": str(Path(shapes).resolve())} if shapes else {}
+    return of_values(json.loads(dataset.attrs["values"])[row] | beside, str(path))
 
 
 def values_of_runs(dataset: xr.Dataset) -> pd.DataFrame:
@@ -118,29 +122,12 @@ def read_snapshots(
 
     shapes: folder of the files of shapes of a user's own, which may then run.
     """
-    replicate, values = open_run(path, select)
-    return snapshots_of(path, replicate.with_shapes(shapes), values)
+    from dem.experiment.snapshots import snapshots_of  # with the kernels
 
-
-def snapshots_of(path: Path, replicate: Replicate, values: dict) -> Snapshots:
-    """The snapshots of a run from its variables."""
-    from dem.experiment.snapshots import Snapshots  # with the kernels
-
+    replicate, values = open_run(path, list(select), shapes)
     if "granule_x" not in values:
         raise InputError(
             f"{path}: no snapshots of {replicate.words()} are kept; "
             "add snapshots to record.observables and run again."
         )
-    displacement = values["snapshot_displacement"]
-    return Snapshots(
-        replicate,
-        values.get("top_y", np.full(len(displacement), float(values["box_height"]))),
-        displacement,
-        values["cylinder_y"],
-        np.stack([values["granule_x"], values["granule_y"]], axis=-1),
-        values["granule_angle"],
-        values["granule_diameter"],
-        values.get("displacement"),
-        values.get("drag"),
-        values.get("cylinder_orientation"),
-    )
+    return snapshots_of(replicate, values)

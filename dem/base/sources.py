@@ -43,7 +43,6 @@ RUNS = (
     "experiment/bed.py",
     "experiment/box.py",
     "experiment/scene.py",
-    "experiment/solids.py",
     "experiment/snapshots.py",
 )
 PLUGINS = "experiment/kinds", "experiment/observables"  # a run depends on the files that it uses

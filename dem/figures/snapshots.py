@@ -1,17 +1,15 @@
 """Figures 9 to 12: beds at equal displacements of the cylinder, one row per case."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.analysis.drag import find
-from dem.analysis.one_run import snapshots_of
 from dem.base.errors import InputError
 from dem.experiment.config import Configuration, of_values
-from dem.experiment.snapshots import Snapshots
+from dem.experiment.snapshots import Snapshots, snapshots_of
 from dem.figures import style
 from dem.figures.bed import draw, view_of
 from dem.figures.frames import Frames, of_motion
@@ -33,7 +31,7 @@ def motion_of(dataset: xr.Dataset, case: str) -> Snapshots | None:
     values = {name: values[name] for name in Configuration.read if name in values}
     values |= {name: one[name].item() for name in RUN_KEYS}
     variables = {str(name): variable.values for name, variable in one.variables.items()}
-    return snapshots_of(Path("snapshots.nc"), of_values(values), variables)
+    return snapshots_of(of_values(values), variables)
 
 
 def frames_of_case(motion: Snapshots) -> Frames:

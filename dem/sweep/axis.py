@@ -15,7 +15,7 @@ from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
 from dem.base.types import SEEDS, Coefficient, Label, Number, Section, parsed, written
 from dem.experiment.config import HERTZ, Configuration, Entry, entries
-from dem.experiment.observables import OBSERVABLES, variables_of
+from dem.experiment.observables import OBSERVABLES
 from dem.experiment.sections import RunSection
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
 from dem.sweep import design
@@ -106,7 +106,8 @@ def name_of(path: str) -> str:
     """The name of a value in files of results, with a suffix if what runs record has that name."""
     name = path.replace(".", "_")
     taken = {"run", "bound", "snapshot", "granule", "shear_strain", *OBSERVABLES}
-    for table in (AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP, *map(variables_of, OBSERVABLES)):
+    measured = (header["VARIABLES"] for header in OBSERVABLES.values())
+    for table in (AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP, *measured):
         taken |= set(table)
     return f"{name}_swept" if name in taken else name
 

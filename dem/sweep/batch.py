@@ -15,10 +15,11 @@ import numpy as np
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
 from dem.base.sources import PACKAGE, run_codes
-from dem.experiment.bed import make_bed, periods
+from dem.experiment.bed import make_bed
 from dem.experiment.run import Replicate
 from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, write
 from dem.packing.random import Bed
+from dem.periodic import periods_of
 from dem.sweep.store import Store
 
 
@@ -108,7 +109,8 @@ def _run(store: Store, replicate: Replicate, progress) -> dict:
         return experiment.run(replicate)
     stored = store.bed(replicate, make_bed)
     values = {name: array if np.ndim(array) else float(array) for name, array in stored.items()}
-    bed = Bed(**values, periodic=periods(replicate, values["height"]))
+    sides = replicate.configuration.periodic
+    bed = Bed(**values, periodic=periods_of(values["width"], values["height"], sides))
     checkpoint = store.run_of(replicate.id, ".checkpoint.npz")
     return experiment.run(replicate, bed, progress, checkpoint=checkpoint)
 
@@ -142,10 +144,11 @@ def write_batch(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
         for run, row in zip(replicates, rows, strict=True)
     ]
     values |= {name: np.array([column[name] for column in columns]) for name in columns[0]}
+    ran = [{k: v for k, v in run.values().items() if k != "beside"} for run in replicates]
     attrs = global_attributes(
         f"{len(rows)} runs of the experiment {first.configuration.experiment}",
         "dem batch",
-        values=json.dumps([replicate.values(beside=False) for replicate in replicates]),
+        values=json.dumps(ran),
         source_hash=first.source_hash,
         code=json.dumps(run_codes(*first.files)),
         versions=provenance.versions(),

@@ -240,7 +240,7 @@ def about(sweep: Sweep, block: Block, provenance: dict) -> dict:
         values = {
             run.at(path)
             for run in block.runs.values()
-            if groups[:1] != ["shapes"] or groups[1] in run.configuration.parts_named(run.label)
+            if groups[:1] != ["shapes"] or groups[1] in run.configuration.shapes
         }
         if len(values) == 1 and path not in RUN_KEYS:
             (value,) = values

@@ -233,7 +233,7 @@ def kills_of_compiling(checkout: Checkout, count: int, rng: random.Random) -> st
 
 def kills_of_a_run(checkout: Checkout, count: int, rng: random.Random) -> str:
     """dem simulate, saving itself all the time, killed until it has ended so often."""
-    code = "from dem.experiment import drag; from dem.cli.app import app; drag.SAVED_EVERY = 0.0; app()"
+    code = "from dem.experiment.kinds import drag; from dem.cli.app import app; drag.SAVED_EVERY = 0.0; app()"
     words = "simulate --config config/long.yaml --shape d1 --density 3900 --seed 1"
     command = [
         sys.executable,

@@ -117,7 +117,7 @@ MUTANTS = (
     Mutant("experiment/observables/drag.py", "sign", '"drag": -(total @ along)', '"drag": (total @ along)', RUN),
     Mutant("experiment/kinds/jamming.py", "constant", "load[start:] ** (1.0 / power)", "load[start:] ** (3.0 / 2.0)", "studies/claims/tests/test_claims.py::test_line_finds_where_pressure_begins"),
     Mutant("experiment/kinds/onset.py", "constant", "HOLDING = 3", "HOLDING = 2", "tests/test_onset.py"),
-    Mutant("experiment/run.py", "missing term", 'PACKED = "packing.fraction", "packing.friction"', 'PACKED = ("packing.fraction",)', SWEEP),
+    Mutant("experiment/run.py", "missing term", '"packing.fraction", "packing.friction"', '"packing.fraction"', SWEEP),
     # sweeps, their store, files and numbers
     Mutant("sweep/grouping.py", "index", "for run in batch.runs:\n", "for run in batch.runs[1:]:\n", SWEEP),
     Mutant("sweep/batch.py", "missing call", "    store.keep(replicate.id, values)\n", "", STORE),

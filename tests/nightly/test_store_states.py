@@ -59,7 +59,6 @@ class Sweeps(RuleBasedStateMachine):
         self.store, self.damaged = Store(), set()
         patches = (
             mock.patch.object(making, "_run", self.run),
-            mock.patch.object(making, "_compile", lambda replicate: None),
             mock.patch.object(making, "make_bed", empty_bed),
             mock.patch.object(Path, "replace", lambda part, target: self.replace(part, target)),
         )
