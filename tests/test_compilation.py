@@ -195,7 +195,10 @@ def add_all(inner):
 
 
 def test_code_for_a_class_that_is_not_known_by_its_code_is_not_kept():
-    assert add_all(Inner((), np.ones(2))) == 2.0
+    class Unknown(NamedTuple):
+        added: np.ndarray
+
+    assert add_all(Unknown(np.ones(2))) == 2.0
     (signature,) = add_all.signatures
     assert add_all._cache._file(signature, compiles_for()) is None
 
@@ -235,7 +238,6 @@ def tiny(tmp_path, monkeypatch, capsys):
     monkeypatch.syspath_prepend(tmp_path)
 
     def make():
-        compilation._say_unkept.cache_clear()
         compilation._say_compiling.cache_clear()
         sys.modules.pop("tiny", None)
         importlib.invalidate_caches()
@@ -270,14 +272,13 @@ FULL = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))\n"
 
 
 def assert_not_kept(folder, hits, lines):
-    """Code was compiled and used, one line names the folder, and nothing is left there."""
-    assert hits == [0, 0] and len(lines) == 1
-    assert str(folder / "cache") in lines[0] and "no machine code can be kept here" in lines[0]
+    """Code was compiled and used, and nothing is left there."""
+    assert hits == [0, 0] and not lines
     assert not [*folder.rglob("*.nbc"), *folder.rglob("*.part")]
 
 
 def test_a_cache_without_a_folder_does_not_stop_a_run(tmp_path, tiny):
-    """The run goes on with code in memory, and says so in one line that names the folder."""
+    """The run goes on with code in memory."""
     (tmp_path / "cache").write_text("a file")
     assert_not_kept(tmp_path, *tiny())
 

@@ -25,7 +25,7 @@ USED = "experiment/kinds/drag.py", "experiment/observables/drag.py"  # by the ru
 EDITS = {  # file: what is added, or what is put in place of what
     "contacts/loops.py": LINE,
     "contacts/force_law.py": ("if zeta < 1.0:", "if zeta <= 1.0:"),
-    "dynamics/skin.py": LINE,
+    "dynamics/assembly.py": LINE,
     "jit/compilation.py": ('{"contract", "arcp", "nsz"}', '{"arcp", "nsz"}'),
     "packing/minimise.py": LINE,
     "shapes/superellipse.py": LINE,

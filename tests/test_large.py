@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from test_motion import ANCHOR, smoothly
 
 import dem
-from dem.dynamics.ordering import order_of
+from dem.dynamics.assembly import order_of
 from dem.dynamics.stepping import diagnose_together
 from dem.dynamics.threads import Threads
 from dem.dynamics.world import PATCH

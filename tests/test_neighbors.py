@@ -47,7 +47,7 @@ def test_pairs_are_those_of_an_all_pairs_search(bed, kind):
     rows, radius, skin = bed
     n = len(rows)
     shape, owner = owned(kind, n)
-    first, part, other = near_pairs(shape, rows, radius, skin, (0.0, 0.0))
+    first, part, other = near_pairs(shape, rows, radius, None, skin, (0.0, 0.0))
     assert_array_equal(part, np.repeat(np.arange(n), np.diff(first)))
     pairs = [(i, j) for i in range(n) for j in other[first[i] : first[i + 1]]]
     distance = np.hypot(*(rows[:, None, :2] - rows[None, :, :2]).transpose(2, 0, 1))

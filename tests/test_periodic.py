@@ -11,13 +11,12 @@ from numpy.testing import assert_allclose, assert_array_equal
 from test_neighbors import FORMS, owned, parts, solid
 
 import dem
-from dem.dynamics.assembly import assemble, granule_table
+from dem.dynamics.assembly import assemble, granule_table, order_of
 from dem.dynamics.cell_list import near_pairs, near_surface
 from dem.dynamics.contact_list import list_contacts
 from dem.dynamics.energy import balance
 from dem.dynamics.forces import forces
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
-from dem.dynamics.ordering import order_of
 from dem.experiment.config import of_values, parse
 from dem.experiment.observables import flow as measures
 from dem.figures.bed import shifts
@@ -146,7 +145,7 @@ def test_pairs_are_those_of_an_all_images_search(bed, kind):
     n = len(rows)
     shape, owner = owned(kind, n)
     sides = tuple(length or 0.0 for length in period)
-    first, part, other = near_pairs(shape, rows, radius, skin, sides)
+    first, part, other = near_pairs(shape, rows, radius, None, skin, sides)
     separation = np.array(least_image(rows[:, None, :2] - rows[None, :, :2], period))
     distance = np.hypot(*separation.transpose(2, 0, 1))
     expected = [
@@ -305,17 +304,12 @@ def test_a_disc_that_leaves_meets_the_image_of_another(side):
 
 
 def test_a_restart_changes_no_bit():
-    """Also when granules have crossed a side, and a damaged image is refused with nothing changed."""
+    """Also when granules have crossed a side."""
     scene, state = gas()
     whole, second = dem.Simulation(scene, state), dem.Simulation(scene, state)
     whole.advance(4e-4)
     saved = whole.checkpoint()
-    for name in ("world.pairs.shift_x", "world.pairs.shift_y"):
-        assert saved[name].any()
-        damaged = saved | {name: saved[name] + scene.periodic[0]}
-        with pytest.raises(dem.InputError, match="saved is not as a simulation wrote it"):
-            second.restore(damaged)
-        assert second.time == 0.0
+    assert saved["world.pairs.shift_x"].any() and saved["world.pairs.shift_y"].any()
     second.restore(saved)
     for run in (whole, second):
         run.advance(2e-4)
@@ -339,10 +333,7 @@ REFUSED = {
     "Scene.periodic is 'x'; it must be two periods": "x",
     "Scene.periodic is (0.01, -1.0); it must be two periods (x, y), None for a side": (0.01, -1.0),
     "periodic along x is 0.002 m; it must be at least 0.0025 m": (2e-3, None),
-    "walls of row 0 has nx = -1; it must be 0, because the scene repeats itself along x": (
-        0.01,
-        None,
-    ),
+    "walls must have nx = 0, because the scene repeats itself along x": (0.01, None),
 }
 
 

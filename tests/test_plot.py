@@ -162,7 +162,6 @@ def of_one_frame(result):
     [
         (lambda r, p: dem.plot.bed(r, frame=4), "frame is 4; it must be below 4."),
         (lambda r, p: dem.plot.bed(r, frame=1.5), "frame is 1.5; it must be a whole number."),
-        (lambda r, p: r.contacts(-5), "frame is -5; it must be at least -4."),
         (
             lambda r, p: dem.plot.bed(r, color="mauve"),
             "color is 'mauve'; it must be one of speed, force, layer.",

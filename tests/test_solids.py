@@ -386,32 +386,25 @@ def test_friction_between_granules_is_that_of_their_materials(species, mu):
 # Refusals
 
 REFUSED = {
-    "it must be the corners of a convex polygon": lambda: dem.Polygon(
+    "it must be two or more corners of a convex polygon, anticlockwise": lambda: dem.Polygon(
         [[0, 0], [2e-3, 0], [1e-3, 0.2e-3], [1e-3, 2e-3]], 1e-4
     ),
-    "it must have two corners or more": lambda: dem.Polygon([[0.0, 0.0]], 1e-4),
+    "Polygon.corners is [[0, 0.0]]; it must be two or more": lambda: dem.Polygon([[0, 0.0]], 1e-4),
     "solids[0] has a radius of 0.0001 m; it must be more than 0.0002 m": lambda: dem.Scene(
         dem.Disc([R]), solids=dem.Solid(dem.plate(4e-3, 0.2e-3), (0, 0))
-    ),
-    "solids[1] is 0.001 m inside solids[0]": lambda: dem.Scene(
-        dem.Disc([R]), solids=[dem.Cylinder(2e-3, (0, 0)), dem.Cylinder(2e-3, (1e-3, 0))]
-    ),
-    "solids[0] is 0.0005 m inside wall 0": lambda: dem.Scene(
-        dem.Disc([R]), walls=[[0, -1, 0]], solids=dem.Cylinder(2e-3, (0, 0.5e-3))
     ),
     "solids[0] is a Ellipse; among granules of Superellipse it must be round": lambda: dem.Scene(
         dem.Superellipse([R], [R], [0.2 * R]),
         solids=dem.Solid(dem.Ellipse([2e-3], [1e-3]), (0, 0)),
     ),
     "Turn.inertia is 0.0; it must be positive": lambda: dem.Turn(0.0),
-    "species must tell which granule is of which": lambda: dem.Scene(dem.Disc([R]), [GLASS, STEEL]),
+    "species must be the number of the material of each of the 1 granules, below 2": lambda: (
+        dem.Scene(dem.Disc([R]), [GLASS, STEEL])
+    ),
     "Friction.granule has 2 rows; it must have one for each of the 1 materials": lambda: dem.Scene(
         dem.Disc([R]), friction=dem.Friction([[0.1, 0.2], [0.2, 0.3]])
     ),
     "it must be symmetric": lambda: dem.Friction([[0.1, 0.2], [0.3, 0.3]]),
-    "Solid.spin is 1 rad/s; it must be left out, because its path has one": lambda: dem.Cylinder(
-        R, (0, 0), dem.PrescribedMotion([0.0], [[0.0, 0.0]], [1.0]), 1.0
-    ),
 }
 
 

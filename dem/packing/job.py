@@ -9,7 +9,7 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.files import atomic, check_output
-from dem.dynamics.checkpoint import fingerprint, read, replaced, written
+from dem.dynamics.checkpoint import fingerprint, replaced, written
 from dem.dynamics.world import World
 
 SAVED_EVERY = 60.0  # s between two times that a bed is kept
@@ -62,7 +62,7 @@ class Job:
             return
         try:
             with np.load(self.path) as file:
-                saved = read(file)
+                saved = dict(file)
             if not np.array_equal(saved["bed"], self._bed):
                 raise InputError("it is of another bed")
         except Exception as error:
@@ -87,7 +87,7 @@ class Job:
         alone = world.force is world.constituent_force
         world = replaced(world, saved, "world")
         if alone:  # one array where a granule is its own only constituent
-            world = world._replace(force=world.constituent_force)
+            world = world._replace(constituents=world.bodies, force=world.constituent_force)
         return world, saved["memory"], int(saved["left"])
 
     def reached(self, done: int, net_force: float, **arrays: Any) -> None:

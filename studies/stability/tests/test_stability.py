@@ -9,7 +9,7 @@ import yaml
 from test_collision import APART
 
 import dem
-from dem.dynamics.checkpoint import writable
+from dem.dynamics.checkpoint import copied
 from dem.sweep.config import load
 from dem.sweep.state import SweepState
 from studies.stability import catalogue, linear, results
@@ -55,7 +55,7 @@ def test_friction_beyond_the_cap_is_seen(small_bed):
 def test_pairs_that_are_not_listed_are_counted(small_bed):
     """A bed's list is complete; a granule put onto another without a new list is missed."""
     small = small_bed("disc")
-    world = writable(dem.Simulation(small.scene(), small.state).world)
+    world = copied(dem.Simulation(small.scene(), small.state).world)
     assert unlisted(world) == 0
     far = np.linalg.norm(world.bodies[:, :2] - world.bodies[0, :2], axis=1).argmax()
     world.bodies[0, :2] = world.bodies[far, :2]

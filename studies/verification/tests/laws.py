@@ -45,8 +45,8 @@ LAWS = (
     Mutant(
         "contacts/response.py",
         "half of friction",
-        "limit = friction[0, p] * normal",
-        "limit = 0.5 * friction[0, p] * normal",
+        "limit, stiffness = friction[0, p] * normal",
+        "limit, stiffness = 0.5 * friction[0, p] * normal",
         "rolling",
     ),
     Mutant(
