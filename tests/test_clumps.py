@@ -105,12 +105,6 @@ def test_what_is_no_list_of_discs_is_refused(discs):
 # Motion
 
 
-def test_a_clump_that_lost_a_disc_is_refused():
-    clumps = dem.Clump([TRIMER, TRIMER])
-    with pytest.raises(InputError, match="Clump has discs of no granule"):
-        dem.Scene(clumps._replace(discs=clumps.discs[:-1]))
-
-
 def test_a_clump_in_free_fall_turns_about_its_centre_of_mass():
     shape = dem.Clump([1e-3 * TRIMER])
     scene = dem.Scene(shape, friction=dem.Friction(), gravity=(0.0, -9.81))

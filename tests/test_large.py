@@ -12,7 +12,6 @@ from dem.dynamics.assembly import order_of
 from dem.dynamics.stepping import diagnose_together
 from dem.dynamics.threads import Threads
 from dem.dynamics.world import PATCH
-from dem.packing.tiling import tiled
 from dem.shapes import KINDS
 
 PITCH = 1e-3  # m
@@ -164,26 +163,3 @@ def test_the_order_of_memory_is_compact():
     assert step > 20.0 * PITCH
     step = np.linalg.norm(np.diff(state.position[order], axis=0), axis=1).mean()
     assert step < 2.5 * PITCH
-
-
-def test_tiles_keep_the_way_contacts_are_found():
-    """Of an ellipse, the sizes are repeated and nothing else."""
-    shape = dem.Ellipse.of_size(np.full(3, 1e-3), 1.25)
-    bed = dem.Bed(np.full((3, 2), 1e-3), np.arange(3.0), 2e-3, 2e-3, 0.0, 0.0, 0.0, 0.0)
-    large, state, *_ = tiled(shape, bed, 2, 2)
-    assert large.contact == shape.contact and len(large.semi_minor) == len(state.position) == 12
-    assert_array_equal(state.angle[3:6], -np.arange(3.0))
-
-
-@pytest.mark.parametrize("tiles", [(2, 1), (3, 2)])
-def test_tiles_of_a_bed_at_rest_are_at_rest(tiles):
-    """Where mirror images meet, a granule feels what it felt from the wall."""
-    sizes = np.random.default_rng(5).uniform(0.8e-3, 1.2e-3, 40)
-    height = dem.Disc.of_size(sizes).area.sum() / 0.86 / 6e-3
-    bed = dem.pack(dem.Disc.of_size(sizes), 6e-3, height, None, 1)
-    shape, state, wide, high = tiled(dem.Disc.of_size(sizes), bed, *tiles)
-    scene = dem.Scene(shape, friction=dem.Friction(), walls=dem.box(wide, high))
-    world = dem.Simulation(scene, state).world
-    typical = np.abs(world.pairs.stiffness).mean() * (bed.max_overlap * 5e-4) ** 1.5
-    assert bed.coordination_number > 3.0
-    assert np.abs(world.force[:, :2]).max() < 1e-5 * typical

@@ -154,7 +154,7 @@ def test_beds_are_as_slow_as_they_are_near_random_close_packing():
     assert expected_iterations(100_000, 0.84) > 10 * expected_iterations(100_000, 0.82)
     job = Job()
     at_a_fraction(job)
-    assert 1 / 3 < job.iterations / expected_iterations(GRANULES, 0.86) < 3
+    assert 1 / 3 < job.stage["iterations"] / expected_iterations(GRANULES, 0.86) < 3
 
 
 def test_a_dry_run_counts_beds_and_no_more_processes_than_runs(tmp_path, monkeypatch):

@@ -112,7 +112,10 @@ CONE = {
     "slope": lambda law, stiffness, measured: 2.0 * stiffness * measured,
 }
 BROKEN = {
-    "sign": ({"force": lambda law, k, d, m: -k * d**2}, "force is -.* N; it must be above 0"),
+    "sign": (
+        {"force": lambda law, k, d, m: -k * d**2},
+        "force does not grow with the overlap beyond 1e-09 m",
+    ),
     "touch": ({"measure": lambda law, d, length: d + 1e-9}, "measure is 1e-09 at an overlap"),
     "depth": ({"force": lambda law, k, d, m: k * d**2 * (1 - 2.5e3 * d)}, "force does not grow"),
     "jump": (

@@ -90,8 +90,8 @@ def test_thickness_is_the_mean_volume_diameter_unless_it_is_given():
 def test_words_choose_how_ellipses_meet(make):
     """Texts stop at the class; the kernels get types, and scenes, pickles and changes keep them."""
     default, other = make(), make(contact="geometric_potential", hertz_radius="local")
-    assert (default.contact, default.local_curvature) == (dem.CommonNormal(), None)
-    assert (other.contact, other.local_curvature) == (dem.GeometricPotential(), True)
+    assert (default.contact, default.hertz_radius) == (dem.CommonNormal(), None)
+    assert (other.contact, other.hertz_radius) == (dem.GeometricPotential(), True)
     assert make(contact="common_normal", hertz_radius="volume")[2:] == default[2:]
     assert make(contact=dem.CommonNormal(1e-6)).contact.tolerance == 1e-6
     assert type(other)(*other)[2:] == other[2:]  # as compiled code makes it

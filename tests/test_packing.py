@@ -17,7 +17,7 @@ from conftest import CONFIG, STIFF, make_small_bed
 from dem.contacts.force_law import effective_modulus
 from dem.experiment.bed import make_bed
 from dem.io.dataset import read
-from dem.packing.compaction import Press, compact
+from dem.packing.compaction import Press
 from dem.packing.random import Room, dilute_start
 from dem.packing.swelling import _moved
 from dem.shapes import KINDS
@@ -204,10 +204,10 @@ def test_bed_packed_with_friction_jams_sooner(kind="disc"):
     """At the same packing fraction friction leaves more pressure in a bed, which is at rest too."""
     small = make_small_bed(kind)
     room = Room(small.bed.width, small.bed.height, (small.cylinder,), 1)
-    rough = compact(small.shape, room, friction=0.5)
+    rough = Press(small.shape, room, 0.5).bed()
     assert rough.pressure > small.bed.pressure
     assert rough.net_force <= 1e-4
-    same = compact(small.shape, room, friction=0.5)
+    same = Press(small.shape, room, 0.5).bed()
     assert np.array_equal(rough.position, same.position)
     assert not np.array_equal(rough.position, small.bed.position)
 

@@ -20,7 +20,7 @@ from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.experiment.config import of_values, parse
 from dem.experiment.observables import flow as measures
 from dem.figures.bed import shifts
-from dem.packing.compaction import compact
+from dem.packing.compaction import Press
 from dem.packing.random import SOFT as UNIT
 from dem.packing.random import Room
 from dem.shapes import KINDS
@@ -416,9 +416,8 @@ def test_the_pressure_of_a_bed_is_the_energy_that_its_box_gives():
 
 def test_a_bed_that_is_pressed_with_friction_is_looser_in_contacts_and_at_rest():
     shape, bed = packed("xy", AWAY)
-    rough = compact(
-        shape, Room(bed.width, bed.height, (dem.Cylinder(0.3e-3, (1e-3, 1e-3)),), 1, "xy"), 0.5
-    )
+    room = Room(bed.width, bed.height, (dem.Cylinder(0.3e-3, (1e-3, 1e-3)),), 1, "xy")
+    rough = Press(shape, room, 0.5).bed()
     assert rough.periodic == bed.periodic and rough.walls is None
     assert rough.net_force < 2e-4 and rough.pressure > 0.0
 

@@ -196,7 +196,7 @@ class Granules:
             area, gyration_squared = shape.area, shape.gyration_squared
         elif isinstance(shape, dem.Ellipse):
             self.a, self.b = shape.semi_major, shape.semi_minor
-            self.radius, self.local = np.sqrt(self.a * self.b), shape.local_curvature
+            self.radius, self.local = np.sqrt(self.a * self.b), shape.hertz_radius
             area, gyration_squared = np.pi * self.a * self.b, (self.a**2 + self.b**2) / 4.0
             self.reach = self.a
         else:

@@ -19,9 +19,9 @@ from dem.experiment.box import (
 )
 from dem.experiment.run import Replicate
 from dem.motion import Turn
-from dem.packing.compaction import START, compact
+from dem.packing.compaction import START, Press
 from dem.packing.constant_pressure import pack_under
-from dem.packing.job import Job, ignored
+from dem.packing.job import Job
 from dem.packing.random import Bed, Room, relaxed
 from dem.packing.settling import settle
 from dem.packing.swelling import grown
@@ -121,7 +121,7 @@ def room_of(replicate: Replicate) -> tuple:
     return shaped(replicate, diameters), room
 
 
-def make_bed(replicate: Replicate, checkpoint: Path | None = None, report=ignored) -> Bed:
+def make_bed(replicate: Replicate, checkpoint: Path | None = None, report=None) -> Bed:
     """Pack the bed; ellipses always by common normal, which alone has an energy to minimise.
 
     Under a pressure the top wall comes down on a loose bed; under gravity granules of a loose bed
@@ -139,9 +139,9 @@ def make_bed(replicate: Replicate, checkpoint: Path | None = None, report=ignore
         )
     if pressure is None:
         prepare = PREPARATIONS[c.packing.preparation]
-        return (
-            compact(shape, room, friction, prepare, job) if friction else prepare(shape, room, job)
-        )
+        if friction:
+            return Press(shape, room, friction, prepare, job).bed()
+        return prepare(shape, room, job)
     loose = room._replace(height=room.height * NOMINAL / START)
     load = pressure * thickness(replicate) / modulus(replicate)
     bed = pack_under(shape, loose, load, job)

@@ -12,7 +12,7 @@ from dem.base.errors import InputError
 from dem.base.plugins import find, load
 
 HOW = "docs/howto/law.md"
-LAWS = {name: own["LAW"] for name, own in described(Path(__file__).parent, "LAW").items()}
+LAWS = {name: table["LAW"] for name, table in described(Path(__file__).parent, "LAW").items()}
 
 
 def file_of(name: str, beside: str | None = None) -> Path:

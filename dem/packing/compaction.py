@@ -6,22 +6,19 @@ which a bed jams. Contacts lose their memory of friction between steps, and befo
 """
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from dem.base.errors import PackingError
-from dem.dynamics.contact_list import ContactList, list_contacts
+from dem.dynamics.contact_list import list_contacts
 from dem.dynamics.simulation import Simulation
 from dem.material import Friction
 from dem.packing.job import Job
-from dem.packing.minimise import Minimum, minimise
-from dem.packing.random import Bed, Room, finished, pressure_of, relaxed
+from dem.packing.minimise import minimise
+from dem.packing.random import finished, pressure_of, relaxed
 from dem.packing.swelling import COARSE_STEP, DAMPED, greatest_force
 from dem.scene import State
 
-Preparation = Callable[[Any, Room, Job], Bed]  # relaxed or grown
 START = 0.74  # packing fraction of the bed before it is pressed: no shape jams there
 STEP = 0.005  # of the packing fraction, at most, between two rests
 RESTING = 1e-5  # E* R^2: a bed is at rest when no granule feels a greater net force
@@ -31,43 +28,15 @@ PIECE = 10.0  # sqrt(m / (E* R)): one piece of damped motion
 PIECES = 80  # of damped motion, at most, after a step
 
 
-def compact(
-    shape: Any,
-    room: Room,
-    friction: float,
-    prepare: Preparation = relaxed,
-    job: Job | None = None,
-) -> Bed:
-    """A bed packed with friction, otherwise as dem.pack makes it. Raises PackingError.
-
-    The packing fraction at which it jams depends on how it is pressed.
-    """
-    press = Press(shape, room, friction, prepare, job)
-    press.press(press.full)
-    if not press.net_force <= MOVING:
-        raise PackingError(
-            f"{room.name(press.granules())} is not at rest after it was pressed with friction "
-            f"{friction:g}: net force {press.net_force:.2g} E* R^2."
-        )
-    return finished(press.granules(), room, press.minimised(0, RESTING), press.net_force)
-
-
 class Press:
     """A bed in a room whose granules grow up to those of `shape`.
 
     full: packing fraction when they have grown; fraction: as they are; friction: Coulomb's
-    coefficient of all contacts while they grow; prepare: makes the bed that is pressed, and job is
-    its. Raises PackingError as that does.
+    coefficient of all contacts while they grow; prepare: makes the bed that is pressed, as
+    `relaxed` does, and job is its. Raises PackingError as that does.
     """
 
-    def __init__(
-        self,
-        shape: Any,
-        room: Room,
-        friction: float = 0.0,
-        prepare: Preparation = relaxed,
-        job: Job | None = None,
-    ) -> None:
+    def __init__(self, shape, room, friction=0.0, prepare=relaxed, job=None):
         job = job or Job()
         self.threads = job.threads
         self.shape, self.room, self.friction = shape, room, friction
@@ -77,16 +46,29 @@ class Press:
         bed = prepare(self.granules(), room, job)
         self.state, self.pressure, self.net_force = bed.state, bed.pressure, bed.net_force
 
-    def granules(self) -> Any:
+    def granules(self):
         """The granules as they are."""
         return self.shape.scaled(math.sqrt(self.fraction / self.full))
 
-    def minimised(self, iterations: int, resting: float) -> Minimum:
+    def minimised(self, iterations, resting):
         """The bed as it is without friction, minimised to a net force of `resting` (E* R^2)."""
         scene, job = self.room.scene(self.granules()), Job(self.threads)
         return minimise(scene, self.state, iterations, resting * self.unit, job)
 
-    def press(self, fraction: float, resting: float = RESTING, patience: int = PATIENCE) -> float:
+    def bed(self):
+        """The Bed of full-sized granules packed with friction. Raises PackingError.
+
+        The packing fraction at which it jams depends on how it is pressed.
+        """
+        self.press(self.full)
+        if not self.net_force <= MOVING:
+            raise PackingError(
+                f"{self.room.name(self.granules())} is not at rest after it was pressed with "
+                f"friction {self.friction:g}: net force {self.net_force:.2g} E* R^2."
+            )
+        return finished(self.granules(), self.room, self.minimised(0, RESTING), self.net_force)
+
+    def press(self, fraction, resting=RESTING, patience=PATIENCE):
         """Grow the granules to a packing fraction; returns `pressure`, the mean normal stress on
         the walls, or of the contacts without walls, as Bed.pressure.
 
@@ -104,12 +86,12 @@ class Press:
                 self.pressure = pressure_of(bed.world, self.room)
         return self.pressure
 
-    def contacts(self) -> ContactList:
+    def contacts(self):
         """Contacts of the bed as it is, without friction."""
         bed = self.minimised(0, RESTING)
         return list_contacts(bed.world, bed.order)
 
-    def _damp(self, resting: float) -> None:
+    def _damp(self, resting):
         friction = Friction(self.friction, self.friction, self.friction)
         scene = self.room.scene(self.granules(), DAMPED, friction)
         run = Simulation(scene, self.state, step_fraction=COARSE_STEP, threads=self.threads)

@@ -6,16 +6,13 @@ to the power of 2/3 is nearly linear in the height under Hertz's law (see
 dem.experiment.kinds.jamming), so a secant finds the height.
 """
 
-from typing import Any
-
 import numpy as np
 
 from dem.base.errors import PackingError
 from dem.dynamics.world import PATCH
 from dem.packing.cost import LONGEST
-from dem.packing.job import Job
 from dem.packing.minimise import minimise
-from dem.packing.random import Bed, Room, finished, relaxed
+from dem.packing.random import finished, relaxed
 from dem.scene import State
 
 STEP = 0.01  # of the height, at most, between two rests
@@ -27,19 +24,17 @@ PATIENCE = 20_000  # iterations between two steps
 RESTING, RESTING_OF_LARGE = 1e-4, 3e-3
 
 
-def pack_under(shape: Any, room: Room, pressure: float, job: Job | None = None) -> Bed:
+def pack_under(shape, room, pressure, job):
     """A bed at rest whose top wall bears a pressure, to one part in a thousand.
 
     The height of the room is that of the box in which the bed is loose, before its top wall comes
     down; pressure: that force on the top wall over width and Room.modulus. Solids stay where they
     are; otherwise as dem.pack. Raises PackingError as dem.pack does, and where no height is found.
     """
-    job = job or Job()
     power = 1.0 / room.law.power
     resting = RESTING if len(shape.area) <= PATCH else RESTING_OF_LARGE
     near = resting * pressure * room.modulus * 2.0 * shape.constituent_radius.mean()
-    seen: list[tuple[float, float]] = []  # heights (m), pressure over what is asked, to the power
-    met = False
+    seen, met = [], False  # heights (m), pressure over what is asked, to the power
     if "height" in job.stage:  # of a bed that was stopped; the job has the places of its granules
         seen, met = [(h, p) for h, p in job.stage["seen"]], bool(job.stage["met"])
         room = room._replace(height=float(job.stage["height"]))
@@ -70,7 +65,7 @@ def pack_under(shape: Any, room: Room, pressure: float, job: Job | None = None) 
     )
 
 
-def _next(seen: list[tuple[float, float]]) -> float:
+def _next(seen):
     """Height (m) to look at next, by a secant, at most STEP from the last one.
 
     The other point of the secant is the last one that bore too much where this one bears too

@@ -26,7 +26,7 @@ ITERATIONS = (
 START, ITERATION = 65e-6, 30e-9  # s of a usual processor: a granule, and an iteration of it
 
 
-def expected_iterations(granules: int, fraction: float | None) -> float:
+def expected_iterations(granules, fraction):
     """Iterations of a bed of discs, about half or twice; fraction: None under a pressure."""
     fractions, factors, powers = np.transpose(ITERATIONS)
     logs = np.log(factors) + powers * math.log(granules)
@@ -34,26 +34,24 @@ def expected_iterations(granules: int, fraction: float | None) -> float:
     return times * math.exp(np.interp(fraction, fractions, logs))
 
 
-def most_iterations(granules: int, fraction: float) -> int:
+def most_iterations(granules, fraction):
     """Iterations of the last relaxation, after which a bed that is not at rest is given up."""
     return max(LONGEST, round(PATIENT * expected_iterations(granules, fraction)))
 
 
-def progress(
-    granules: int, fraction: float, iterations: int, net_force: float
-) -> tuple[float, str]:
+def progress(granules, fraction, iterations, net_force):
     """The share of a bed that is probably done, and what is said of it."""
     expected = expected_iterations(granules, fraction)
     words = f"{iterations:,} of about {expected:,.0f} iterations, net force {net_force:.1g} E* R^2"
     return min(iterations / expected, 0.99), words
 
 
-def packing_time(granules: int, fraction: float | None) -> float:
+def packing_time(granules, fraction):
     """Processor time (s) of a bed of discs."""
     return granules * (START + ITERATION * expected_iterations(granules, fraction))
 
 
-def near_jamming(granules: int, fraction: float) -> str | None:
+def near_jamming(granules, fraction):
     """What to ask for instead of a large bed of discs near random close packing; else None."""
     if granules < LARGE or abs(fraction - CLOSE_PACKING) > NEAR:
         return None

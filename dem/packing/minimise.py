@@ -18,6 +18,7 @@ import numpy as np
 
 from dem.base.errors import PackingError
 from dem.dynamics.assembly import SKIN_OF_PACKING, assemble, granule_table, order_of, ordered
+from dem.dynamics.checkpoint import replaced
 from dem.dynamics.contact_list import contact_summary, list_contacts
 from dem.dynamics.diagnostics import critical_step
 from dem.dynamics.forces import (
@@ -38,7 +39,7 @@ from dem.jit.compilation import compiled, inlined
 from dem.jit.interrupts import signals_deferred
 from dem.laws.protocol import stiffest
 from dem.packing.job import Job
-from dem.scene import Scene, State
+from dem.scene import State
 from dem.shapes.protocol import collect, place
 from dem.shapes.rotation import rotate
 
@@ -136,10 +137,10 @@ def move(world, alpha, factor, dt, patch):
 @inlined
 def total(sums, column):
     """The sum over all patches, in one order for any number of threads."""
-    found = 0.0
+    result = 0.0
     for patch in range(sums.shape[0]):
-        found += sums[patch, column]
-    return found
+        result += sums[patch, column]
+    return result
 
 
 @inlined
@@ -335,9 +336,7 @@ class Minimum(NamedTuple):
         return State(self.world.bodies[back, :2], angle=self.world.angle[back])
 
 
-def minimise(
-    scene: Scene, state: State, iterations: int, enough: float | None = None, job: Job | None = None
-) -> Minimum:
+def minimise(scene, state, iterations, enough=None, job=None):
     """Minimise until no net force exceeds `enough` (N), or in so many iterations.
 
     Without `enough`, until the bed is at rest: REST, in a bed of several patches SHARE_OF_CONTACT
@@ -346,11 +345,18 @@ def minimise(
     iterations. Raises PackingError if a position becomes infinite.
     """
     job = job or Job()
-    order, state = job.order(lambda: order_of(scene, state)), state.checked(scene.granules)
+    stopped, order, state = job.stopped(), order_of(scene, state), state.checked(scene.granules)
+    if stopped:
+        order = stopped["order"]
     if scene.granules > PATCH:
         scene, state = ordered(scene, state, order)
     table = granule_table(scene, SKIN_OF_PACKING)
-    world, memory, left = job.take_up(assemble(scene, state, table), np.zeros(4), iterations)
+    world, memory, left = assemble(scene, state, table), np.zeros(4), iterations
+    if stopped:
+        world, memory = replaced(world, stopped, "world"), stopped["memory"]
+        left = int(stopped["left"])
+        if table.alone:  # a granule is its own only constituent: one array for both
+            world = world._replace(constituents=world.bodies, force=world.constituent_force)
     radius, modulus = table.radius.mean(), table.modulus
     unit, large = scene.law.scale(modulus, radius) * radius, scene.granules > PATCH
     least = 0.02 * radius

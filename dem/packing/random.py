@@ -8,6 +8,7 @@ on the geometry, the law of contacts and the seed: moduli and masses cancel.
 
 import math
 from dataclasses import replace
+from itertools import product
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -143,12 +144,6 @@ class Room(NamedTuple):
         """Periods (x, y) in m, as `Scene` takes them."""
         return periods_of(self.width, self.height, self.periodic)
 
-    @property
-    def wall_length(self) -> float:
-        """Length (m) of all walls."""
-        x, y = SIDES[self.periodic]
-        return 2.0 * ((0.0 if y else self.width) + (0.0 if x else self.height))
-
     def scene(
         self, shape: Any, material: Material = SOFT, friction: Friction | None = None
     ) -> Scene:
@@ -173,59 +168,38 @@ class Room(NamedTuple):
         away = nearest_image(position - solid.position, self.periods)
         return solid.depth(away @ np.array([[c, -s], [s, c]]))
 
-    def bed(self, state: State, **measured: float) -> Bed:
-        """The Bed with granules in a State, and what is measured of it."""
-        return Bed(
-            wrapped(state.position, self.periods),
-            np.mod(state.angle, 2.0 * np.pi),
-            self.width,
-            self.height,
-            **measured,
-            periodic=self.periods,
-        )
-
     def name(self, shape: Any) -> str:
         """Name of a bed in an error message."""
         return f"the bed at packing fraction {shape.area.sum() / self.area:.4g} (seed {self.seed})"
-
-
-def _meets(solid: Solid, place: np.ndarray, radius: float, room: Room) -> bool:
-    """Whether a circle of a radius (m) at a place (m) meets a solid."""
-    away = nearest_image(place - solid.position, room.periods)
-    if not math.hypot(*away) < radius + solid.radius:
-        return False
-    return solid.is_round or bool(room.depth(solid, place[None])[0] > -radius)
 
 
 def scatter(shape: Any, room: Room, rng: np.random.Generator) -> np.ndarray:
     """Random sequential addition of the bounding circles: positions (n, 2) in m.
 
     A grid finds the neighbours, so that the work is proportional to the number of granules. Its
-    squares are at least as wide as the largest circle.
+    squares are at least as wide as the largest circle, and the first ones follow the last ones.
     """
     radius, side, periodic = shape.bounding_radius, room.size, room.periods
     turns = np.array(SIDES[room.periodic])
     size = max(2.0 * radius.max(), math.sqrt(room.width * room.height / len(radius)))
-    count = np.where(turns, np.maximum(side // size, 1.0), np.inf)  # squares that make a period
-    sizes = np.where(turns, side / count, size)
+    count = np.maximum(side // size, 1.0)  # of squares along each side
     grid: dict[tuple[float, float], list[int]] = {}
     position = np.empty((len(radius), 2))
     for i, r in enumerate(radius):
         for _ in range(1000):
             trial = np.where(turns, 0.0, r) + np.where(turns, side, side - 2.0 * r) * rng.random(2)
-            column, row = trial // sizes
-            if any(_meets(solid, trial, r, room) for solid in room.solids):
+            column, row = trial * count // side
+            if any(room.depth(solid, trial[None])[0] > -r for solid in room.solids):
                 continue
             around = {
-                (c % count[0], k % count[1])
-                for c in (column - 1.0, column, column + 1.0)
-                for k in (row - 1.0, row, row + 1.0)
+                ((column + x) % count[0], (row + y) % count[1])
+                for x, y in product((-1.0, 0.0, 1.0), repeat=2)
             }
             near = [j for square in around for j in grid.get(square, ())]
             gap = nearest_image(position[near] - trial, periodic)
             if (np.einsum("ij,ij->i", gap, gap) >= (r + radius[near]) ** 2).all():
                 position[i] = trial
-                grid.setdefault((column % count[0], row % count[1]), []).append(i)
+                grid.setdefault((column, row), []).append(i)
                 break
         else:
             raise PackingError(
@@ -393,33 +367,29 @@ def finished(shape: Any, room: Room, bed: Minimum, net_force: float | None = Non
             f"{bed.max_overlap:.2g} of the smaller radius, at most {DEEPEST:g} is allowed: ask "
             "for a lower packing fraction."
         )
-    return room.bed(
-        bed.state,
-        net_force=bed.net_force / room.unit(shape) if net_force is None else net_force,
-        pressure=pressure_of(bed.world, room),
-        coordination_number=2.0 * bed.touching / len(position),
-        max_overlap=bed.max_overlap,
+    return Bed(
+        position,
+        np.mod(bed.state.angle, 2.0 * np.pi),
+        room.width,
+        room.height,
+        bed.net_force / room.unit(shape) if net_force is None else net_force,
+        pressure_of(bed.world, room),
+        2.0 * bed.touching / len(position),
+        bed.max_overlap,
+        room.periods,
     )
 
 
 def pressure_of(world: World, room: Room) -> float:
     """Pressure of a soft Bed."""
-    walls = len(world.walls.boundary)
-    if not walls:
-        stress = mean_stress(world, room.periods, room.width * room.height)
-    else:
-        stress = float(world.boundaries.contact_forces[:walls, 0].sum()) / room.wall_length
-    return float(stress / room.modulus)
-
-
-def mean_stress(world: World, periodic: Periods, area: float) -> float:
-    """Mean normal stress (N/m: times the thickness) in an area (m2) without walls.
-
-    Half the sum over contacts of force times the branch from centre to centre, over the area.
-    """
+    walls, periodic = len(world.walls.boundary), SIDES[room.periodic]
+    if walls:
+        length = 2.0 * (room.size * ~np.array(periodic)[::-1]).sum()
+        return float(world.boundaries.contact_forces[:walls, 0].sum() / length / room.modulus)
+    # Half the sum over contacts of force times the branch from centre to centre, over the area
     contacts = list_contacts(world, np.arange(len(world.bodies)))
     # without walls the numbers of solids as partners are -1, -2 and so on
     place = np.vstack([world.bodies, world.boundaries.motion[::-1]])[:, [X, Y]]
-    branch = nearest_image(place[contacts.partner] - place[contacts.granule], periodic)
+    branch = nearest_image(place[contacts.partner] - place[contacts.granule], room.periods)
     work = contacts.force * (contacts.normal * branch).sum(axis=1)
-    return float(work.sum()) / (2.0 * area)
+    return float(work.sum() / (2.0 * (room.width * room.height)) / room.modulus)

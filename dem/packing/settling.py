@@ -6,31 +6,22 @@ run (dem.dynamics.simulation) with their own masses and stiffness. The box is hi
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from dem.base.errors import OverlapError, PackingError, StateError
 from dem.dynamics.assembly import modulus
 from dem.dynamics.simulation import Simulation
-from dem.material import Friction, Material
-from dem.packing.job import Job
-from dem.packing.random import Bed, Room, relaxed
+from dem.material import Friction
+from dem.packing.minimise import minimise
+from dem.packing.random import finished, relaxed
 
 PIECE = 3.0  # sqrt(diameter / gravity) between two looks
 PIECES = 200  # at most
 STILL = 1e-6  # of weight times diameter: mean kinetic energy of granules at rest
 
 
-def settle(
-    shape: Any,
-    room: Room,
-    materials: tuple[Material, ...],
-    friction: float,
-    gravity: float,
-    thickness: float,
-    job: Job,
-) -> Bed:
+def settle(shape, room, materials, friction, gravity, thickness, job):
     """A bed at rest under gravity (m/s2), with Coulomb's coefficient at all contacts while it settles.
 
     materials: those that Room.species numbers; thickness (m): of the granules out of the plane. Raises PackingError where they do not come to
@@ -40,33 +31,26 @@ def settle(
     real = {"material": materials, "gravity": (0.0, -gravity), "thickness": thickness}
     scene = replace(room.scene(shape, friction=rough), **real)
     diameter = 2.0 * float(shape.constituent_radius.mean())
-    enough = STILL * float(scene.mass.mean()) * gravity * diameter
+    enough = STILL * float(scene.mass.sum()) * gravity * diameter
     state = relaxed(shape, room, job).state
     try:
         run = Simulation(scene, state, threads=job.threads)
         for _ in range(PIECES):
             run.advance(PIECE * math.sqrt(diameter / gravity))
-            now = run.diagnose()
-            if now.kinetic_energy <= enough * scene.granules:
+            kinetic_energy = run.diagnose().kinetic_energy
+            if kinetic_energy <= enough:
                 break
         else:
             raise PackingError(
                 f"{room.name(shape)} is not at rest after {run.time:.3g} s under gravity: its kinetic "
-                f"energy is {now.kinetic_energy:.2g} J, asked for {enough * scene.granules:.2g} J."
+                f"energy is {kinetic_energy:.2g} J, asked for {enough:.2g} J."
             )
     except (OverlapError, StateError) as error:
         raise PackingError(
             f"{room.name(shape)} cannot be made: while it settled, {error}"
         ) from None
     stiffness = max(modulus(scene, material, material) for material in materials)
-    world, walls = run.world, len(scene.walls)
     unit = scene.law.scale(stiffness, 0.5 * diameter) * 0.5 * diameter
-    net_force = world.force[:, :2] + np.array(scene.gravity) / world.inverse_mass[:, None]
-    pushed = float(world.boundaries.contact_forces[:walls, 0].sum())
-    return room.bed(
-        run.state,
-        net_force=float(np.hypot(*net_force.T).max() / unit),
-        pressure=pushed / (room.wall_length * stiffness),
-        coordination_number=now.coordination_number,
-        max_overlap=now.max_overlap,
-    )
+    net_force = run.world.force[:, :2] + scene.gravity / run.world.inverse_mass[:, None]
+    net_force = float(np.hypot(*net_force.T).max() / unit)
+    return finished(shape, room, minimise(room.scene(shape), run.state, 0), net_force)

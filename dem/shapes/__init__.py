@@ -38,8 +38,8 @@ class Kind(NamedTuple):
 
 
 KINDS = {
-    name: Kind(Path(__file__).with_name(f"{name}.py"), own["SHAPE"], own.get("ASPECT_RATIO"))
-    for name, own in described(Path(__file__).parent, "SHAPE").items()
+    name: Kind(Path(__file__).with_name(f"{name}.py"), table["SHAPE"], table.get("ASPECT_RATIO"))
+    for name, table in described(Path(__file__).parent, "SHAPE").items()
 }
 
 
@@ -66,14 +66,14 @@ def kind_of(name: str, beside: str | None = None) -> Kind:
 def of_size(cls: type, diameters, *form):
     """Granules of a class with the areas of discs of these diameters (n,) in m; raises InputError
     where they have others. form: what else of_size of the class takes."""
-    granules, asked = cls.of_size(diameters, *form), 0.25 * math.pi * diameters**2
-    off = abs(granules.area / asked - 1.0)
+    granules, areas = cls.of_size(diameters, *form), 0.25 * math.pi * diameters**2
+    off = abs(granules.area / areas - 1.0)
     if not off.max() <= SAME:
         g = off.argmax()
         raise InputError(
             f"{cls.__name__}.of_size gives a granule of {granules.area[g]:.7g} m2 for a diameter of "
             f"{diameters[g]:g} m; "
-            f"it must have the area of that disc, {asked[g]:.7g} m2."
+            f"it must have the area of that disc, {areas[g]:.7g} m2."
         )
     return granules
 

@@ -4,7 +4,6 @@ The constituents are the discs, granule by granule: those of granule g are first
 Every contact is between discs. Mass is spread evenly over the union of the discs.
 """
 
-import math
 from itertools import chain
 from typing import Annotated, Any, NamedTuple, Self
 
@@ -21,13 +20,13 @@ SHAPE = "Clump"
 ROWS = array(None, 3, low=-MOST, high=MOST).func  # of a granule
 SAME = 1e-12  # over size: two circles are one
 SHORT = 1e-6  # rad: arcs that are not drawn
-MOST_ENTRIES = 2**22  # of an array in the search for arcs
 
 
 class _Fields(NamedTuple):
     discs: np.ndarray
     owner: np.ndarray
     first: np.ndarray
+    radii: np.ndarray
 
 
 class Clump(_Fields, Shape):
@@ -38,8 +37,8 @@ class Clump(_Fields, Shape):
     discs : sequence of array_like of shape (k, 3)
         One list of discs a granule: x, y and radius (m) of each, at angle zero. Where the origin
         is does not matter. The number k may differ.
-    owner, first : ndarray, optional
-        Fields of other clumps, without unit, which make them again; leave them out.
+    owner, first, radii : ndarray, optional
+        Fields of other clumps (SI units), which make them again; leave them out.
 
     Attributes
     ----------
@@ -49,6 +48,8 @@ class Clump(_Fields, Shape):
         Granule that each disc belongs to, without unit.
     first : ndarray of shape (n + 1,)
         The discs of granule g are first[g] to first[g + 1], without unit.
+    radii : ndarray of shape (n, 2)
+        Radius of the disc of equal area, and of gyration (m).
 
     Raises
     ------
@@ -84,14 +85,10 @@ class Clump(_Fields, Shape):
 
     __slots__ = ()
 
-    def __new__(cls, discs: Any, owner: Any = None, first: Any = None) -> Self:
-        if first is not None:  # compiled code that returns clumps makes them of their fields
-            return super().__new__(cls, discs, owner, first)
-        clumps = _of_granules(cls, _granules(discs))
-        place = clumps.discs[:, :2]
-        place -= place[clumps.first[clumps.owner]]  # near zero, where integrals lose no digits
-        place -= np.take(_moments(clumps)[1], clumps.owner, axis=0)
-        return clumps
+    def __new__(cls, discs: Any, owner: Any = None, first: Any = None, radii: Any = None) -> Self:
+        if radii is not None:  # compiled code that returns clumps makes them of their fields
+            return super().__new__(cls, discs, owner, first, radii)
+        return _joined(cls, *zip(*map(_centred, _lists(discs)), strict=True))
 
     @classmethod
     @checked
@@ -115,32 +112,26 @@ class Clump(_Fields, Shape):
         InputError
             If an argument is not in its range.
         """
-        diameter, one = np.asarray(diameter), cls([discs])
-        factor = 0.5 * diameter / math.sqrt(one.area[0] / math.pi)
-        many = one.take(np.zeros(len(diameter), int))
+        one = cls([discs])
+        factor = 0.5 * np.asarray(diameter) / one.radii[0, 0]
+        many = one.take(np.zeros(len(factor), int))
         many.discs[:] *= factor[many.owner, None]
+        many.radii[:] *= factor[:, None]
         return many
-
-    @property
-    def fault(self) -> str | None:
-        """What is wrong with fields that were replaced, as a sentence."""
-        counts = np.diff(self.first)
-        fits = np.array_equal(self.owner, np.repeat(np.arange(len(counts)), counts))
-        if fits and len(self.discs) == len(self.owner) and (self.discs[:, 2] > 0.0).all():
-            return None
-        return "Clump has discs of no granule, or of no radius; make it of lists of discs."
 
     def take(self, numbers: np.ndarray) -> Self:
         """The granules of these numbers, in this order."""
-        granules = self._each
-        return _of_granules(type(self), [granules[number] for number in numbers])
+        granules = self._granules
+        return _joined(type(self), [granules[g] for g in numbers], self.radii[numbers])
 
     def appended(self, *others: Self) -> Self:
         """These granules, then those of others."""
-        return _of_granules(type(self), chain(self._each, *(each._each for each in others)))
+        every = self, *others
+        granules = chain(*(clumps._granules for clumps in every))
+        return _joined(type(self), granules, np.concatenate([clumps.radii for clumps in every]))
 
     @property
-    def _each(self) -> list[np.ndarray]:
+    def _granules(self) -> list[np.ndarray]:
         """Discs (k, 3) of each granule."""
         return np.split(self.discs, self.first[1:-1])
 
@@ -151,12 +142,12 @@ class Clump(_Fields, Shape):
     @property
     def area(self) -> np.ndarray:
         """Area (n,) in m2 of the union of the discs."""
-        return _moments(self)[0]
+        return np.pi * self.radii[:, 0] ** 2
 
     @property
     def gyration_squared(self) -> np.ndarray:
         """Squared radius of gyration (n,) in m2: moment of inertia over mass, of the union."""
-        return _moments(self)[2]
+        return self.radii[:, 1] ** 2
 
     @property
     def bounding_radius(self) -> np.ndarray:
@@ -198,15 +189,13 @@ class Clump(_Fields, Shape):
         InputError
             If `points` is not a whole number from 2.
         """
-        union, *arcs = _arcs(self)
-        parts = np.split(np.array(arcs), np.searchsorted(union, np.arange(1, len(self.area))), 1)
-        rings = [_ring(*part, points) for part in parts]
+        rings = [_ring(discs, points) for discs in self._granules]
         longest = 1 + max(map(len, rings))
         closed = np.array([[np.pad(r, (0, longest - len(r)), constant_values=r[0])] for r in rings])
         return np.stack([closed.real, closed.imag], axis=-1)
 
 
-def _granules(value) -> list[np.ndarray]:
+def _lists(value) -> list[np.ndarray]:
     """Discs (k, 3) of each granule; raises InputError."""
     try:
         granules = [ROWS(discs) for discs in value]
@@ -219,73 +208,62 @@ def _granules(value) -> list[np.ndarray]:
     return granules
 
 
-def _of_granules(cls, granules):
-    """Clumps of the discs (k, 3) of each granule."""
+def _joined(cls, granules, radii):
+    """Clumps of the discs (k, 3) and the radii (2,) of each granule."""
     granules = list(granules)
     counts = [len(discs) for discs in granules]
     owner = np.repeat(np.arange(len(counts)), counts)
-    return cls(np.concatenate(granules), owner, np.cumsum([0, *counts]))
+    return cls(np.concatenate(granules), owner, np.cumsum([0, *counts]), np.array(radii))
 
 
-def _arcs(clumps):
-    """Arcs of outlines: granule, centre x + iy and radius (m), begin and end (rad), by granule."""
-    first, end = clumps.first[:-1, None], clumps.first[1:, None]
-    most, parts = int((end - first).max()), []
-    discs = clumps.discs[np.minimum(first + np.arange(most), end - 1)]  # of fewer, the last again
-    entries = 2 * len(discs) * most**3
-    for some in np.array_split(np.arange(len(discs)), -(-entries // MOST_ENTRIES)):
-        x, y, radius = np.moveaxis(discs[some], -1, 0)
-        centre = x + 1j * y
-        begin, end, free = _free_arcs(centre, radius)
-        g, i, _ = np.nonzero(free)
-        parts.append([some[g], centre[g, i], radius[g, i], begin[free], end[free]])
-    return [np.concatenate(column) for column in zip(*parts, strict=True)]
-
-
-def _free_arcs(centre, radius):
-    """Begin and end (rad) of arcs (m, k, 2 k) of m times k discs, and which no other disc holds."""
-    away = centre[:, None] - centre[:, :, None]  # from each disc to each
-    distance, own, other = abs(away), radius[:, :, None], radius[:, None]
+def _arcs(discs):
+    """Arcs of the outline of a union of discs: centre x + iy and radius (m), begin and end (rad)."""
+    x, y, radius = discs.T
+    centre, other = x + 1j * y, radius[:, None]
+    away = centre - centre[:, None]  # from each disc to each
+    distance = abs(away)
     with np.errstate(all="ignore"):  # 0/0 of a disc with itself
-        cosine = (distance**2 + own**2 - other**2) / (2.0 * distance * own)
+        cosine = (distance**2 + other**2 - radius**2) / (2.0 * distance * other)
     half = np.arccos(np.clip(np.nan_to_num(cosine, nan=1.0), -1.0, 1.0))
     turn = np.angle(away)
-    begin = np.sort(np.concatenate([turn - half, turn + half], axis=-1) % (2.0 * np.pi), axis=-1)
-    end = np.concatenate([begin[..., 1:], begin[..., :1] + 2.0 * np.pi], axis=-1)
-    middle = centre[:, :, None] + own * np.exp(0.5j * (begin + end))
-    gap = abs(middle[..., None] - centre[:, None, None]) - radius[:, None, None]
-    least = SAME * radius.max(axis=1)[:, None, None]
-    inside = distance + own <= other + least  # of discs that are the same, the first is in no other
-    inside &= np.tri(len(radius.T), k=-1, dtype=bool) | ~inside.transpose(0, 2, 1)
-    free = (gap >= -least[..., None]).all(axis=-1) & ~inside.any(axis=-1, keepdims=True)
-    return begin, end, free & (end > begin)
+    begin = np.sort(np.hstack([turn - half, turn + half]) % (2.0 * np.pi))
+    end = np.hstack([begin[:, 1:], begin[:, :1] + 2.0 * np.pi])
+    middle = centre[:, None] + other * np.exp(0.5j * (begin + end))
+    gap, least = abs(middle[..., None] - centre) - radius, SAME * radius.max()
+    inside = distance + other <= radius + least  # of equal discs only the first is in no other
+    inside &= np.tri(len(discs), k=-1, dtype=bool) | ~inside.T
+    free = (gap >= -least).all(axis=-1) & ~inside.any(axis=1, keepdims=True) & (end > begin)
+    i, _ = np.nonzero(free)
+    return centre[i], radius[i], begin[free], end[free]
 
 
-def _moments(clumps):
-    """Area (n,) in m2, centroid (n, 2) in m and squared radius of gyration (n,) in m2 about zero.
+def _centred(discs):
+    """Discs (k, 3) about the centre of mass of their union, and Clump.radii (2,) of it.
 
-    Integrals over the unions are line integrals along arcs of z = c + r n, n = exp(i angle): those
+    Integrals over the union are line integrals along arcs of z = c + r n, n = exp(i angle): those
     of 1, z and |z|^2 are those of (z . n) times 1/2, z/3 and |z|^2/4.
     """
-    union, c, r, begin, end = _arcs(clumps)
-    first, turn = np.searchsorted(union, np.arange(len(clumps.first) - 1)), end - begin
+    discs = discs - discs[0] * [1.0, 1.0, 0.0]  # near zero, where integrals lose no digits
+    c, r, begin, end = _arcs(discs)
+    turn = end - begin
     one, two = ((np.exp(1j * k * end) - np.exp(1j * k * begin)) / (1j * k) for k in (1, 2))
     square, along = abs(c) ** 2, (c.conj() * one).real  # integral of c . n
     flux = r * (r * turn + along)  # of z
     moment = c * flux + r**2 * (r * one + 0.5 * (c.conj() * two + c * turn))
     polar = (square + r**2) * flux
     polar += r**2 * (2.0 * r * along + square * turn + (c.conj() ** 2 * two).real)
-    area = np.add.reduceat(flux, first) / 2.0
-    centroid = np.add.reduceat(moment, first) / (3.0 * area)
-    gyration_squared = np.add.reduceat(polar, first) / (4.0 * area)
-    return area, np.stack([centroid.real, centroid.imag], axis=-1), gyration_squared
+    area = flux.sum() / 2.0
+    centroid = moment.sum() / (3.0 * area)
+    discs[:, :2] -= centroid.real, centroid.imag
+    gyration_squared = polar.sum() / (4.0 * area) - abs(centroid) ** 2
+    return discs, np.sqrt([area / np.pi, gyration_squared])
 
 
-def _ring(centre, radius, begin, end, points):
+def _ring(discs, points):
     """Outline along arcs, as x + iy (m). The nearest of another disc follows each; where discs just
     touch, arcs may be as short as the root of rounding errors."""
-    long = (end - begin).real > SHORT
-    centre, radius, begin, end = (column[long] for column in (centre, radius, begin.real, end.real))
+    arcs = np.array(_arcs(discs))
+    centre, radius, begin, end = arcs[:, (arcs[3] - arcs[2]).real > SHORT]
     starts, ends = (centre + radius * np.exp(1j * angle) for angle in (begin, end))
     order, left = [0], [*range(1, len(centre))]
     while left:
@@ -340,15 +318,4 @@ def collect(shape, constituent_force, orientation, force, low, high):
         force[g, FX], force[g, FY], force[g, TAU] = fx, fy, torque
 
 
-answer(
-    Clump,
-    outline,
-    disc.circle,
-    disc.support,
-    disc.find_contact,
-    disc.tangential_lever,
-    owner_of,
-    first_of,
-    place,
-    collect,
-)
+answer(Clump, outline, *disc.OF_DISCS, owner_of, first_of, place, collect)

@@ -100,12 +100,12 @@ def gap_along(dx, dy, outline_1, outline_2, nx, ny):
 
 
 @inlined
-def settle(dx, dy, outline_1, outline_2, nx, ny, tolerance):
+def settle(dx, dy, outline_1, outline_2, guess, tolerance):
     """Newton's method for the common normal, from any start, to within tolerance (rad).
 
     Returns the first normal with a positive gap, and NaN if ITERATIONS are not enough.
     """
-    searched = False
+    (nx, ny), searched = guess, False
     for iteration in range(ITERATIONS):
         gap, slope, bend, _, _, _, _, _, _ = gap_along(dx, dy, outline_1, outline_2, nx, ny)
         if gap > 0.0:
@@ -185,8 +185,4 @@ def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
     return (-gap, x * scale, y * scale, n1, t1, n2, t2), (rho1, rho2), converged
 
 
-def ellipse_normal(method, dx, dy, outline_1, outline_2, guess):
-    return settle(dx, dy, outline_1, outline_2, guess[0], guess[1], method.tolerance)
-
-
-answer_method(CommonNormal, ellipse_contact, ellipse_normal)
+answer_method(CommonNormal, ellipse_contact)

@@ -194,15 +194,4 @@ def collect(shape, constituent_force, orientation, force, low, high):
         )
 
 
-answer(
-    Dumbbell,
-    outline,
-    disc.circle,
-    disc.support,
-    disc.find_contact,
-    disc.tangential_lever,
-    owner_of,
-    first_of,
-    place,
-    collect,
-)
+answer(Dumbbell, outline, *disc.OF_DISCS, owner_of, first_of, place, collect)

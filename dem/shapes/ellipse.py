@@ -1,51 +1,51 @@
 """Ellipse (paper section 2.3), with two contact searches and two radii for Hertz's law."""
 
 import math
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import InstanceOf
+from pydantic import AfterValidator, InstanceOf
 
 from dem.base.types import SIZES, AspectRatio, OutlinePoints, checked, must
-from dem.shapes.common_normal import CommonNormal, half_width
+from dem.shapes.common_normal import CommonNormal, half_width, settle
 from dem.shapes.geometric_potential import GeometricPotential
 from dem.shapes.protocol import (
     ContactGeometry,
     Shape,
     answer,
     ellipse_contact,
-    ellipse_normal,
     unit_circle,
 )
 
 SHAPE = "Ellipse"
 
-CONTACTS: dict[Any, Any] = {
-    "common_normal": CommonNormal(),
-    "geometric_potential": GeometricPotential(),
-}
-RADII: dict[Any, Any] = {"volume": None, "local": True}  # None is absent from kernels
+# What the kernels read: what is compiled follows from types, and a text is always a str
+CONTACTS = {"common_normal": CommonNormal(), "geometric_potential": GeometricPotential()}
+RADII = {"volume": None, "local": True}  # None is absent from kernels
 Contact = Annotated[
     Literal["common_normal", "geometric_potential"]
     | InstanceOf[CommonNormal]
     | InstanceOf[GeometricPotential],
+    AfterValidator(lambda contact: CONTACTS.get(contact, contact)),
     must(
         "be 'common_normal' or 'geometric_potential', or a dem.CommonNormal or "
         "dem.GeometricPotential"
     ),
 ]
 # the fields of an ellipse make it again: the radius is None or True there
-HertzRadius = Annotated[Literal["volume", "local", True] | None, must("be 'volume' or 'local'")]
+HertzRadius = Annotated[
+    Literal["volume", "local", True] | None,
+    AfterValidator(lambda radius: RADII.get(radius, radius)),
+    must("be 'volume' or 'local'"),
+]
 
 
 class _Fields(NamedTuple):
-    """What the kernels read: what is compiled follows from types, and a text is always a str."""
-
-    semi_major: np.ndarray
-    semi_minor: np.ndarray
-    contact: CommonNormal | GeometricPotential
-    local_curvature: bool | None
+    semi_major: Annotated[np.ndarray, SIZES]
+    semi_minor: Annotated[np.ndarray, SIZES]
+    contact: Contact = CommonNormal()
+    hertz_radius: HertzRadius = None
 
 
 @checked
@@ -96,18 +96,6 @@ class Ellipse(Shape, _Fields):
 
     __slots__ = ()
     lists_sizes = True
-
-    def __new__(
-        cls,
-        semi_major: Annotated[ArrayLike, SIZES],
-        semi_minor: Annotated[ArrayLike, SIZES],
-        contact: Contact = "common_normal",
-        hertz_radius: HertzRadius = "volume",
-    ) -> Self:
-        sizes = np.asarray(semi_major, float), np.asarray(semi_minor, float)
-        # compiled code that returns an Ellipse makes it of its fields
-        method, local = CONTACTS.get(contact, contact), RADII.get(hertz_radius, hertz_radius)
-        return super().__new__(cls, *sizes, method, local)
 
     @classmethod
     @checked
@@ -225,12 +213,12 @@ def circle(shape, radius):
 
 
 def local_radius(shape):
-    return shape.local_curvature
+    return shape.hertz_radius
 
 
 def support(shape, outline_1, nx, ny):
     h, q, rho = half_width(outline_1, nx, ny)
-    return h, q, None if shape.local_curvature is None else rho
+    return h, q, None if shape.hertz_radius is None else rho
 
 
 def find_contact(shape, dx, dy, outline_1, outline_2, guess):
@@ -238,12 +226,12 @@ def find_contact(shape, dx, dy, outline_1, outline_2, guess):
         shape.contact, dx, dy, outline_1, outline_2, guess
     )
     overlap, nx, ny, n1, t1, n2, t2 = contact
-    radius = None if shape.local_curvature is None else rho1 * rho2 / (rho1 + rho2)
+    radius = None if shape.hertz_radius is None else rho1 * rho2 / (rho1 + rho2)
     return ContactGeometry(overlap, nx, ny, n1, t1, n2, t2, radius), converged
 
 
 def refine_normal(shape, dx, dy, outline_1, outline_2, guess):
-    return ellipse_normal(shape.contact, dx, dy, outline_1, outline_2, guess)
+    return settle(dx, dy, outline_1, outline_2, guess, shape.contact.tolerance)
 
 
 answer(Ellipse, outline, circle, support, find_contact, refine_normal, local_radius)

@@ -18,7 +18,6 @@ from typing import NamedTuple, Self
 import numpy as np
 from numba.extending import overload
 
-from dem.base.types import Ratio, checked
 from dem.jit.compilation import INLINED, inlined
 from dem.jit.questions import question, register
 
@@ -88,19 +87,12 @@ class Shape:
     # keep the orientation that they start with.
     needs_angle = True
 
-    @property
-    def guesses(self) -> bool:
-        """Whether a contact remembers its normal.
+    # Whether a contact remembers its normal. Read by the neighbour lists. Wrong: the search for a
+    # normal begins at every step from the line of centres, or contacts keep unused memory.
+    guesses = False
 
-        Read by the neighbour lists. Wrong: the search for a normal begins at every step from the
-        line of centres, or contacts keep unused memory.
-        """
-        return False
-
-    @property
-    def fault(self) -> str | None:
-        """Why these granules cannot be used, as a sentence, or None. Read by Scene."""
-        return None
+    # Why these granules cannot be used, as a sentence, or None. Read by Scene.
+    fault: str | None = None
 
     @property
     def owner(self) -> np.ndarray:
@@ -120,7 +112,7 @@ class Shape:
         return self.bounding_radius
 
     def take(self, numbers: np.ndarray) -> Self:
-        """The granules of these numbers, in this order. Read by ordering, tiling and mixtures."""
+        """The granules of these numbers, in this order. Read by ordering and mixtures."""
         return resized(self, lambda size: size[numbers])
 
     def appended(self, *others: Self) -> Self:
@@ -130,24 +122,19 @@ class Shape:
             **{name: np.concatenate([getattr(s, name) for s in every]) for name in sizes_of(self)}
         )
 
-    @checked
-    def scaled(self, factor: Ratio) -> Self:
+    def scaled(self, factor: float) -> Self:
         """Granules of the same shape, all lengths multiplied by a factor. Read by packing.
 
         Parameters
         ----------
         factor : float
-            Ratio of new to old lengths, without unit.
+            Ratio of new to old lengths, without unit; for granules of one outline also one of
+            each, an ndarray of shape (n,).
 
         Returns
         -------
         Self
             The scaled granules.
-
-        Raises
-        ------
-        InputError
-            If `factor` is not positive.
         """
         # lengths, not numbers of constituents
         return resized(self, lambda size: size * factor if size.dtype == float else size)
@@ -244,12 +231,6 @@ def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
     raise NotImplementedError
 
 
-@question
-def ellipse_normal(method, dx, dy, outline_1, outline_2, guess):
-    """A guess near enough for ellipse_contact, from any other."""
-    return guess
-
-
 @inlined
 def solve_contact(shape, dx, dy, outline_1, outline_2, guess):
     """Contact of two constituents: the ContactGeometry, from any guess."""
@@ -296,9 +277,7 @@ SHAPE_QUESTIONS = (
 )
 # as dem.jit.questions.register
 answer = partial(register, questions=SHAPE_QUESTIONS, members=MEMBERS, usual=Shape)
-answer_method = partial(
-    register, questions=(ellipse_contact, ellipse_normal), members=(), usual=object
-)
+answer_method = partial(register, questions=(ellipse_contact,), members=(), usual=object)
 
 
 def is_shape(cls: type) -> bool:

@@ -21,8 +21,9 @@ from numba.core import types
 from numba.extending import overload
 
 from dem.jit.compilation import INLINED, inlined
+from dem.jit.questions import question
 from dem.shapes.common_normal import LARGEST_TURN
-from dem.shapes.protocol import ContactGeometry, Shape, answer, resized
+from dem.shapes.protocol import ContactGeometry, Shape, answer
 from dem.shapes.rotation import rotated
 
 TOLERANCE = 1e-4  # rad: the last turn of the normal may be as large as this; error ~ its 4th power
@@ -34,8 +35,8 @@ ROOM = 1.0 + 1e-4  # of the bounding circle, for the outline between two of thes
 
 
 def _sizes(fields, g):
-    """Sizes of granule g, a tuple: entries of arrays, ones if g is None, and plain numbers as they
-    are."""
+    """Sizes of granule g, a tuple: entries of arrays, and plain numbers as they are."""
+    return tuple(size if np.isscalar(size) else size[g] for size in fields)
 
 
 @overload(_sizes, jit_options=INLINED)
@@ -44,22 +45,13 @@ def _choose_sizes(fields, g):
         return lambda fields, g: ()
     if not isinstance(fields[0], types.Array):
         return lambda fields, g: (fields[0],) + _sizes(fields[1:], g)
-    if g is types.none:
-        return lambda fields, g: (1.0,) + _sizes(fields[1:], g)
     return lambda fields, g: (fields[0][g],) + _sizes(fields[1:], g)
 
 
+@question
 def support_of(shape, nx, ny, sizes):
     """(h, q, rho) of a granule at angle zero: the function of the shape, chosen by its class."""
-
-
-_SUPPORT = {}
-
-
-@overload(support_of, strict=False, jit_options=INLINED)
-def _choose_support(shape, nx, ny, sizes):
-    function = _SUPPORT.get(shape.instance_class)
-    return function and (lambda shape, nx, ny, sizes: function(nx, ny, sizes))
+    raise NotImplementedError
 
 
 # An outline: cosine and sine of the angle, share of the shape in it (1, or 0 for a circle), radius
@@ -72,7 +64,7 @@ def outline(shape, constituent, orientation):
 
 
 def circle(shape, radius):
-    return (1.0, 0.0, 0.0, radius) + _sizes(shape, None)
+    return (1.0, 0.0, 0.0, radius) + _sizes(shape, 0)  # whose share is zero
 
 
 @inlined
@@ -126,8 +118,7 @@ def find_contact(shape, dx, dy, outline_1, outline_2, guess):
     return geometry, apart or (near and not deep)
 
 
-@inlined
-def search(shape, dx, dy, outline_1, outline_2):
+def refine_normal(shape, dx, dy, outline_1, outline_2, guess):
     """Normal of the largest gap: the best of DIRECTIONS, then bisection of the slope beside it."""
     best, at = -math.inf, 0
     for k in range(DIRECTIONS):
@@ -153,10 +144,6 @@ def search(shape, dx, dy, outline_1, outline_2):
     return math.cos(middle), math.sin(middle)
 
 
-def refine_normal(shape, dx, dy, outline_1, outline_2, guess):
-    return search(shape, dx, dy, outline_1, outline_2)
-
-
 # What Python asks of a shape
 
 
@@ -165,7 +152,7 @@ def _sampled(cls, sizes):
     """h, q, rho (n, ANGLES) in m of the granules, at equal steps of the angle of the normal."""
     sizes = [np.expand_dims(size, -1) if np.ndim(size) else size for size in pickle.loads(sizes)]
     angle = 2.0 * np.pi * np.arange(ANGLES) / ANGLES
-    values = _SUPPORT[cls].py_func(np.cos(angle), np.sin(angle), sizes)
+    values = support_of.answers[cls](None, np.cos(angle), np.sin(angle), sizes)
     return angle, *np.broadcast_arrays(*values, *sizes, angle)[:3]
 
 
@@ -231,21 +218,6 @@ class Smooth(Shape):
             f"normal is at {np.degrees(angle[at]):.0f} degrees; it must be positive everywhere."
         )
 
-    def scaled(self, factor):
-        """Granules of the same shape, all lengths multiplied by a factor.
-
-        Parameters
-        ----------
-        factor : float or ndarray of shape (n,)
-            Ratio of new to old lengths, without unit.
-
-        Returns
-        -------
-        Shape
-            The scaled granules.
-        """
-        return resized(self, lambda size: factor * size)
-
     def polygons(self, points=64):
         """Closed outlines about the centre at angle zero, to draw or sample.
 
@@ -274,7 +246,8 @@ def smooth(support_function):
     """
 
     def make(cls):
-        _SUPPORT[cls] = inlined(support_function)
+        function = inlined(support_function)
+        support_of.answers[cls] = lambda shape, nx, ny, sizes: function(nx, ny, sizes)
         answer(cls, outline, circle, support, find_contact, refine_normal, usual=Smooth)
         return cls
 

@@ -108,10 +108,6 @@ class Superellipse(NamedTuple):
         InputError
             If an argument is not in its range.
         """
-        unit: Any = cls(
-            np.array([float(aspect_ratio)]),
-            np.ones(1),
-            np.array([float(rounding)]),
-            float(exponent),
-        )
+        of_sizes: Any = cls
+        unit = of_sizes([aspect_ratio], [1.0], [rounding], exponent)
         return unit.scaled(0.5 * np.asarray(diameter) / np.sqrt(unit.area / np.pi))

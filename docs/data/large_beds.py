@@ -80,7 +80,7 @@ def measured(case: Case) -> dict:
         rest = {"net_force": np.nan, "pressure": np.nan, "packing_fraction": case.fraction}
     return {
         **case._asdict(),
-        "iterations": job.iterations,
+        "iterations": int(job.stage["iterations"]),
         "seconds": round(time.process_time() - spent, 2),
         "wall_seconds": round(time.perf_counter() - wall, 2),
         **{name: float(f"{value:.4g}") for name, value in rest.items()},

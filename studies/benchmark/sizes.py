@@ -9,9 +9,8 @@ import numpy as np
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
 from dem.experiment.box import height_of_box, sample_diameters
 from dem.material import Friction, Material
-from dem.packing.random import pack
-from dem.packing.tiling import tiled
-from dem.scene import Scene
+from dem.packing.random import Bed, pack
+from dem.scene import Scene, State
 from dem.shapes.disc import Disc
 from dem.solids import box
 from dem.sweep.config import Sweep
@@ -33,11 +32,26 @@ def large_scene(sweep: Sweep, side: int):
     sizes = sample_diameters(section, sweep.packing.size_spread, SEED)
     room = sweep.cylinder.diameter**2 * np.pi / 4.0 / sweep.box_width
     bed = pack(Disc.of_size(sizes), sweep.box_width, height_of_box(sweep, sizes) - room, None, SEED)
-    shape, state, width, height = tiled(Disc.of_size(sizes), bed, side, side)
+    state = tiled(bed, side)
+    shape = Disc.of_size(np.tile(sizes, side**2))
     material = Material(**sweep.material.model_dump(exclude={"thickness"}))
-    scene = Scene(shape, material, Friction(), box(width, height), thickness=section.diameter)
+    walls = box(side * bed.width, side * bed.height)
+    scene = Scene(shape, material, Friction(), walls, thickness=section.diameter)
     random = np.random.default_rng(SEED)
     return scene, replace(state, velocity=SPEED * random.normal(size=state.position.shape))
+
+
+def tiled(bed: Bed, side: int) -> State:
+    """State of side x side mirrored copies of a bed of discs without a cylinder.
+
+    A disc on a rigid wall feels the same force from its own mirror image: the pair overlaps twice
+    as far, with half the effective modulus and half the effective radius. So the copies are at rest
+    too.
+    """
+    tile = np.stack(np.divmod(np.arange(side**2), side), axis=-1)[:, None]
+    place = bed.position / [bed.width, bed.height]
+    place = tile + np.where(tile % 2, 1.0 - place, place)
+    return State((place * [bed.width, bed.height]).reshape(-1, 2))
 
 
 def bytes_a_granule(world) -> float:

@@ -33,7 +33,7 @@ class Sphere(dem.Disc):
         return 0.4 * self.radius**2
 
 
-answer(Sphere, disc.outline, disc.circle, disc.support, disc.find_contact, disc.tangential_lever)
+answer(Sphere, disc.outline, *disc.OF_DISCS)
 
 RATIO = {
     dem.Disc: 3.0,

@@ -5,9 +5,11 @@ import re
 import numpy as np
 import pytest
 
+import dem
 from studies.benchmark.findings import elsewhere, speed
 from studies.benchmark.results import SMOKE, compare_codes
 from studies.benchmark.scenes import make_case
+from studies.benchmark.sizes import tiled
 from studies.common.peers import lammps
 
 
@@ -26,3 +28,18 @@ def test_a_benchmark_of_another_processor_is_named_after_it(file):
     family, model = re.search(r"family(\d+)_model(\d+)", file.name).groups()
     processor = file.dataset.attrs["processor"]
     assert f"(family {family}, model {model})" in processor != speed.dataset.attrs["processor"]
+
+
+@pytest.mark.parametrize("side", [2, 3])
+def test_tiles_of_a_bed_at_rest_are_at_rest(side):
+    """Where mirror images meet, a granule feels what it felt from the wall."""
+    sizes = np.random.default_rng(5).uniform(0.8e-3, 1.2e-3, 40)
+    height = dem.Disc.of_size(sizes).area.sum() / 0.86 / 6e-3
+    bed = dem.pack(dem.Disc.of_size(sizes), 6e-3, height, None, 1)
+    shape, walls = dem.Disc.of_size(np.tile(sizes, side**2)), dem.box(side * 6e-3, side * height)
+    world = dem.Simulation(
+        dem.Scene(shape, friction=dem.Friction(), walls=walls), tiled(bed, side)
+    ).world
+    typical = np.abs(world.pairs.stiffness).mean() * (bed.max_overlap * 5e-4) ** 1.5
+    assert bed.coordination_number > 3.0
+    assert np.abs(world.force[:, :2]).max() < 1e-5 * typical
