@@ -128,10 +128,8 @@ def stopped(folder, replicate, bed):
 DAMAGE = {
     "half": lambda content: content[: len(content) // 2],
     "empty": lambda content: b"",
-    "a flipped bit": lambda content: (
-        content[: len(content) // 2]
-        + bytes([content[len(content) // 2] ^ 1])
-        + content[len(content) // 2 + 1 :]
+    "overwritten": lambda content: (
+        content[: len(content) // 2] + b"\xff" * 1000 + content[len(content) // 2 + 1000 :]
     ),
 }
 
