@@ -3,9 +3,9 @@ from .base.errors import OverlapError as OverlapError
 from .base.errors import PackingError as PackingError
 from .base.errors import RunError as RunError
 from .base.errors import StateError as StateError
-from .dynamics.frames import simulate as simulate
 from .dynamics.result import Result as Result
 from .dynamics.simulation import Simulation as Simulation
+from .dynamics.simulation import simulate as simulate
 from .figures import plot as plot
 from .figures.film import film as film
 from .io.lazily import open_results as open_results

@@ -4,7 +4,6 @@ A boundary is a wall, a solid, or a group of granules that is held. SI units thr
 in rad, anticlockwise.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -25,39 +24,19 @@ from dem.base.types import (
     must,
 )
 
-GRANULES = "it must be numbers of granules, each once, or one truth value per granule"
-
-
-def fixed(array: np.ndarray) -> np.ndarray:
-    """A copy that cannot be written."""
-    array = array.copy()
-    array.flags.writeable = False
-    return array
-
 
 def finite(*shape: int | None) -> PlainValidator:
     """Finite numbers in a list or an array of a shape, None for any length but zero."""
     return array(*shape, low=-MOST, high=MOST)
 
 
-Series = Annotated[np.ndarray, finite(None), AfterValidator(fixed)]
-Velocities = Annotated[np.ndarray, finite(None, 2), AfterValidator(fixed)]
-
-
-class Kept:
-    """Arrays that cannot be written cannot be written after pickling or copying either."""
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        for value in state.values():
-            for each in value if isinstance(value, tuple) else (value,):
-                if isinstance(each, np.ndarray):
-                    each.flags.writeable = False
-        vars(self).update(state)
+Series = Annotated[np.ndarray, finite(None), AfterValidator(np.copy)]
+Velocities = Annotated[np.ndarray, finite(None, 2), AfterValidator(np.copy)]
 
 
 @checked
 @dataclass(frozen=True, eq=False)
-class PrescribedMotion(Kept):
+class PrescribedMotion:
     """Velocity of a boundary that is given over time, whatever it meets.
 
     The velocity is linear in time between the rows, and constant before the first and after the last.
@@ -99,18 +78,14 @@ class PrescribedMotion(Kept):
     spin: Series | None = None
 
     def __post_init__(self) -> None:
-        for name in ("velocity", "spin"):
-            value = getattr(self, name)
-            if value is not None and len(value) != len(self.time):
-                raise InputError(
-                    f"PrescribedMotion.{name} has {len(value)} rows; it must have one for each of the "
-                    f"{len(self.time)} times."
-                )
-        late = np.flatnonzero(np.diff(self.time) <= 0.0)
-        if len(late):
+        spin = self.time if self.spin is None else self.spin
+        if (
+            not len(self.time) == len(self.velocity) == len(spin)
+            or (np.diff(self.time) <= 0.0).any()
+        ):
             raise InputError(
-                f"PrescribedMotion.time of row {late[0] + 1} is {self.time[late[0] + 1]:g} s; it must be "
-                f"later than the {self.time[late[0]]:g} s of the row before."
+                f"PrescribedMotion.time has {len(self.time)} rows; it must rise, with a velocity and, "
+                "if it has any, a spin for each row."
             )
 
 
@@ -212,35 +187,28 @@ Motion = Annotated[
 ]
 
 
-def without_spin(motion: Any) -> Any:
-    """A motion of what does not turn; raises ValueError for another one."""
-    if isinstance(motion, PrescribedMotion) and motion.spin is not None:
-        raise ValueError("it must have no spin; only solids turn on a path")
-    return motion
-
-
-Sliding = Annotated[Motion, AfterValidator(without_spin)]
+Sliding = Annotated[
+    Motion,
+    must(
+        "be a velocity (x, y), a dem.PrescribedMotion without spin or a dem.Drive",
+        lambda motion: getattr(motion, "spin", None) is None,
+    ),
+]
 
 
 def chosen(value: Any) -> np.ndarray:
-    """Numbers of granules, or a mask, as a copy that cannot be written; raises ValueError."""
-    try:
-        found = np.asarray(value)
-    except Exception:  # any object in a list, or one with its own conversion to an array
-        found = np.empty(0)
-    if isinstance(value, np.ma.MaskedArray) or found.ndim != 1 or found.dtype.kind not in "biu":
-        raise ValueError(GRANULES)
-    if found.dtype == bool and found.any():
-        return fixed(found)
-    numbers = np.unique(found.astype(np.int64))  # beyond 2^63 they are negative
-    if found.dtype == bool or not 0 < len(numbers) == len(found) or numbers[0] < 0:
-        raise ValueError(GRANULES)
-    return fixed(numbers)
+    """Numbers of granules in ascending order, also from a mask; raises ValueError."""
+    rows = np.asarray(value)
+    if rows.dtype == bool and rows.ndim == 1:
+        rows = np.flatnonzero(rows)
+    if rows.dtype.kind not in "iu" or rows.ndim != 1 or not len(rows) or rows.min() < 0:
+        raise ValueError
+    return np.unique(rows).astype(np.int64)
 
 
 @checked
 @dataclass(frozen=True, eq=False)
-class Held(Kept):
+class Held:
     """Granules that move together as a boundary: a rough wall, or a body of any form.
 
     Parameters
@@ -274,31 +242,9 @@ class Held(Kept):
     array([0, 1])
     """
 
-    granules: Annotated[np.ndarray, PlainValidator(chosen)]
+    granules: Annotated[
+        np.ndarray,
+        PlainValidator(chosen),
+        must("be numbers of granules, or one truth value per granule"),
+    ]
     motion: Sliding = (0.0, 0.0)
-
-
-def numbered(held: Sequence[Held], granules: int) -> tuple[Held, ...]:
-    """The groups with the numbers of their granules, after a check that a scene can have them."""
-    found, taken = [], np.zeros(granules, bool)
-    for k, group in enumerate(held):
-        chosen = group.granules
-        if chosen.dtype == bool:
-            if len(chosen) != granules:
-                raise InputError(
-                    f"held group {k} has {len(chosen)} truth values; it must have one for each of the "
-                    f"{granules} granules."
-                )
-            chosen = fixed(np.flatnonzero(chosen))
-        if chosen[-1] >= granules:
-            raise InputError(
-                f"held group {k} has granule {chosen[-1]}; it must have some of the {granules} granules."
-            )
-        if taken[chosen].any():
-            twice = chosen[taken[chosen]][0]
-            raise InputError(f"held group {k} has granule {twice}, which an earlier group has too.")
-        taken[chosen] = True
-        found.append(Held(chosen, group.motion))
-    if taken.all():
-        raise InputError(f"held has all {granules} granules; at least one must be free.")
-    return tuple(found)

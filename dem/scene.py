@@ -5,50 +5,37 @@ SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 from pydantic import AfterValidator, Field, InstanceOf, PlainValidator, WrapValidator
 
 from dem.base.errors import InputError
-from dem.base.types import Acceleration, Length, array, checked, must, parsed
+from dem.base.types import MOST, Acceleration, Length, array, checked, must
 from dem.laws.hertz import Hertz
 from dem.laws.protocol import is_law
 from dem.material import Friction, Material, Rolling
-from dem.motion import Held, Kept, finite, fixed, numbered
-from dem.periodic import ROOM, Periods, nearest_image
+from dem.motion import Held, finite
+from dem.periodic import ROOM, Periods
 from dem.shapes.disc import Disc
 from dem.shapes.protocol import is_of_discs
-from dem.solids import Polygon, Solid, Solids, Walls, beyond, granules
+from dem.solids import Polygon, Solid, Solids, Walls, granules
 
 THINNEST = 0.2  # of the radius of a granule: more than its overlap can exceed it
-TOUCHING = 1e-9  # of the size of solids: less is no overlap
 
 
 Granules = Annotated[Any, PlainValidator(granules)]
 
 
-def contact_law(value: Any) -> Any:
-    """A law of contacts; raises ValueError."""
-    if not is_law(type(value)):
-        raise ValueError("it must be a law of contacts, such as dem.Hertz()")
-    return value
-
-
-ContactLaw = Annotated[Any, PlainValidator(contact_law)]
+ContactLaw = Annotated[
+    Any, must("be a law of contacts, such as dem.Hertz()", lambda value: is_law(type(value)))
+]
 OR_NONE = WrapValidator(lambda value, take: None if value is None else take(value))
 
 
-def numbers(rows: np.ndarray) -> np.ndarray:
-    """Numbers of materials, as a copy that cannot be written; raises ValueError."""
-    if not (rows == np.floor(rows)).all() or rows.min() < 0:
-        raise ValueError("it must be numbers of materials, from 0")
-    return fixed(rows.astype(np.int64))
-
-
-Species = Annotated[np.ndarray, finite(None), AfterValidator(numbers)]
+Species = Annotated[
+    np.ndarray, array(None, low=0.0, high=MOST), AfterValidator(lambda rows: rows.astype(np.int64))
+]
 Materials = Annotated[
     InstanceOf[Material] | Annotated[tuple[InstanceOf[Material], ...], Field(min_length=1)],
     must("be a dem.Material, or a list of them"),
@@ -57,7 +44,7 @@ Materials = Annotated[
 
 @checked
 @dataclass(frozen=True)
-class Scene(Kept):
+class Scene:
     """Everything about a system that does not change during a run.
 
     The kernels are compiled for the scene: what is None costs nothing.
@@ -100,16 +87,15 @@ class Scene(Kept):
     ------
     InputError
         If a value cannot be used, for instance if a wall's normal is not a unit vector, if a wall
-        is given twice or crosses a periodic side, if a period is so short that a granule could
-        touch two images of one body, if solids overlap each other or a wall, or if a granule could
-        pass through a thin one.
+        crosses a periodic side, if a period is so short that a granule could touch two images of
+        one body, or if a granule could pass through a thin solid.
 
     Notes
     -----
     Motion follows equations (1) and (2) of the paper. The paper measures the size of a granule by
     its volume diameter (section 3.1); the default thickness is the mean of it. The coefficient of
     restitution of two materials is the geometric mean of both; that of a rigid wall or solid is
-    that of the granule. Sizes and walls are read-only copies of what is given.
+    that of the granule. Sizes and walls are copies of what is given.
 
     Examples
     --------
@@ -172,23 +158,24 @@ class Scene(Kept):
             mean = float(np.mean(2.0 * np.sqrt(self.shape.area / np.pi)))
             object.__setattr__(self, "thickness", mean)
         if self.held:
-            object.__setattr__(self, "held", numbered(self.held, self.granules))
+            held = np.sort(np.concatenate([group.granules for group in self.held]))
+            if held[-1] >= self.granules or len(held) == self.granules or not np.diff(held).all():
+                raise InputError(
+                    f"held must be of some of the {self.granules} granules, each in one group, and "
+                    "leave at least one free."
+                )
         for number, solid in enumerate(self.solids):
             self._check_solid(number, solid)
 
     def _check_materials(self) -> None:
-        count = len(self.materials)
+        count, species = len(self.materials), self.species
         table = np.asarray(self.friction.granule if self.friction else 0.0)
-        if self.species is None and count > 1:
+        if count == 1 and (species is None or not species.any()):
+            object.__setattr__(self, "species", np.zeros(self.granules, np.int64))
+        elif species is None or len(species) != self.granules or species.max() >= count:
             raise InputError(
-                f"material has {count} materials; species must tell which granule is of which."
-            )
-        if self.species is None or (count == 1 and not self.species.any()):
-            object.__setattr__(self, "species", fixed(np.zeros(self.granules, np.int64)))
-        elif len(self.species) != self.granules or self.species.max() >= count:
-            raise InputError(
-                f"species has {len(self.species)} numbers up to {self.species.max()}; it must have "
-                f"{self.granules}, one for each granule, below {count}, the number of materials."
+                f"species must be the number of the material of each of the {self.granules} "
+                f"granules, below {count}."
             )
         if table.ndim and len(table) != count:
             raise InputError(
@@ -203,15 +190,13 @@ class Scene(Kept):
                 f"periodic along {name} is {period:g} m; it must be at least {least:.4g} m, {ROOM:g} "
                 "times the greatest distance at which two bodies touch."
             )
-        for number, slope in enumerate(self.planes[:, axis]):
-            if abs(slope) > 1e-9:
-                raise InputError(
-                    f"walls of row {number} has n{name} = {slope:g}; it must be 0, because the scene "
-                    f"repeats itself along {name}."
-                )
+        if (abs(self.planes[:, axis]) > 1e-9).any():
+            raise InputError(
+                f"walls must have n{name} = 0, because the scene repeats itself along {name}."
+            )
 
     def _check_solid(self, number: int, solid: Solid) -> None:
-        name, ring = f"solids[{number}]", solid.placed(solid.position, solid.angle)
+        name = f"solids[{number}]"
         if isinstance(solid.outline, Polygon):
             least = THINNEST * float(self.shape.constituent_radius.max())
             if not solid.outline.radius > least:
@@ -227,26 +212,6 @@ class Scene(Kept):
                 f"{name} is a {type(solid.outline).__name__}; among granules of "
                 f"{type(self.shape).__name__} it must be round, one of those, or a dem.Polygon."
             )
-        over = ring @ self.planes[:, :2].T - self.planes[:, 2]
-        if (over > TOUCHING * solid.radius).any():
-            wall = int(over.max(axis=0).argmax())
-            raise InputError(
-                f"{name} is {over.max():.3g} m inside wall {wall}; put it at the wall or away from it."
-            )
-        for other in range(number):
-            first = self.solids[other]
-            away = nearest_image(np.subtract(solid.position, first.position), self.periodic)
-            if first.is_round and solid.is_round:
-                depth = first.radius + solid.radius - float(np.hypot(*away))
-            else:
-                rings = first.placed((0.0, 0.0), first.angle), solid.placed(away, solid.angle)
-                gaps = (beyond(*pair).min(axis=0).max() for pair in (rings, rings[::-1]))
-                depth = -max(gaps)
-            if depth > TOUCHING * (first.radius + solid.radius):
-                raise InputError(
-                    f"{name} is {depth:.3g} m inside solids[{other}]; put them beside each other, or "
-                    "make one convex outline of both."
-                )
 
     @property
     def materials(self) -> tuple[Material, ...]:
@@ -266,10 +231,10 @@ class Scene(Kept):
     @property
     def is_held(self) -> np.ndarray:
         """Whether each granule (n,) is held."""
-        found = np.zeros(self.granules, bool)
+        held = np.zeros(self.granules, bool)
         for group in self.held:
-            found[group.granules] = True
-        return found
+            held[group.granules] = True
+        return held
 
     @property
     def mass(self) -> np.ndarray:
@@ -292,7 +257,8 @@ def reach(scene: Scene) -> float:
 ARRAYS = {"position": (2,), "velocity": (2,), "angle": (), "angular_velocity": ()}  # of a granule
 
 
-@dataclass(init=False)
+@checked
+@dataclass
 class State:
     """Positions and velocities of n granules; what is not given is zero.
 
@@ -306,16 +272,11 @@ class State:
         Angles (rad), anticlockwise; at zero the long axis is along x.
     angular_velocity : array_like of shape (n,), optional
         Angular velocities (rad/s), anticlockwise.
-    boundaries : array_like, optional
-        Of a state that a run has reached: offsets (m) of walls, positions (m) and angles (rad) of
-        solids and velocities (m/s, rad/s) of all boundaries, if they are not those of the start.
-        Only a scene where they are the same goes on from it. None for a state that any scene may
-        start from.
 
     Raises
     ------
     InputError
-        If an argument is not an array of real numbers of its shape.
+        If an argument is not an array of finite numbers of its shape.
 
     Examples
     --------
@@ -327,28 +288,21 @@ class State:
     array([1., 0.])
     """
 
-    position: np.ndarray
-    velocity: np.ndarray
-    angle: np.ndarray
-    angular_velocity: np.ndarray
-    boundaries: np.ndarray | None
+    position: Annotated[Any, finite(None, 2)]
+    velocity: Annotated[Any, finite(None, 2), OR_NONE] = None
+    angle: Annotated[Any, finite(None), OR_NONE] = None
+    angular_velocity: Annotated[Any, finite(None), OR_NONE] = None
 
-    @checked
-    def __init__(
-        self,
-        position: Annotated[ArrayLike, array(None, 2)],
-        velocity: Annotated[ArrayLike, array(None, 2)] | None = None,
-        angle: Annotated[ArrayLike, array(None)] | None = None,
-        angular_velocity: Annotated[ArrayLike, array(None)] | None = None,
-        boundaries: Annotated[ArrayLike, array(None)] | None = None,
-    ):
-        given, count = (position, velocity, angle, angular_velocity), np.shape(position)[0]
-        for (name, axes), value in zip(ARRAYS.items(), given, strict=True):
-            value = np.zeros((count, *axes)) if value is None else value
-            if (rows := np.shape(value)[0]) != count:
-                raise InputError(f"{name} has {rows} rows; it must have {count}, as position.")
-            setattr(self, name, value)
-        self.boundaries = boundaries  # type: ignore[assignment]  # an array by now
+    def __post_init__(self) -> None:
+        count = len(self.position)
+        for name, axes in ARRAYS.items():
+            value = getattr(self, name)
+            if value is None:
+                setattr(self, name, np.zeros((count, *axes)))
+            elif len(value) != count:
+                raise InputError(
+                    f"{name} has {len(value)} rows; it must have {count}, as position."
+                )
 
     def checked(self, granules: int) -> "State":
         """A copy of the state, after a check that a simulation can start from it.
@@ -368,12 +322,8 @@ class State:
         InputError
             If an array is not for n granules, or a number is not finite.
         """
-        types = _types_of_state(granules)
-        arrays = {name: parsed(types[name], getattr(self, name), name).copy() for name in ARRAYS}
-        return State(**arrays, boundaries=self.boundaries)
-
-
-@cache
-def _types_of_state(granules: int) -> dict[str, Any]:
-    """Types of the arrays of n granules."""
-    return {name: Annotated[Any, finite(granules, *axes)] for name, axes in ARRAYS.items()}
+        if len(self.position) != granules:
+            raise InputError(
+                f"state has {len(self.position)} granules; it must have {granules}, as scene."
+            )
+        return State(**{name: getattr(self, name).copy() for name in ARRAYS})

@@ -4,7 +4,7 @@ SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 """
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,19 +21,18 @@ from dem.base.types import (
     must,
 )
 from dem.material import Material
-from dem.motion import Kept, Motion, PrescribedMotion, Sliding, Turn, finite, fixed
+from dem.motion import Motion, Sliding, Turn, finite
 from dem.periodic import Periods, walled
 from dem.shapes.disc import Disc
 from dem.shapes.protocol import is_alone, is_shape, resized, sizes_of
 
 ROUNDED, EXACT = 1e-3, 1e-8  # off 1: the length of a normal that is rounded, and of a unit vector
-DIGITS = 12  # in which two walls are one
 ROWS: Any = finite(None, 3).func
 FLAT = 1e-12  # of the squared size of a polygon: twice the area of three corners in a line
 
 
 def unit_planes(rows: np.ndarray) -> np.ndarray:
-    """Rows (..., 3) with unit normals, as a copy that cannot be written; raises ValueError."""
+    """Rows (..., 3) with unit normals, as a copy; raises ValueError."""
     length = np.hypot(rows[..., :1], rows[..., 1:2])
     off = np.abs(length - 1.0)
     if off.max() > ROUNDED:
@@ -41,12 +40,12 @@ def unit_planes(rows: np.ndarray) -> np.ndarray:
         raise ValueError(
             f"the normal (nx, ny) of row {row} must have length 1, not {length.flat[row]:.6g}"
         )
-    return fixed(np.where(off > EXACT, rows / length, rows))
+    return np.where(off > EXACT, rows / length, rows)
 
 
 @checked
 @dataclass(frozen=True, eq=False)
-class Wall(Kept):
+class Wall:
     """A half-plane that is solid.
 
     Parameters
@@ -131,9 +130,7 @@ def walls(value: Any) -> tuple[Wall, ...]:
     rows = () if value is None else value if isinstance(value, list | tuple) else ROWS(value)
     if not len(rows):
         return ()
-    planes = unit_planes(ROWS([getattr(row, "plane", row) for row in rows]))
-    if len(np.unique(planes.round(DIGITS) + 0.0, axis=0)) < len(planes):  # no negative zeros
-        raise ValueError("it must have each wall once, because both would push")
+    unit_planes(ROWS([getattr(row, "plane", row) for row in rows]))
     return tuple(row if isinstance(row, Wall) else Wall(row) for row in rows)
 
 
@@ -144,24 +141,19 @@ Walls = Annotated[Any, PlainValidator(walls)]
 
 
 def convex(corners: np.ndarray) -> np.ndarray:
-    """Corners (k, 2) in m of a convex polygon, anticlockwise, that cannot be written; raises
-    ValueError."""
-    if len(corners) < 2:
-        raise ValueError("it must have two corners or more")
+    """Corners (k, 2) in m of a convex polygon, anticlockwise, as a copy; raises ValueError."""
     edges = np.diff(corners @ [1.0, 1j], append=corners[:1] @ [1.0, 1j])
-    if not abs(edges).min() > 0.0:
-        raise ValueError("it must have each corner once")
     turns = edges.conj() * np.roll(edges, -1)
     least = FLAT * np.ptp(corners, axis=0).max() ** 2
     once = abs(np.angle(turns).sum() - 2.0 * np.pi) < 1e-6
-    if len(corners) > 2 and not (turns.imag.min() > least and once):
-        raise ValueError("it must be the corners of a convex polygon, anticlockwise")
-    return fixed(corners)
+    if not (turns.imag.min() > least and once if len(corners) > 2 else abs(edges).min() > 0.0):
+        raise ValueError("it must be two or more corners of a convex polygon, anticlockwise")
+    return corners.copy()
 
 
 @checked
 @dataclass(frozen=True, eq=False)
-class Polygon(Kept):
+class Polygon:
     """Outline of a solid: a convex polygon with rounded corners.
 
     Its sides are `radius` outside the lines between the corners.
@@ -191,6 +183,7 @@ class Polygon(Kept):
 
     corners: Annotated[Any, finite(None, 2), AfterValidator(convex)]
     radius: Length
+    needs_angle: ClassVar[bool] = True  # as of a shape
 
     @property
     def edges(self) -> np.ndarray:
@@ -218,8 +211,16 @@ class Polygon(Kept):
         along = edges / length[:, None]
         return np.column_stack([self.corners, along[:, 1], -along[:, 0], length])
 
-    def ring(self, points: int) -> np.ndarray:
-        """Closed outline (points, 2) in m, of at least twice as many points as corners."""
+    @property
+    def gyration_squared(self) -> float:
+        """Squared radius of gyration (m2) about the origin, to 1e-4."""
+        x, y = self.polygons(1025)[0, 0].T
+        cross = x[:-1] * y[1:] - x[1:] * y[:-1]
+        squares = sum(c[:-1] ** 2 + c[:-1] * c[1:] + c[1:] ** 2 for c in (x, y))
+        return float((cross * squares).sum() / cross.sum() / 6.0)
+
+    def polygons(self, points: int) -> np.ndarray:
+        """Closed outline (1, 1, points, 2) in m, of at least twice as many points as corners."""
         count = max(points // (2 * len(self.corners)), 1)
         normal = np.arctan2(self.faces[:, 3], self.faces[:, 2])
         before = np.roll(normal, 1)
@@ -228,17 +229,7 @@ class Polygon(Kept):
         angle = before[:, None] + share * (ends - before)[:, None]  # of normals at each corner
         arcs = np.stack([np.cos(angle), np.sin(angle)], axis=-1) * self.radius
         ring = (self.corners[:, None] + arcs).reshape(-1, 2)
-        return np.vstack([ring, ring[:1]])
-
-
-def beyond(ring: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """How far points (m, 2) are beyond each side (k,) of a closed convex outline, anticlockwise
-    (m)."""
-    edges = np.diff(ring, axis=0)
-    length = np.hypot(*edges.T)
-    normal = np.column_stack([edges[:, 1], -edges[:, 0]])[length > 0.0]
-    normal /= length[length > 0.0, None]
-    return points @ normal.T - (ring[:-1][length > 0.0] * normal).sum(axis=1)
+        return np.vstack([ring, ring[:1]])[None, None]
 
 
 @checked
@@ -278,35 +269,32 @@ def plate(length: Length, thickness: Length) -> Polygon:
 
 
 def granules(value: Any) -> Any:
-    """Granules of one shape, with sizes of their own that cannot be written; raises ValueError."""
+    """Granules of one shape, with copies of their sizes; raises ValueError."""
     if not is_shape(type(value)):
         raise ValueError("it must be granules of a shape, such as dem.Disc")
-    value = resized(type(value)(*value), fixed)  # its own checks, also after _replace
-    counts = {k: len(size) for k, size in sizes_of(value).items()}
-    if is_alone(value) and len(set(counts.values())) > 1:
-        words = " and ".join(f"{count} of {k}" for k, count in counts.items())
-        raise ValueError(f"it has {words} and must have one of each a granule")
+    value = resized(type(value)(*value), np.copy)  # its own checks, also after _replace
+    counts = {len(size) for size in sizes_of(value).values()}
+    if is_alone(value) and len(counts) > 1:
+        raise ValueError(f"it must have one of each size a granule, not {sorted(counts)}")
     if value.fault:
         raise InputError(value.fault)
     return value
 
 
 def outline(value: Any) -> Any:
-    """A Polygon, or one granule of a shape, as a copy that cannot be written; raises ValueError."""
+    """A Polygon, or one granule of a shape, as a copy; raises ValueError."""
     if isinstance(value, Polygon):
         return value
-    if not is_shape(type(value)) or value.owner[-1] > 0:
-        raise ValueError("it must be a dem.Polygon, or one granule of a shape, as dem.Disc([1e-3])")
-    if not is_alone(value):
+    if not is_shape(type(value)) or value.owner[-1] > 0 or not is_alone(value):
         raise ValueError(
-            "it must be one convex outline, and granules of this shape may have several"
+            "it must be a dem.Polygon, or one convex granule of a shape, as dem.Disc([1e-3])"
         )
     return granules(value)
 
 
 @checked
 @dataclass(frozen=True, eq=False)
-class Solid(Kept):
+class Solid:
     """A rigid body that granules meet: an intruder, an obstacle, a plate, a blade.
 
     Parameters
@@ -322,8 +310,8 @@ class Solid(Kept):
     velocity : tuple of float, PrescribedMotion or Drive
         Velocity (x, y) in m/s, or what it follows; at rest by default.
     spin : float or Turn
-        Angular velocity (rad/s), that of a `PrescribedMotion` if it has one; or a `Turn`, which
-        the torques on the solid drive.
+        Angular velocity (rad/s), added to that of a `PrescribedMotion`; or a `Turn`, which the
+        torques on the solid drive.
     friction : float, optional
         Coefficient of friction with granules, without unit; None for `Friction.solid`.
     material : Material, optional
@@ -332,7 +320,7 @@ class Solid(Kept):
     Raises
     ------
     InputError
-        If a value cannot be used, or the solid and its path both have a spin.
+        If a value cannot be used.
 
     Notes
     -----
@@ -367,19 +355,10 @@ class Solid(Kept):
     friction: Coefficient | None = None
     material: InstanceOf[Material] | None = None
 
-    def __post_init__(self) -> None:
-        path = self.velocity
-        if isinstance(path, PrescribedMotion) and path.spin is not None and self.spin:
-            spin = self.spin
-            words = "a Turn" if isinstance(spin, Turn) else f"{spin:g} rad/s"
-            raise InputError(
-                f"Solid.spin is {words}; it must be left out, because its path has one."
-            )
-
     @property
     def is_round(self) -> bool:
         """Whether the outline is a circle about the origin."""
-        return not isinstance(self.outline, Polygon) and not self.outline.needs_angle
+        return not self.outline.needs_angle
 
     @property
     def area(self) -> float:
@@ -390,12 +369,7 @@ class Solid(Kept):
     def gyration_squared(self) -> float:
         """Squared radius of gyration (m2) about the position: inertia over mass of a body of one
         density; of a Polygon to 1e-4."""
-        if not isinstance(self.outline, Polygon):
-            return float(self.outline.gyration_squared[0])
-        x, y = self.ring(1025).T
-        cross = x[:-1] * y[1:] - x[1:] * y[:-1]
-        squares = sum(c[:-1] ** 2 + c[:-1] * c[1:] + c[1:] ** 2 for c in (x, y))
-        return float((cross * squares).sum() / cross.sum() / 6.0)
+        return float(np.ravel(self.outline.gyration_squared)[0])
 
     @property
     def radius(self) -> float:
@@ -410,21 +384,25 @@ class Solid(Kept):
         points : int
             Points, without unit; a Polygon has more if it has many corners.
         """
-        if isinstance(self.outline, Polygon):
-            return self.outline.ring(points)
         return self.outline.polygons(points)[0, 0]
 
-    def placed(self, position: ArrayLike, angle: float) -> np.ndarray:
+    def placed(self, position: ArrayLike, angle: float, points: int = 65) -> np.ndarray:
         """Closed outline (points, 2) in m at a position (m) and an angle (rad)."""
         c, s = np.cos(angle), np.sin(angle)
-        return self.ring() @ np.array([[c, s], [-s, c]]) + np.asarray(position)
+        return self.ring(points) @ np.array([[c, s], [-s, c]]) + np.asarray(position)
 
     def depth(self, points: np.ndarray) -> np.ndarray:
         """How far points (m, 2) relative to the position, in the frame at angle zero, are inside
         the outline (m; negative outside, and then a lower bound of the distance)."""
         if self.is_round:
             return self.radius - np.hypot(*points.T)
-        return -beyond(self.ring(257), points).max(axis=1)
+        ring = self.ring(257)
+        edges = np.diff(ring, axis=0)
+        length = np.hypot(*edges.T)
+        normal = np.column_stack([edges[:, 1], -edges[:, 0]])[length > 0.0]
+        normal /= length[length > 0.0, None]
+        beyond = points @ normal.T - (ring[:-1][length > 0.0] * normal).sum(axis=1)
+        return -beyond.max(axis=1)
 
 
 @checked
@@ -469,12 +447,15 @@ def Cylinder(
     return Solid(Disc([0.5 * diameter]), position, 0.0, velocity, spin, friction, material)
 
 
-def one_or_more(value: Any) -> tuple[Solid, ...]:
-    """Solids: one, a list of them, or None; raises ValueError."""
-    listed = () if value is None else (value,) if isinstance(value, Solid) else value
-    if not isinstance(listed, list | tuple) or not all(isinstance(k, Solid) for k in listed):
-        raise ValueError("it must be a dem.Solid, such as dem.Cylinder returns, or a list of them")
-    return tuple(listed)
-
-
-Solids = Annotated[Any, PlainValidator(one_or_more)]
+Solids = Annotated[
+    Any,
+    PlainValidator(
+        lambda value: (
+            () if value is None else tuple(value) if isinstance(value, list | tuple) else (value,)
+        )
+    ),
+    must(
+        "be a dem.Solid, such as dem.Cylinder returns, or a list of them",
+        lambda solids: all(isinstance(solid, Solid) for solid in solids),
+    ),
+]

@@ -27,14 +27,14 @@ print(*(sum(count.values()) for count in (quantised.stats.cache_hits, quantised.
 """
 
 
-def asked(folder, cache):
+def cache_counts(folder, cache):
     """Hits and misses of one kernel in a process that uses the sources in a folder."""
     environment = os.environ | {"NUMBA_CACHE_DIR": str(cache), "PYTHONPATH": str(folder)}
-    ran = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", ASK], cwd=folder, env=environment, capture_output=True, text=True
     )
-    assert ran.returncode == 0, ran.stderr
-    return tuple(map(int, ran.stdout.split()))
+    assert process.returncode == 0, process.stderr
+    return tuple(map(int, process.stdout.split()))
 
 
 def test_copies_share_kernels_and_edits_do_not(tmp_path):
@@ -43,8 +43,8 @@ def test_copies_share_kernels_and_edits_do_not(tmp_path):
     ignore = shutil.ignore_patterns("__pycache__")
     for name in ("first", "second"):
         shutil.copytree(ROOT / "dem", tmp_path / name / "dem", ignore=ignore)
-    assert asked(tmp_path / "first", tmp_path / "cache") == (0, 1)
-    assert asked(tmp_path / "second", tmp_path / "cache") == (1, 0)
+    assert cache_counts(tmp_path / "first", tmp_path / "cache") == (0, 1)
+    assert cache_counts(tmp_path / "second", tmp_path / "cache") == (1, 0)
     for name, line, expected in (
         ("jit/columns.py", "# edited", (1, 0)),
         ("jit/columns.py", "EDITED = True", (0, 1)),
@@ -52,7 +52,7 @@ def test_copies_share_kernels_and_edits_do_not(tmp_path):
     ):
         with (tmp_path / "second/dem" / name).open("a") as file:
             file.write(f"{line}\n")
-        assert asked(tmp_path / "second", tmp_path / "cache") == expected
+        assert cache_counts(tmp_path / "second", tmp_path / "cache") == expected
 
 
 class Inner(NamedTuple):
@@ -70,7 +70,7 @@ class Outer(NamedTuple):
     numbers: tuple
 
 
-NUMBERS = tuple(float(each) for each in range(1, 2 * FEW))
+NUMBERS = tuple(float(number) for number in range(1, 2 * FEW))
 
 
 @compiled
@@ -84,8 +84,8 @@ def add_up(outer):
 @inlined
 def sum_of(numbers):
     total = 0.0
-    for each in numbers:
-        total += each
+    for number in numbers:
+        total += number
     return total
 
 
@@ -123,14 +123,14 @@ def test_what_replaces_a_member_lives_on_and_what_it_replaces_does_not():
     """The tuple that is given stays as it is, and all memory is given back."""
     outer = Outer(Inner(NUMBERS, np.array([0.5])), 2.0, NUMBERS)
     memsys_enable_stats()
-    before = rtsys.get_allocation_stats()
-    for found in grown_twice(outer):
-        assert found.inner.added.tolist() == [0.5, *9 * [2.0]]
-        assert found.numbers == NUMBERS
+    start = rtsys.get_allocation_stats()
+    for grown in grown_twice(outer):
+        assert grown.inner.added.tolist() == [0.5, *9 * [2.0]]
+        assert grown.numbers == NUMBERS
     assert outer.inner.added.tolist() == [0.5]
-    del found
-    now = rtsys.get_allocation_stats()
-    assert now.mi_alloc - before.mi_alloc == now.mi_free - before.mi_free > 0
+    del grown
+    end = rtsys.get_allocation_stats()
+    assert end.mi_alloc - start.mi_alloc == end.mi_free - start.mi_free > 0
 
 
 def test_the_kernel_of_the_readme_runs(capsys):
@@ -160,7 +160,7 @@ def test_a_kernel_and_its_parts_may_use_the_widest_vectors():
     whole = compiled_afresh(
         add_up_behind_an_address, Outer(Inner(NUMBERS, np.zeros(1)), 2.0, NUMBERS)
     )
-    parts = [each.library for part in (add_up.part, sum_of) for each in part.overloads.values()]
+    parts = [code.library for part in (add_up.part, sum_of) for code in part.overloads.values()]
     assert len(parts) > 1
     for library in whole, *parts:
         text = library.get_llvm_str()
@@ -188,7 +188,10 @@ def add_all(inner):
 
 
 def test_code_for_a_class_that_is_not_known_by_its_code_is_not_kept():
-    assert add_all(Inner((), np.ones(2))) == 2.0
+    class Unknown(NamedTuple):
+        added: np.ndarray
+
+    assert add_all(Unknown(np.ones(2))) == 2.0
     (signature,) = add_all.signatures
     assert add_all._cache._file(signature, compiles_for()) is None
 
@@ -209,7 +212,7 @@ assert double(1.5) == 3.0 and count(2) == 4
 HITS = "print(*(sum(f.stats.cache_hits.values()) for f in (double, count)))"
 
 
-def told(hits, stderr):
+def other_lines(hits, stderr):
     """Lines of stderr besides the one on compiling, which is there exactly if something compiles."""
     lines = stderr.splitlines()
     assert lines.count(compilation.COMPILING) == (0 in hits)
@@ -228,13 +231,12 @@ def tiny(tmp_path, monkeypatch, capsys):
     monkeypatch.syspath_prepend(tmp_path)
 
     def make():
-        compilation._say_unkept.cache_clear()
         compilation._say_compiling.cache_clear()
         sys.modules.pop("tiny", None)
         importlib.invalidate_caches()
         kernels = importlib.import_module("tiny")
         hits = [sum(f.stats.cache_hits.values()) for f in (kernels.double, kernels.count)]
-        return hits, told(hits, capsys.readouterr().err)
+        return hits, other_lines(hits, capsys.readouterr().err)
 
     yield make
     sys.modules.pop("tiny", None)
@@ -262,15 +264,14 @@ def test_damaged_machine_code_is_compiled_again(tmp_path, tiny, damage):
 FULL = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))\n"
 
 
-def assert_not_kept(folder, hits, said):
-    """Code was compiled and used, one line names the folder, and nothing is left there."""
-    assert hits == [0, 0] and len(said) == 1
-    assert str(folder / "cache") in said[0] and "no machine code can be kept here" in said[0]
+def assert_not_kept(folder, hits, lines):
+    """Code was compiled and used, and nothing is left there."""
+    assert hits == [0, 0] and not lines
     assert not [*folder.rglob("*.nbc"), *folder.rglob("*.part")]
 
 
 def test_a_cache_without_a_folder_does_not_stop_a_run(tmp_path, tiny):
-    """The run goes on with code in memory, and says so in one line that names the folder."""
+    """The run goes on with code in memory."""
     (tmp_path / "cache").write_text("a file")
     assert_not_kept(tmp_path, *tiny())
 
@@ -281,13 +282,13 @@ def test_a_full_disk_does_not_stop_a_run(tmp_path):
     script = tmp_path / "tiny.py"
     script.write_text(FULL + TINY + HITS)
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    ran = subprocess.run(
+    process = subprocess.run(
         [sys.executable, script],
         cwd=ROOT,
         env=environment,
         capture_output=True,
         text=True,
     )
-    assert ran.returncode == 0, ran.stderr
-    hits = list(map(int, ran.stdout.split()))
-    assert_not_kept(tmp_path, hits, told(hits, ran.stderr))
+    assert process.returncode == 0, process.stderr
+    hits = list(map(int, process.stdout.split()))
+    assert_not_kept(tmp_path, hits, other_lines(hits, process.stderr))

@@ -9,7 +9,7 @@ from test_twin import TIME_STEP, scene_of
 from twin import forces_of
 
 from dem import Cylinder, Disc, Dumbbell, Friction, Material, Scene, Simulation, State, box
-from dem.dynamics.checkpoint import writable
+from dem.dynamics.checkpoint import copied
 from dem.dynamics.forces import forces
 from dem.dynamics.integration import look_ahead
 
@@ -42,13 +42,13 @@ def test_forces_of_a_random_bed(kind, dt, steps):
     """Forces and torques of pairs, walls and the cylinder, after slips that the contacts remember."""
     for seed in range(3):
         scene, state = random_bed(kind, seed)
-        world = writable(Simulation(scene, state).world)
+        world = copied(Simulation(scene, state).world)
         for _ in range(steps):  # all granules stay where they are
             forces(world, dt, np.inf)
         force, torque = forces_of(scene, state, steps * dt)
-        found = world.force
-        assert_allclose(found[:, :2], force, rtol=1e-10, atol=1e-10 * np.abs(force).max())
-        assert_allclose(found[:, 2], torque, rtol=1e-10, atol=1e-10 * np.abs(torque).max())
+        result = world.force
+        assert_allclose(result[:, :2], force, rtol=1e-10, atol=1e-10 * np.abs(force).max())
+        assert_allclose(result[:, 2], torque, rtol=1e-10, atol=1e-10 * np.abs(torque).max())
         assert (np.hypot(*force.T) > 0.0).sum() > 15
 
 
@@ -57,12 +57,12 @@ def test_forces_on_walls_and_solids_balance_those_on_granules(kind):
     """What the granules feel in all is what walls and the cylinder give."""
     scene, state = random_bed(kind, 3)
     scene = replace(scene, friction=Friction(0.2, 1e-30, 0.7))
-    world = writable(Simulation(scene, state).world)
+    world = copied(Simulation(scene, state).world)
     dt = 1e-7
     loads, axis = world.boundaries.contact_forces, len(scene.walls)
     forces(world, dt, np.inf)
-    given = loads[axis, :2] + loads[axis, 2:4] + loads[:axis, 0] @ scene.planes[:, :2]
-    assert_allclose(world.force[:, :2].sum(axis=0), -given, rtol=1e-10)
+    total = loads[axis, :2] + loads[axis, 2:4] + loads[:axis, 0] @ scene.planes[:, :2]
+    assert_allclose(world.force[:, :2].sum(axis=0), -total, rtol=1e-10)
 
 
 def test_the_stages_that_are_timed_make_the_forces_of_a_step():
@@ -72,7 +72,7 @@ def test_the_stages_that_are_timed_make_the_forces_of_a_step():
     scene, state = random_bed(Disc, 1)
     walls = [[1.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, -1.0, 1.0]]  # m
     scene = replace(scene, walls=walls, solids=Cylinder(1e-3, (0.9, 0.9)))
-    world = writable(Simulation(scene, state).world)
+    world = copied(Simulation(scene, state).world)
     forces(world, 0.0, np.inf)
     expected = world.force.copy()
     world.force[:] = 0.0
@@ -84,18 +84,18 @@ def test_the_stages_that_are_timed_make_the_forces_of_a_step():
 def guarded(value, rows):
     """A copy of a world whose arrays lie between rows of NaN; rows gets them, by the place of each array."""
     if isinstance(value, tuple):
-        found = [guarded(each, rows) for each in value]
-        return type(value)(*found) if hasattr(value, "_fields") else tuple(found)
+        members = [guarded(member, rows) for member in value]
+        return type(value)(*members) if hasattr(value, "_fields") else tuple(members)
     if not isinstance(value, np.ndarray) or not value.size:
         return value
-    place = value.ctypes.data  # one array may have two names
-    if place not in rows:
+    address = value.ctypes.data  # one array may have two names
+    if address not in rows:
         whole = np.full(
             (len(value) + 2 * GUARDS, *value.shape[1:]), NO_NUMBER[value.dtype.kind], value.dtype
         )
         whole[GUARDS:-GUARDS] = value
-        rows[place] = whole
-    return rows[place][GUARDS:-GUARDS]
+        rows[address] = whole
+    return rows[address][GUARDS:-GUARDS]
 
 
 @pytest.mark.parametrize("name", ["discs", "dumbbells", "ellipses"])
@@ -104,8 +104,8 @@ def test_kernels_read_and_write_nothing_beside_their_arrays(name):
     scene, state = scene_of(name)
     run = Simulation(scene, state, TIME_STEP, skin=0.3, allow_unstable=True)
     run.advance(3 * TIME_STEP)
-    plain, rows = writable(run.world), {}
-    beside = guarded(writable(run.world), rows)
+    plain, rows = copied(run.world), {}
+    beside = guarded(copied(run.world), rows)
     for world in (plain, beside):
         forces(world, TIME_STEP, np.inf)
         look_ahead(world, 0.5 * TIME_STEP, TIME_STEP)

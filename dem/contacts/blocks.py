@@ -12,7 +12,7 @@ code: a change of their form, also one that computes the same, may make them slo
 
 import numpy as np
 
-from dem.contacts.response import length_of, measure_of, relative_velocity, respond
+from dem.contacts.response import entry, measure_of, relative_velocity, respond
 from dem.jit import block_memory as lane
 from dem.jit.block_memory import (
     EIGHT,
@@ -35,7 +35,6 @@ from dem.jit.optional import (
     plus,
     rolled_without_first,
     times,
-    unless,
 )
 from dem.laws.protocol import mean_root, root
 from dem.shapes.polygon import polygon_contact
@@ -64,19 +63,6 @@ def copy_four(source, i, target, k):
     target[k + THREE] = d
 
 
-@optional
-def copy_rates(rates, rows, i, motion, k, first):
-    copy_four(rows, i + FOUR, motion, FOUR * k + first)
-
-
-@optional
-def look_ahead(boundary, rows, j, motion, at):
-    """Where nothing turns and contacts have dashpots, rows of granules have the velocity of the
-    full step; those of boundaries have that of the half step and its change."""
-    motion[at + lane.VX2] += rows[j + FIVE]
-    motion[at + lane.VY2] += rows[j + SIX]
-
-
 @inlined
 def gather(turns, one, two, contacts, start, stop, lanes):
     """Motion of both bodies of each contact, from rows of dem.jit.columns one after the other.
@@ -84,8 +70,6 @@ def gather(turns, one, two, contacts, start, stop, lanes):
     turns: inverse_inertia of a World, None where nothing turns.
     """
     motion = lanes.motion
-    rates = given(turns, either(contacts.damping, contacts.tangential_force))
-    boundary = unless(contacts.first, unless(turns, contacts.damping))
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         at = FOUR * k
@@ -97,9 +81,15 @@ def gather(turns, one, two, contacts, start, stop, lanes):
             motion[at + lane.X2] += contacts.shift_x[p]
         if contacts.shift_y is not None:
             motion[at + lane.Y2] += contacts.shift_y[p]
-        copy_rates(rates, one, i, motion, k, lane.W1)
-        copy_rates(rates, two, j, motion, k, lane.W2)
-        look_ahead(boundary, two, j, motion, at)
+        if turns is not None:
+            if contacts.damping is not None or contacts.tangential_force is not None:
+                copy_four(one, i + FOUR, motion, at + lane.W1)
+                copy_four(two, j + FOUR, motion, at + lane.W2)
+        elif contacts.first is None and contacts.damping is not None:
+            # rows of granules have the velocity of the full step; those of boundaries have that of
+            # the half step and its change
+            motion[at + lane.VX2] += two[j + FIVE]
+            motion[at + lane.VY2] += two[j + SIX]
 
 
 @inlined
@@ -119,10 +109,10 @@ def turning(sizes, outline):
 def gather_pairs(shape, orientation, contacts, start, stop, values):
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
-        own = outline(shape, contacts.constituent[p], orientation)
-        other = outline(shape, contacts.partner[p], orientation)
-        store_outline(either(turning(contacts.sizes, own), own), values, lane.OUTLINE_1 + k)
-        store_outline(either(turning(contacts.sizes, other), other), values, lane.OUTLINE_2 + k)
+        one = outline(shape, contacts.constituent[p], orientation)
+        two = outline(shape, contacts.partner[p], orientation)
+        store_outline(either(turning(contacts.sizes, one), one), values, lane.OUTLINE_1 + k)
+        store_outline(either(turning(contacts.sizes, two), two), values, lane.OUTLINE_2 + k)
 
 
 @optional
@@ -180,11 +170,11 @@ def find_wall_contacts(planes, shape, orientation, turns, contacts, start, stop,
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         nx, ny = values[lane.NX + k], values[lane.NY + k]
-        own = load_outline(circle(shape, 0.0), values, lane.OUTLINE_1 + k)
-        reach, t1, radius = support(shape, own, nx, ny)
+        one = load_outline(circle(shape, 0.0), values, lane.OUTLINE_1 + k)
+        reach, t1, radius = support(shape, one, nx, ny)
         at = FOUR * k
-        here = motion[at + lane.X1] * nx + motion[at + lane.Y1] * ny
-        overlap = reach + here - values[lane.OUTLINE_2 + k]
+        height = motion[at + lane.X1] * nx + motion[at + lane.Y1] * ny
+        overlap = reach + height - values[lane.OUTLINE_2 + k]
         n1 = reach - 0.5 * overlap
         geometry = ContactGeometry(overlap, nx, ny, n1, t1, None, None, radius)
         store_geometry(turns, geometry, contacts, p, lanes, k)
@@ -197,7 +187,7 @@ def find_wall_contacts(planes, shape, orientation, turns, contacts, start, stop,
 def shifted(contacts, p, dx, dy):
     """The place dx, dy (m) of body 2 of contact p from body 1, of that image which is beside it."""
     x, y = contacts.shift_x, contacts.shift_y
-    return plus(dx, take(x, x, p)), plus(dy, take(y, y, p))
+    return plus(dx, entry(x, p)), plus(dy, entry(y, p))
 
 
 @inlined
@@ -218,8 +208,8 @@ def size_rows(sizes, shape):
 def joined(sizes, like, values, k, p):
     """Outlines of lane k, with the sizes of contact p."""
     orientation = turning(sizes, like)
-    own = load_outline(orientation, values, lane.OUTLINE_1 + k) + lane.pick(sizes[0], p)
-    return own, load_outline(orientation, values, lane.OUTLINE_2 + k) + lane.pick(sizes[1], p)
+    one = load_outline(orientation, values, lane.OUTLINE_1 + k) + lane.pick(sizes[0], p)
+    return one, load_outline(orientation, values, lane.OUTLINE_2 + k) + lane.pick(sizes[1], p)
 
 
 @inlined
@@ -306,9 +296,9 @@ def find_contacts(shape, turns, contacts, start, stop, lanes):
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         dx, dy = spacing(motion, k)
-        own, other = outlines(shape, sizes, values, k, p)
+        one, two = outlines(shape, sizes, values, k, p)
         guess = last_normal(contacts, p)
-        geometry, converged = find_contact(shape, dx, dy, own, other, guess)
+        geometry, converged = find_contact(shape, dx, dy, one, two, guess)
         store_geometry(turns, geometry, contacts, p, lanes, k)
         put(unconverged(converged), values, lane.UNCONVERGED + k)
     refine_contacts(contacts.normal_x, shape, turns, contacts, start, stop, lanes)
@@ -331,9 +321,9 @@ def refine_contacts(normal_x, shape, turns, contacts, start, stop, lanes):
         k = np.uint64(p - start)
         if values[lane.UNCONVERGED + k] != 0.0:
             dx, dy = spacing(motion, k)
-            own, other = outlines(shape, sizes, values, k, np.uint64(p))
-            guess = refine_normal(shape, dx, dy, own, other, last_normal(contacts, p))
-            geometry, _ = find_contact(shape, dx, dy, own, other, guess)
+            one, two = outlines(shape, sizes, values, k, np.uint64(p))
+            guess = refine_normal(shape, dx, dy, one, two, last_normal(contacts, p))
+            geometry, _ = find_contact(shape, dx, dy, one, two, guess)
             store_geometry(turns, geometry, contacts, p, lanes, k)
 
 
@@ -358,7 +348,7 @@ def roots(damping, contacts, start, stop, dt, values):
             k, p = np.uint64(q), np.uint64(start + q)
             overlap, change = values[lane.OVERLAP + k], 0.5 * dt * abs(values[lane.V_NORMAL + k])
             if -change < overlap < NEAR * change:
-                length = length_of(contacts.length, p)
+                length = entry(contacts.length, p)
                 values[lane.ROOT + k] = mean_root(law, overlap, change, length)
 
 
@@ -401,17 +391,14 @@ def contact_forces(friction, shape, levers, turns, contacts, start, stop, dt, la
 @optional
 def add_losses(account, contacts, start, stop, values):
     """Add up what a block of contacts loses (W)."""
-    lossy = either(contacts.damping, contacts.friction)
     for q in range(stop - start):
         k = np.uint64(q)
-        add_loss(lossy, account, lane.POWER_DAMPED, values, lane.DAMPED + k)
-        add_loss(contacts.friction, account, lane.POWER_SPRINGS, values, lane.SLID + k)
-        add_loss(contacts.rolling, account, lane.POWER_ROLLING, values, lane.ROLLED + k)
-
-
-@optional
-def add_loss(present, account, kind, values, k):
-    account[kind] += values[k]
+        if contacts.damping is not None or contacts.friction is not None:
+            account[lane.POWER_DAMPED] += values[lane.DAMPED + k]
+        if contacts.friction is not None:
+            account[lane.POWER_SPRINGS] += values[lane.SLID + k]
+        if contacts.rolling is not None:
+            account[lane.POWER_ROLLING] += values[lane.ROLLED + k]
 
 
 @optional

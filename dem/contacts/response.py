@@ -20,15 +20,15 @@ def _local_stiffness(radius, law, modulus):
 
 
 @optional
-def length_of(length, p):
-    """The second constant (m) of contact p, where its law has one."""
-    return length[p]
+def entry(array, p):
+    """What an array has for contact p, where there is one."""
+    return array[p]
 
 
 @inlined
 def measure_of(contacts, p, overlap):
     """Measure of the law for contact p at an overlap (m) of zero or more."""
-    return measure(contacts.law, overlap, length_of(contacts.length, p))
+    return measure(contacts.law, overlap, entry(contacts.length, p))
 
 
 @optional
@@ -47,32 +47,37 @@ def damped_force(damping, elastic, root, rate):
     return damped(elastic, root, damping, rate)
 
 
-@optional
-def dashpot(damping, ratio, root, slip_rate):
-    return ratio * damping * root * slip_rate
+@inlined
+def spring_and_dashpot(history, p, limit, stiffness, dashpot, elastic, slip, account):
+    """Force (N) or moment (N m) of a spring that contact p remembers, and of a dashpot.
 
-
-@optional
-def friction_force(friction, contacts, p, normal, elastic, slip, account):
-    """The spring is capped first, then spring and dashpot, so that friction does no positive work.
-
-    elastic: constant and measure of the law, the measure in the last step, constant and root of the
-    dashpot; slip: in this step (m), and its rate at the full step (m/s). Returns the force (N) and
-    the powers (W) that dashpot and spring take, None without an energy ledger.
+    The spring is capped first, then spring and dashpot, so that friction does no positive work.
+    stiffness: over the measure of the law; elastic: constant and measure of the law, the measure in
+    the last step, constant and root of the dashpot; slip: in this step (m or rad), and its rate at
+    the full step. Returns also the powers (W) that dashpot and spring take, None without an energy
+    ledger.
     """
-    constant, measured, last, damping, root = elastic
+    _, measured, last, _, _ = elastic
     distance, rate = slip
-    limit = friction[0, p] * normal  # see dem.dynamics.world.COEFFICIENT
-    constant, before = friction[1, p] * constant, contacts.tangential_force[p]
-    spring = capped(mindlin(before, measured, last, constant, distance), limit)
-    contacts.tangential_force[p], contacts.measure[p] = spring, measured
-    dashpot_force = dashpot(damping, friction[2, p], root, rate)
-    total = capped(minus(spring, dashpot_force), limit)
+    spring = capped(mindlin(history[p], measured, last, stiffness, distance), limit)
+    history[p] = spring
+    total = capped(minus(spring, times(dashpot, rate)), limit)
     return (
         total,
         dissipated_power(account, total - spring, rate),
         dissipated_power(account, spring, rate),
     )
+
+
+@optional
+def friction_force(friction, contacts, p, normal, elastic, slip, account):
+    """Tangential force: see `spring_and_dashpot`, and dem.dynamics.world.COEFFICIENT."""
+    constant, measured, _, damping, root = elastic
+    contacts.measure[p] = measured
+    limit, stiffness = friction[0, p] * normal, friction[1, p] * constant
+    dashpot = times(times(friction[2, p], damping), root)
+    history = contacts.tangential_force
+    return spring_and_dashpot(history, p, limit, stiffness, dashpot, elastic, slip, account)
 
 
 @inlined
@@ -85,29 +90,11 @@ def rolling_stiffness(contacts, p, constant):
 
 @optional
 def rolling_moment(rolling, contacts, p, normal, elastic, rotation, account):
-    """Moment (N m) on body 2, and the powers (W) that dashpot and spring take, as `friction_force`.
-
-    elastic: as there; rotation of 2 relative to 1: in this step (rad), and its rate at the full
-    step (rad/s).
-    """
-    constant, measured, last, _, root = elastic
-    angle, rate = rotation
-    limit = rolling[0, p] * normal  # see dem.dynamics.world.Contacts
-    constant, before = rolling_stiffness(contacts, p, constant), contacts.rolling_moment[p]
-    moment = capped(mindlin(before, measured, last, constant, angle), limit)
-    contacts.rolling_moment[p] = moment
-    total = capped(moment - rolling[1, p] * root * rate, limit)
-    return (
-        total,
-        dissipated_power(account, total - moment, rate),
-        dissipated_power(account, moment, rate),
-    )
-
-
-@optional
-def last_measure(measure, p):
-    """Measure of the law for contact p in the last step."""
-    return measure[p]
+    """Moment on body 2: see `spring_and_dashpot`, and dem.dynamics.world.Contacts."""
+    constant, _, _, _, root = elastic
+    limit, stiffness = rolling[0, p] * normal, rolling_stiffness(contacts, p, constant)
+    history, dashpot = contacts.rolling_moment, rolling[1, p] * root
+    return spring_and_dashpot(history, p, limit, stiffness, dashpot, elastic, rotation, account)
 
 
 @optional
@@ -157,7 +144,7 @@ def respond(contacts, p, geometry, velocity, change, root, dt, account):
     damping = dashpot_constant(contacts.damping, contacts.mass_ratio, p, geometry.nx, geometry.ny)
     normal = either(damped_force(damping, elastic, root, rate), elastic)
     damped_normal = dissipated_power(given(damping, account), normal - elastic, -rate)
-    last = last_measure(contacts.measure, p)  # before friction overwrites it
+    last = entry(contacts.measure, p)  # before friction overwrites it
     springs = constant, measured, last, damping, root
     tangential, damped_tangential, slid = either(
         friction_force(

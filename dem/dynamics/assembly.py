@@ -1,7 +1,7 @@
 """From a scene and a state to the arrays of the kernels."""
 
 import math
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +11,8 @@ from dem.contacts.force_law import (
     effective_modulus,
     effective_shear_modulus,
 )
+from dem.dynamics.boundaries import fastest
+from dem.dynamics.diagnostics import step_alone, usual_overlap
 from dem.dynamics.world import (
     ALPHA,
     DAMPING,
@@ -32,9 +34,17 @@ from dem.jit.block_memory import make_lanes
 from dem.jit.columns import VX, VY, W, X, Y, rows
 from dem.laws.protocol import length, slope
 from dem.motion import Drive, PrescribedMotion, Turn
-from dem.scene import Scene, State, reach
-from dem.shapes.protocol import is_alone, resized
+from dem.periodic import wrapped
+from dem.scene import ARRAYS, Scene, State, reach
+from dem.shapes.protocol import is_alone
 from dem.solids import Polygon
+
+# Skins of neighbour lists over the mean bounding radius. They change the speed of a run, and at which
+# steps the time step is chosen.
+SKIN = 0.12  # of runs, at least; timings of beds are flat from 0.1 to 0.2
+WIDEST = 1.0
+SKIN_OF_PACKING = 0.3  # while a bed is packed, where granules move far
+REBUILD_COST = 60.0  # of a list over what a wider skin costs, fitted to gases and dense beds
 
 
 class GranuleTable(NamedTuple):
@@ -75,7 +85,7 @@ class GranuleTable(NamedTuple):
     solid_radius : ndarray of shape (w + k,)
         Radius in the law (m) of solids that have the outline of a granule; zero of others.
     alpha : float
-        Dashpot constant of granules, without unit; the greatest.
+        Dashpot constant of granules, without unit; the greatest, times the margin of the law.
     modulus : float
         Modulus of the law for two granules (Pa or N/m); the greatest.
     mean_radius, mean_mass : float
@@ -109,12 +119,6 @@ class GranuleTable(NamedTuple):
     rolling: tuple[float, float, float, float] | None
 
 
-def writable(shape):
-    """The granules with arrays that can be written, because read-only ones are another type to
-    Numba."""
-    return resized(shape, np.copy)
-
-
 def widest_skins(scene: Scene) -> list[float]:
     """Skins (m) with which no list holds two images of one body, nor finds one pair by another
     image than the list before: for each period."""
@@ -124,7 +128,7 @@ def widest_skins(scene: Scene) -> list[float]:
 def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTable:
     """GranuleTable of a scene; skin as a share of the mean bounding radius, fraction of the
     critical step."""
-    shape, (inverse_mass, inverse_inertia) = writable(scene.shape), mobilities(scene)
+    shape, (inverse_mass, inverse_inertia) = scene.shape, mobilities(scene)
     laws, count = laws_of(scene), len(scene.materials)
     bounding, owner, arm = shape.constituent_bounding_radius, shape.owner, np.zeros(scene.granules)
     np.maximum.at(arm, owner, shape.bounding_radius[owner] - bounding)
@@ -150,7 +154,7 @@ def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTa
         laws=laws,
         species=scene.species.copy(),
         solid_radius=solid_radius,
-        alpha=float(laws[:count, :, ALPHA].max()),
+        alpha=float(scene.law.margin * laws[:count, :, ALPHA].max()),
         modulus=max(modulus(scene, material, material) for material in scene.materials),
         mean_radius=float(shape.constituent_radius.mean()),
         mean_mass=float(scene.mass.mean()),
@@ -367,7 +371,7 @@ def surfaces(scene: Scene, table: GranuleTable, drive: np.ndarray) -> dict[str, 
         number = np.zeros(r, np.int64)  # of the outline of each boundary
         number[[*others]] = range(len(others))
         one, *more = others.values()
-        outlines = writable(one.appended(*more).take(number))
+        outlines = one.appended(*more).take(number)
         members["outlines"] = surface([*others], outlines=outlines)
     if polygons:
         listed = Faces(np.cumsum(first), np.concatenate(faces), rounding)
@@ -387,7 +391,7 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
     held_drive = moving.drive[len(moving.drive) - len(scene.held) :]
     pairs = contacts(scene, table, held_drive)
     return World(
-        shape=writable(scene.shape),
+        shape=scene.shape,
         bodies=bodies,
         angle=state.angle,
         orientation=turned if scene.shape.needs_angle else None,
@@ -406,3 +410,49 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
         patches=Patches(index, index, none, none) if n > PATCH else None,
         held=held_groups(scene, bodies, moving.motion),
     )
+
+
+# Order in memory: that of Morton (1966), the bits of two cell numbers interleaved, so that a patch
+# (dem.dynamics.world) is compact, and has few neighbours in others
+
+
+def _spread(number):
+    """A zero between any two bits of numbers below 2^32."""
+    bit, one, two = np.arange(32, dtype=np.uint64), np.uint64(1), np.uint64(2)
+    bits = number.astype(np.uint64)[:, None] >> bit & one
+    return (bits << two * bit).sum(axis=1)
+
+
+def order_of(scene: Scene, state: State) -> np.ndarray:
+    """Granules (n,) in the order of memory: that of the user for a bed of one patch."""
+    if scene.granules <= PATCH:
+        return np.arange(scene.granules)
+    cell = 2.0 * scene.shape.bounding_radius.mean()
+    position = wrapped(state.position, scene.periodic)
+    cells = np.minimum((position - position.min(axis=0)) / cell, 2.0**31)
+    return np.argsort(_spread(cells[:, 0]) | _spread(cells[:, 1]) << np.uint64(1), kind="stable")
+
+
+def ordered(scene: Scene, state: State, order) -> tuple[Scene, State]:
+    """The same scene and state with granules in another order."""
+    state = State(*(getattr(state, name)[order] for name in ARRAYS))
+    places = np.argsort(order)
+    held = tuple(replace(group, granules=places[group.granules]) for group in scene.held)
+    return replace(
+        scene, shape=scene.shape.take(order), held=held, species=scene.species[order]
+    ), state
+
+
+def skin_for(scene, world, table, time_step: float | None) -> float:
+    """Skin (m) for the speeds of a scene at the start, at least SKIN and at most WIDEST.
+
+    What flies farther in a step needs its lists more often, or wider ones. The sum of both costs is
+    least for a skin that grows with the root of the flight in a step. The speed is that of the
+    fastest boundary, or three times the mean of granules.
+    """
+    squared = (world.bodies[:, [VX, VY]] ** 2).sum(axis=1).mean()
+    speed = math.sqrt(max(9.0 * float(squared), fastest(world.boundaries)))
+    usual = step_alone(table, usual_overlap(table, speed), table.fraction)
+    step, size = time_step or usual, table.bounding.mean()
+    wanted = np.clip(math.sqrt(REBUILD_COST * speed * step * size), SKIN * size, WIDEST * size)
+    return min([float(wanted), *widest_skins(scene)])

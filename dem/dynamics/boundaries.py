@@ -122,8 +122,6 @@ def surface_moved(surface, boundaries):
             dx, dy = motion[b, X] - reference[b, 0], motion[b, Y] - reference[b, 1]
             if planes is not None:  # only the motion along the normal counts
                 squared = (dx * planes[b, 0] + dy * planes[b, 1]) ** 2
-            elif surface.radius is not None:
-                squared = dx * dx + dy * dy
             else:
                 turn = boundaries.reach[b] * abs(boundaries.angle[b] - reference[b, 2])
                 squared = (math.sqrt(dx * dx + dy * dy) + turn) ** 2
@@ -211,12 +209,3 @@ def driven_acceleration(boundaries):
         acceleration += boundaries.reach[b] * drive[b, INVERSE_MASS + 2] * abs(torque)
         greatest = greater(greatest, acceleration)
     return greatest
-
-
-@inlined
-def boundary_weight(boundaries, b, arm):
-    """Mass-weighted size of translation and of rotation of boundary b at a contact (kg^-0.5), zero
-    where it is not driven; arm: moment arm of the force (m)."""
-    drive = boundaries.drive
-    size = math.sqrt(max(drive[b, INVERSE_MASS], drive[b, INVERSE_MASS + 1]))
-    return size, arm * math.sqrt(drive[b, INVERSE_MASS + 2])

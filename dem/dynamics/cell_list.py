@@ -97,12 +97,13 @@ def sort_few(values, start, stop):
 
 
 @compiled(allocates=True)
-def near_pairs(shape, constituents, radius, skin, period):
+def near_pairs(shape, constituents, radius, held, skin, period):
     """Pairs of constituents of different granules closer than skin (m).
 
     Returns (first, constituent, partner) of Contacts.
 
-    radius (constituents,): bounding radius (m); period along x and y (m), 0 where the scene does
+    radius (constituents,): bounding radius (m); held (constituents,): those of which no two make a
+    pair, or None; period along x and y (m), 0 where the scene does
     not repeat itself. Each pair is listed once, under its lower index, partners in ascending order.
     """
     n = constituents.shape[0]
@@ -126,6 +127,8 @@ def near_pairs(shape, constituents, radius, skin, period):
                 for m in range(start[cell], start[cell + 1]):
                     j = members[m]
                     if j <= i or owner_of(shape, j) == owner_of(shape, i):
+                        continue
+                    if held is not None and held[i] and held[j]:
                         continue
                     dx = nearest(period[0], constituents[j, X] - constituents[i, X])
                     dy = nearest(period[1], constituents[j, Y] - constituents[i, Y])

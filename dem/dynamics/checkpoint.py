@@ -1,22 +1,12 @@
-"""Checkpoints: a run as named arrays, from which it continues later with the same bits.
-
-A checkpoint holds a hash of all its arrays, so that arrays that no simulation has written are
-refused.
-"""
+"""Checkpoints: a run as named arrays, from which it continues later with the same bits."""
 
 import hashlib
-from collections.abc import Mapping
 from dataclasses import is_dataclass
 
 import numpy as np
 
-from dem.base.errors import InputError
-from dem.base.types import refuse
-
 # of a World: what the scene holds, and what part step writes before it reads
 LEFT_OUT = "world.shape.", "world.lanes.motion", "world.lanes.values"
-NUMBERS = np.ndarray, int, float
-SEAL = "sha256"
 
 
 def mapped(tree, change, path=""):
@@ -27,20 +17,8 @@ def mapped(tree, change, path=""):
     return tree._make(mapped(part, change, f"{path}.{name}") for name, part in parts)
 
 
-def read_only(tree):
-    """The tree with views of its arrays that cannot be written."""
-
-    def viewed(part, path):
-        if isinstance(part, np.ndarray):
-            part = part.view()
-            part.flags.writeable = False
-        return part
-
-    return mapped(tree, viewed)
-
-
-def writable(tree):
-    """The tree with copies of its arrays, which can be written; two that were one stay one."""
+def copied(tree):
+    """The tree with copies of its arrays; two that were one stay one."""
     copies = {}
 
     def copied(part, path):
@@ -74,42 +52,21 @@ def written(**trees) -> dict:
     arrays = {}
 
     def keep(part, path):
-        if isinstance(part, NUMBERS) and not path.startswith(LEFT_OUT):
+        if isinstance(part, np.ndarray | int | float) and not path.startswith(LEFT_OUT):
             arrays[path] = np.array(part)
 
     for name, tree in trees.items():
         mapped(tree, keep, name)
-    return arrays | {SEAL: fingerprint(*sorted(arrays.items()))}
-
-
-def read(saved) -> dict:
-    """The arrays of a checkpoint, also of one that numpy.load has opened; raises InputError."""
-    if not isinstance(saved, Mapping):
-        refuse("saved", saved, "be what Simulation.checkpoint has returned, or numpy.load of it")
-    try:
-        arrays = {str(name): saved[name] for name in saved}
-        seal = arrays.pop(SEAL).tobytes() if SEAL in arrays else b""
-        intact = seal == fingerprint(*sorted(arrays.items())).tobytes()
-    except Exception as error:  # of zip, zlib or NumPy, as the file is damaged
-        raise InputError(f"saved cannot be read as a checkpoint: {error}.") from None
-    if not intact:
-        raise InputError("saved is not as a simulation wrote it: the checkpoint is damaged.")
     return arrays
 
 
-def replaced(tree, arrays: dict, path):
-    """The tree with what a checkpoint has for it. An array of the same shape is overwritten in
-    place, so that two that are one stay one."""
+def replaced(tree, arrays, path):
+    """The tree with copies of what a checkpoint has for it."""
 
     def taken(part, path):
         saved = arrays.get(path)
         if saved is None:
             return part
-        if not isinstance(part, np.ndarray):
-            return type(part)(saved)
-        if saved.shape != part.shape:
-            return saved.copy()
-        part[...] = saved
-        return part
+        return np.array(saved) if isinstance(part, np.ndarray) else type(part)(saved)
 
     return mapped(tree, taken, path)

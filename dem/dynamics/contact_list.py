@@ -9,7 +9,7 @@ import numpy as np
 
 from dem.contacts.blocks import last_normal, put, shifted
 from dem.contacts.response import measure_of, respond, stiffness_of
-from dem.dynamics.checkpoint import writable
+from dem.dynamics.checkpoint import copied
 from dem.dynamics.world import Surface
 from dem.jit.address import by_address
 from dem.jit.columns import VX, VY, W, X, Y
@@ -27,10 +27,16 @@ from dem.shapes.protocol import (
 )
 
 # members of Contacts on which no force depends
-NOT_OF_RESPONSE = (
-    *("first", "normal_x", "normal_y", "shift_x", "shift_y", "sizes"),
-    *("rolling", "rolling_moment"),
-)
+NOT_OF_RESPONSE = [
+    "first",
+    "normal_x",
+    "normal_y",
+    "shift_x",
+    "shift_y",
+    "sizes",
+    "rolling",
+    "rolling_moment",
+]
 
 
 @compiled(allocates=True)
@@ -218,7 +224,7 @@ def _columns(world, names, listed, geometries, partner, second):
     rates = np.column_stack([(nearing * normal).sum(axis=1), (nearing * tangent).sum(axis=1)])
     pushed, none = np.empty((len(rates), 3)), np.zeros(len(granule))
     # a response remembers, and the bed must not see it
-    copy = writable(listed._replace(stiffness=constant, **dict.fromkeys(NOT_OF_RESPONSE)))
+    copy = copied(listed._replace(stiffness=constant, **dict.fromkeys(NOT_OF_RESPONSE)))
     _respond_now(copy, np.maximum(overlap, 0.0), normal, rates, pushed)
     return (
         names[granule],

@@ -7,7 +7,7 @@ import numpy as np
 
 from dem.contacts.blocks import last_normal, shifted
 from dem.contacts.response import stiffness_of
-from dem.dynamics.boundaries import boundary_weight, driven_acceleration, fastest
+from dem.dynamics.boundaries import driven_acceleration, fastest
 from dem.dynamics.contact_list import deeper, geometries
 from dem.dynamics.critical_step import (
     COLUMNS,
@@ -79,10 +79,11 @@ def body_of(world, table, g, i, normal, point):
 @inlined
 def boundary_of(world, table, b, arms):
     """Boundary b at a contact as a Body."""
-    boundaries = world.boundaries
-    size, spin = boundary_weight(boundaries, b, 1.0)
+    drive = world.boundaries.drive
+    size = math.sqrt(max(drive[b, INVERSE_MASS], drive[b, INVERSE_MASS + 1]))
+    spin = math.sqrt(drive[b, INVERSE_MASS + 2])
     # a flat side has no curvature: its size bounds the arm
-    bend = table.bulk * boundaries.reach[b] * boundaries.drive[b, INVERSE_MASS + 2]
+    bend = table.bulk * world.boundaries.reach[b] * drive[b, INVERSE_MASS + 2]
     return Body(world.bodies.shape[0] + b, size, spin, arms, bend)
 
 
@@ -127,20 +128,12 @@ def scan_pairs(world, table, bounds, begin, end, spare):
     return touching, worst
 
 
-@inlined
-def scan_surface(surface, world, table, bounds, worst):
+@compiled(allocates=True)
+def scan_contacts(surface, world, table, bounds, worst):
     """Add what all contacts with walls, or with solids, do to the rows of Bounds.
 
     Returns the greatest relative overlap with its constituent; worst: that so far.
     """
-    if surface is None:
-        return worst
-    return scan_contacts(surface, world, table, bounds, worst)
-
-
-@compiled(allocates=True)
-def scan_contacts(surface, world, table, bounds, worst):
-    """`scan_surface` of a surface that the scene has."""
     boundaries, motion = world.boundaries, world.constituents
     moving, frames = boundaries.motion, boundaries.orientation
     contact = geometries(world.shape, motion, world.orientation, moving, frames, surface)
@@ -219,10 +212,12 @@ def scan_boundaries(world, table, bounds, worst):
 
     Returns the greatest relative overlap with its constituent, and the bounds on the time step (s).
     """
-    worst = scan_surface(world.walls, world, table, bounds, worst)
-    worst = scan_surface(world.circles, world, table, bounds, worst)
-    worst = scan_surface(world.outlines, world, table, bounds, worst)
-    worst = scan_surface(world.polygons, world, table, bounds, worst)
+    worst = scan_contacts(world.walls, world, table, bounds, worst)
+    worst = scan_contacts(world.circles, world, table, bounds, worst)
+    if world.outlines is not None:
+        worst = scan_contacts(world.outlines, world, table, bounds, worst)
+    if world.polygons is not None:
+        worst = scan_contacts(world.polygons, world, table, bounds, worst)
     bodies = world.bodies.shape[0] + world.boundaries.motion.shape[0]
     return worst, shortest(bounds.rows, bodies, table.fraction)
 

@@ -1,21 +1,27 @@
-"""The arrays of a scene in motion, and the only calls of the kernel that moves them."""
+"""The arrays of a scene in motion, the only calls of the kernel that moves them, and why a run stops.
 
-import threading
+Between two neighbour lists nothing moves by more than half the skin. A check at each new list
+therefore sees every overlap before it has grown by more than the skin.
+"""
+
 import time
 from contextlib import nullcontext
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
-from dem.base.errors import StateError
+from dem.base.errors import OverlapError, RunError, StateError
 from dem.dynamics.assembly import GranuleTable
-from dem.dynamics.checkpoint import writable
+from dem.dynamics.checkpoint import copied
 from dem.dynamics.diagnostics import Diagnostics
-from dem.dynamics.failures import endless, failure
 from dem.dynamics.stepping import (
     FINE,
+    LOST,
+    OUTSIDE,
     PAUSED,
+    TOO_DEEP,
     TOO_LONG,
+    UNSTABLE,
     Progress,
     Schedule,
     StepControl,
@@ -29,6 +35,23 @@ from dem.jit.interrupts import signals_deferred
 FIRST_BUDGET = 20_000  # constituents times steps until the kernel returns for the first time
 BRIEF, LONG = 0.05, 0.15  # s: between these it returns, so that Python can answer Ctrl-C
 NO_RECORD = np.zeros((0, 0))
+NOT_A_NUMBER = -1
+WHEN = "at step {steps}, time {time:.6g} s"
+LESS = "take a smaller time step, a stiffer material or a lower packing fraction"
+SENTENCES = {
+    NOT_A_NUMBER: f"the motion of granule {{granule}} is not a number {WHEN}: take a smaller time "
+    "step.",
+    LOST: f"{{what}} moved {{value:.3g}} m before its contacts were listed again {WHEN}; it may "
+    "move {reach:.3g} m: take a smaller time step.",
+    TOO_LONG: f"the time step is {{value:.3g}} s {WHEN}, and what remains would take too many of "
+    "them: granules are too small, stiff, light or fast for a run of this duration.",
+    UNSTABLE: "time_step is {time_step:.4g} s, longer than the critical one, {value:.4g} s, "
+    f"{WHEN}: make it shorter, leave it out, or set allow_unstable.",
+    OUTSIDE: f"granule {{granule}} has its centre {{far:.3g}} m behind wall {{wall}} {WHEN}: "
+    "put it inside, or take a smaller time step.",
+    TOO_DEEP: f"granule {{granule}} overlaps by {{value:.3g}} of the smaller radius {WHEN}; the "
+    "limit is {max_overlap:g}: {remedy}.",
+}
 
 
 class Engine:
@@ -45,7 +68,7 @@ class Engine:
     order : ndarray of shape (n,)
         Number of each granule of `world`.
     progress : Progress
-        How far the arrays are; to read it raises StateError where a call has not come to its end.
+        How far the arrays are.
     until : float
         End of the whole run (s), where that is known.
     """
@@ -62,33 +85,13 @@ class Engine:
         self.until = 0.0
         self.threads = min(threads, number_of_patches(len(world.bodies)))
         self.budget = max(FIRST_BUDGET // len(world.constituents), 1)
-        self._progress, self._in_kernel, self._lock = Progress(), False, threading.Lock()
+        self.progress = Progress()
         self._view: tuple[Progress, World, Diagnostics] | None = None
-        report = self.run(Schedule(initialise=True))
-        if report.outcome:
-            self.fail(report)
-
-    @property
-    def progress(self) -> Progress:
-        if self._in_kernel:
-            raise StateError(
-                "the simulation is in the midst of a step: another thread advances it, this "
-                "process was forked from it there, or an error cut it off there; wait, or make it "
-                "again."
-            )
-        return self._progress
-
-    @progress.setter
-    def progress(self, progress: Progress) -> None:
-        self._progress = progress
+        self.run(Schedule(initialise=True))
 
     def __getstate__(self) -> dict[str, Any]:
         """For pickle and copy: no two arrays that share memory."""
-        kept = vars(self) | {"_progress": self.progress, "_view": None, "_lock": None}
-        return kept | {"world": writable(self.world)}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state, _lock=threading.Lock())
+        return vars(self) | {"_view": None, "world": copied(self.world)}
 
     def observe(self) -> tuple[World, Diagnostics]:
         """A copy of the arrays at the time that was asked for, which may lie within a step, and how
@@ -100,7 +103,7 @@ class Engine:
         if self._view is None or self._view[0] is not report:
             schedule = Schedule(begin=report.seen, until=self.until, observe_only=True)
             with signals_deferred():
-                seen, observed = self._call(report, schedule, NO_RECORD)
+                seen, observed = self._call(schedule, NO_RECORD)
             # one array for granules and constituents where they are alone
             for rows in (seen.bodies,) if self.table.alone else (seen.bodies, seen.constituents):
                 rows[:, [X, Y]] += np.multiply(self.rules.frame, report.seen)
@@ -116,56 +119,57 @@ class Engine:
             impulses -= since
         return since
 
-    def advance(self, name: str, schedule: Schedule, record: np.ndarray = NO_RECORD) -> float:
-        """Do all intervals of a schedule, of which an argument of that name says the duration;
-        returns the shortest step (s)."""
-        before, report = self.progress, self.run(schedule, record)
-        if report.outcome == TOO_LONG and report.steps == before.steps:
-            end = schedule.begin + schedule.interval * schedule.intervals
-            raise endless(name, end - before.seen, report.value)
-        if report.outcome:
-            self.fail(report)
-        return report.shortest
-
-    def fail(self, report: Progress) -> NoReturn:
-        raise failure(report, self.rules, self.world, self.order)
-
     def run(self, schedule: Schedule, record: np.ndarray = NO_RECORD) -> Progress:
-        """Call the kernel until it has done all intervals.
+        """Call the kernel until it has done all intervals; raises RunError where the run stops.
 
         It returns every so often, also inside an interval, so that Python can answer an interrupt.
         Bits do not depend on how often.
         """
-        if not self._lock.acquire(blocking=False):
-            raise StateError(
-                "the simulation advances already, in another thread or outside this signal "
-                "handler; wait until that has ended."
-            )
-        try:
-            report = self.progress._replace(outcome=FINE)
-            while True:
-                clock = time.perf_counter()
-                schedule = schedule._replace(until=self.until, budget=self.budget)
-                # the first call compiles, and leaves nothing that is worth being kept
-                with nullcontext() if schedule.initialise else signals_deferred():
-                    self._in_kernel = True
-                    self.world, self._progress = self._call(report, schedule, record)
-                    self._in_kernel = False
-                report = self._progress
-                if report.outcome != PAUSED:
-                    return report
-                schedule, took = schedule._replace(initialise=False), time.perf_counter() - clock
-                if took < BRIEF:
-                    self.budget *= 2
-                elif took > LONG:
-                    self.budget = max(self.budget // 2, 1)
-        finally:
-            self._lock.release()
+        self.progress = self.progress._replace(outcome=FINE)
+        while True:
+            clock = time.perf_counter()
+            schedule = schedule._replace(until=self.until, budget=self.budget)
+            # the first call compiles, and leaves nothing that is worth being kept
+            with nullcontext() if schedule.initialise else signals_deferred():
+                self.world, self.progress = self._call(schedule, record)
+            if self.progress.outcome == FINE:
+                return self.progress
+            if self.progress.outcome != PAUSED:
+                raise failure(self.progress, self.rules, self.world, self.order)
+            schedule, took = schedule._replace(initialise=False), time.perf_counter() - clock
+            if took < BRIEF:
+                self.budget *= 2
+            elif took > LONG:
+                self.budget = max(self.budget // 2, 1)
 
-    def _call(self, before: Progress, schedule: Schedule, record: np.ndarray) -> Any:
+    def _call(self, schedule: Schedule, record: np.ndarray) -> Any:
         """World and Progress after one call of the kernel."""
-        given = self.world, self.table, self.rules, schedule, before, record
+        given = self.world, self.table, self.rules, schedule, self.progress, record
         if self.threads == 1:
             return run_steps(*given, None)
         with Threads(self.threads) as threads:
             return run_steps.py_func(*given, threads)
+
+
+@np.errstate(all="ignore")
+def failure(report: Progress, rules: StepControl, world: World, order: np.ndarray) -> RunError:
+    """The error of a run that a Progress says has stopped; order (n,): numbers of the granules."""
+    outcome, granule, what, beyond = report.outcome, report.granule, "a boundary", np.zeros(1)
+    finite = np.isfinite(world.bodies).all(axis=1)
+    if not finite.all():
+        outcome, granule = NOT_A_NUMBER, finite.argmin()
+    elif outcome == LOST:
+        moved = np.linalg.norm(world.constituents[:, :2] - world.reference, axis=1)
+        if moved.max() >= report.value:
+            what = f"granule {order[world.shape.owner[moved.argmax()]]}"
+    elif outcome == OUTSIDE:
+        beyond = world.walls.planes[:, :2] @ world.bodies[granule, :2] - world.walls.planes[:, 2]
+    words = SENTENCES[outcome].format(
+        **rules._asdict(),
+        **report._replace(granule=order[granule])._asdict(),
+        what=what,
+        far=beyond.max(),
+        wall=beyond.argmax(),
+        remedy=LESS if report.steps else "place the granules farther apart",
+    )
+    return (OverlapError if outcome == TOO_DEEP else StateError)(words)

@@ -162,21 +162,6 @@ def set_rolling(rolling, contacts, p, partner, radii, squares):
 
 
 @inlined
-def without_held(held, first, constituent, partner):
-    """The pairs but those of which both are held."""
-    if held is None:
-        return first, constituent, partner
-    kept, count = np.zeros_like(first), 0
-    for i in range(first.shape[0] - 1):
-        for p in range(first[i], first[i + 1]):
-            if not (held[i] and held[partner[p]]):
-                constituent[count], partner[count] = i, partner[p]
-                count += 1
-        kept[i + 1] = count
-    return kept, constituent[:count].copy(), partner[:count].copy()
-
-
-@inlined
 def effective_mass(held, mass, i, j):
     """Effective mass (kg) of a pair: a held one is infinitely heavy."""
     if held is not None:
@@ -242,8 +227,8 @@ def list_pairs(world, table):
     """Renew the pairs for the present positions, with their constants and history, and Patches."""
     old, rows, shape, orientation = world.pairs, world.constituents, world.shape, world.orientation
     radius, period, held = table.radius, table.period, table.held
-    near = near_pairs(shape, rows, table.bounding, table.skin, period)
-    first, constituent, partner = without_held(held, near[0], near[1], near[2])
+    near = near_pairs(shape, rows, table.bounding, held, table.skin, period)
+    first, constituent, partner = near
     granules = world.bodies.shape[0]
     force_row, patches = share_out(world.patches, shape, constituent, partner, granules)
     new = renewed(old, first, constituent, partner, force_row, shape)

@@ -1,6 +1,5 @@
 """Numerical options of a simulation, for the library and for configurations: types and defaults."""
 
-import os
 from typing import Annotated
 
 from pydantic import Field
@@ -10,12 +9,10 @@ from dem.base.types import Count, Ratio
 
 STEP_FRACTION = 0.3  # of the bound on the critical time step
 MAX_OVERLAP = 1.2  # of the smaller radius
-MOST_THREADS = max(64, 4 * (os.cpu_count() or 1))
 StepFraction = Annotated[Ratio, Field(le=10)]
 MaxOverlap = Annotated[Ratio, Field(le=1.5)]
 Skin = Annotated[Ratio, Field(le=100)]  # over the mean radius
-ThreadCount = Annotated[Count, Field(ge=1, le=MOST_THREADS)]
-Intervals = Annotated[Count, Field(ge=1, le=10_000_000)]  # more of them fill any memory
+OneOrMore = Annotated[Count, Field(ge=1)]
 
 
 def check_stable(step_fraction: float, allow_unstable: bool) -> None:

@@ -3,16 +3,12 @@
 import os
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from pydantic import Field
 
 from dem.base.files import atomic, check_output
-from dem.base.types import Count, parsed
 from dem.dynamics.contact_list import ContactList
-from dem.dynamics.world import World
-from dem.jit.columns import VX, VY, W, X, Y
 from dem.scene import ARRAYS, Scene, State
 
 if TYPE_CHECKING:
@@ -74,14 +70,6 @@ def shares(scene: Scene, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.n
     groups (..., g, c)."""
     walls, held = len(scene.walls), rows.shape[-2] - len(scene.held)
     return rows[..., :walls, :], rows[..., walls:held, :], rows[..., held:, :]
-
-
-def bearings(scene: Scene, world: World) -> np.ndarray:
-    """Offsets (m) of walls, places (x, y) in m and angles (rad) of solids, and velocities (m/s,
-    rad/s) of all boundaries."""
-    motion, angle = world.boundaries.motion, world.boundaries.angle[:, None]
-    place = shares(scene, np.hstack([motion[:, [X, Y]], angle]))[1]
-    return np.concatenate([world.walls.planes[:, 2], place.ravel(), motion[:, [VX, VY, W]].ravel()])
 
 
 # of a Result as a dataset: name: (dimensions, units, long name)
@@ -157,8 +145,7 @@ class Result(NamedTuple):
         Mean normal force on each wall since the frame before (N); NaN in the first frame.
     state : State
         The last state, from which another run can start. It does not hold the tangential springs of
-        the contacts: another run starts without them. Simulation.checkpoint keeps them. Where
-        boundaries have moved, only a scene that has them there goes on from it.
+        the contacts: another run starts without them. Simulation.checkpoint keeps them.
     time_step : float
         Shortest time step taken (s).
     scene : Scene
@@ -175,9 +162,9 @@ class Result(NamedTuple):
         ny) is its normal; NaN in the first frame.
     wall_offset : (f, w) array
         Offsets of the walls (m).
-    held_force : (f, g, 2) array or None
+    held_force : (f, g, 2) array
         Mean force of the contacts on each group of held granules since the frame before (N); NaN in
-        the first frame, None if none is held.
+        the first frame.
 
     Examples
     --------
@@ -206,7 +193,7 @@ class Result(NamedTuple):
     solid_torque: np.ndarray
     wall_tangential_force: np.ndarray
     wall_offset: np.ndarray
-    held_force: np.ndarray | None
+    held_force: np.ndarray
 
     @property
     def walls(self) -> np.ndarray:
@@ -232,7 +219,7 @@ class Result(NamedTuple):
 
         Raises
         ------
-        InputError
+        IndexError
             If there is no such frame.
 
         Examples
@@ -244,8 +231,6 @@ class Result(NamedTuple):
         >>> [len(result.contacts(frame).force) for frame in range(3)]
         [0, 1, 0]
         """
-        frames = len(self.time)
-        frame = parsed(Annotated[Count, Field(ge=-frames, lt=frames)], frame, "frame")
         scene, planes = self.scene, self.walls[frame]
         places = zip(self.solid_position[frame], self.solid_angle[frame], strict=True)
         solids = [
@@ -258,15 +243,11 @@ class Result(NamedTuple):
         from dem.dynamics.simulation import Simulation  # which imports this file
 
         run = Simulation(scene, state)
-        contacts = run.contacts()
-        if run.world.pairs.friction is None:
-            return contacts
-        if self.scene.rolling:
-            unknown = np.full_like(contacts.rolling_moment, np.nan)
-            contacts = contacts._replace(rolling_moment=unknown)
+        contacts, unknown = run.contacts(), ["rolling_moment"] if scene.rolling else []
+        if run.world.pairs.friction is not None:
+            unknown += ["tangential_force", "total_force"]
         return contacts._replace(
-            tangential_force=np.full_like(contacts.tangential_force, np.nan),
-            total_force=np.full_like(contacts.total_force, np.nan),
+            **{name: np.full_like(getattr(contacts, name), np.nan) for name in unknown}
         )
 
     def to_dataset(self) -> "xarray.Dataset":

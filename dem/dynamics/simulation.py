@@ -1,8 +1,7 @@
-"""A scene in motion, which you advance and look at between calls."""
+"""A scene in motion, which you advance and look at between calls, or simulate in one call."""
 
-import warnings
+import math
 from collections.abc import Mapping
-from copy import copy
 from typing import Annotated, Any
 
 import numpy as np
@@ -10,26 +9,22 @@ from pydantic import InstanceOf
 
 from dem.base.errors import InputError
 from dem.base.types import Count, NotNegative, Number, Time, Unit, Velocity, checked
-from dem.dynamics.assembly import assemble, granule_table
-from dem.dynamics.checkpoint import fingerprint, read, read_only, replaced, writable, written
+from dem.dynamics.assembly import SKIN, assemble, granule_table, order_of, ordered, skin_for
+from dem.dynamics.checkpoint import fingerprint, replaced, written
 from dem.dynamics.contact_list import ContactList, list_contacts
 from dem.dynamics.diagnostics import Diagnostics
 from dem.dynamics.energy import Ledger, balance, energies, fallen
-from dem.dynamics.engine import Engine
-from dem.dynamics.failures import endless
+from dem.dynamics.engine import Engine, failure
 from dem.dynamics.numerics import (
     MAX_OVERLAP,
     STEP_FRACTION,
-    Intervals,
     MaxOverlap,
+    OneOrMore,
     Skin,
     StepFraction,
-    ThreadCount,
     check_stable,
 )
-from dem.dynamics.ordering import order_of, ordered
-from dem.dynamics.result import Record, bearings, shares
-from dem.dynamics.skin import SKIN, skin_for
+from dem.dynamics.result import Record, Result, shares
 from dem.dynamics.stepping import (
     ANGLE,
     MOST_STEPS,
@@ -44,7 +39,7 @@ from dem.dynamics.stress import Edges, Stress, stress
 from dem.dynamics.world import World
 from dem.jit.columns import VX, VY, W
 from dem.motion import Turn
-from dem.scene import Scene, State
+from dem.scene import ARRAYS, Scene, State
 
 
 class Simulation:
@@ -74,9 +69,8 @@ class Simulation:
     ledger : bool
         Keep an energy ledger. A run takes about ten per cent longer.
     allow_unstable : bool
-        Take the requested step, even if it is unstable. `step_fraction` may then exceed 1, no step
-        is shortened for fast granules, and a `time_step` that is longer than the critical one at
-        the start is a RuntimeWarning.
+        Take the requested step, even if it is unstable. `step_fraction` may then exceed 1, and no
+        step is shortened for fast granules.
 
     Attributes
     ----------
@@ -88,8 +82,7 @@ class Simulation:
     Raises
     ------
     InputError
-        If a value cannot be used, or the state is not for the granules and the boundaries of the
-        scene.
+        If a value cannot be used, or the state is not for the granules of the scene.
     StateError
         If a granule is outside the walls, or `time_step` is longer than the critical one.
 
@@ -108,8 +101,7 @@ class Simulation:
     the forces.
 
     Ctrl-C is answered within about a second, and you can go on from what has been simulated until
-    then. A simulation can be pickled and copied, and used in a forked process. After an error
-    within a step it raises StateError.
+    then. A simulation can be pickled and copied, and used in a forked process.
 
     Examples
     --------
@@ -137,7 +129,7 @@ class Simulation:
         step_fraction: StepFraction = STEP_FRACTION,
         max_overlap: MaxOverlap = MAX_OVERLAP,
         skin: Skin | None = None,
-        threads: ThreadCount = 1,
+        threads: OneOrMore = 1,
         ledger: bool = False,
         allow_unstable: bool = False,
     ):
@@ -146,7 +138,6 @@ class Simulation:
             raise InputError(f"threads is {threads}; with an energy ledger it must be 1.")
         self.scene, self.step_fraction = scene, step_fraction
         state, frame = state.checked(scene.granules), (0.0, 0.0)
-        reached = state.boundaries
         if not (scene.walls or scene.solids or scene.held):
             x, y = np.average(state.velocity, axis=0, weights=scene.mass)
             frame = float(x), float(y)
@@ -155,13 +146,6 @@ class Simulation:
         scene, state = ordered(scene, state, order)
         table = granule_table(scene, skin or SKIN, step_fraction)
         world = assemble(scene, state, table, ledger)
-        self._start = bearings(scene, world)
-        if reached is not None and not np.array_equal(reached, self._start):
-            raise InputError(
-                "state was reached with boundaries in other places or at other speeds than those "
-                "of scene; go on with a Simulation, or move them in the scene and make boundaries "
-                "of the state None."
-            )
         if skin is None:
             table = table._replace(skin=skin_for(scene, world, table, time_step))
         rules = StepControl(
@@ -172,23 +156,7 @@ class Simulation:
             frame=frame,
         )
         self.engine = Engine(world, table, rules, order, threads)
-        critical = self.engine.progress.diagnostics.critical_time_step
-        if rules.time_step > critical:
-            warnings.warn(
-                f"time_step is {time_step:.4g} s, longer than the critical one, {critical:.4g} s: "
-                "motions can grow.",
-                RuntimeWarning,
-                stacklevel=3,
-            )
-        self._at_start = (sum(balance(self._seen)), fallen(self._seen)) if ledger else None
-
-    def __getstate__(self) -> dict[str, Any]:
-        return vars(self) | {"engine": copy(self.engine)}  # which the simulation alone changes
-
-    @property
-    def _seen(self) -> World:
-        """The arrays at the time that was asked for."""
-        return self.engine.observe()[0]
+        self._at_start = (sum(balance(self.world)), fallen(self.world)) if ledger else None
 
     @property
     def time(self) -> float:
@@ -204,27 +172,25 @@ class Simulation:
     def world(self) -> World:
         """The arrays of the kernels, in SI units.
 
-        Their granules may be in another order than those of the scene (dem.dynamics.ordering). They
-        are read-only views, because the neighbour list and the time step rely on them;
-        dem.dynamics.checkpoint.writable copies them.
+        Their granules may be in another order than those of the scene (dem.dynamics.assembly). Do
+        not write to them, because the neighbour list and the time step rely on them;
+        dem.dynamics.checkpoint.copied copies them.
 
         Examples
         --------
         >>> import dem
         >>> run = dem.Simulation(dem.Scene(dem.Disc([1e-3, 1e-3])), dem.State([[0, 0], [1, 0]]))
-        >>> run.world.bodies.flags.writeable
-        False
+        >>> run.world.bodies.shape
+        (2, 8)
         """
-        return read_only(self._seen)
+        return self.engine.observe()[0]
 
     @property
     def state(self) -> State:
-        """Copy of positions (m), angles (rad), their rates (1/s) and `boundaries`."""
+        """Copy of positions (m) and angles (rad) with their rates (1/s)."""
         back = np.argsort(self.engine.order)
-        bodies, angle = self._seen.bodies[back], self._seen.angle[back]
-        reached = bearings(self.scene, self._seen)
-        moved = None if np.array_equal(reached, self._start) else reached
-        return State(bodies[:, :2].copy(), bodies[:, [VX, VY]], angle, bodies[:, W].copy(), moved)
+        bodies, angle = self.world.bodies[back], self.world.angle[back]
+        return State(bodies[:, :2].copy(), bodies[:, [VX, VY]], angle, bodies[:, W].copy())
 
     def collect_impulses(self) -> tuple[np.ndarray, np.ndarray]:
         """Impulses of the granules on solids and walls since the last call.
@@ -281,7 +247,7 @@ class Simulation:
         value, granule = diagnostics.max_overlap, diagnostics.deepest
         if not value <= engine.rules.max_overlap:
             report = engine.progress._replace(outcome=TOO_DEEP, value=value, granule=granule)
-            engine.fail(report)
+            raise failure(report, engine.rules, engine.world, engine.order)
         return diagnostics._replace(deepest=int(engine.order[granule]))
 
     @checked
@@ -314,7 +280,10 @@ class Simulation:
         self.diagnose()
         step = self.engine.progress.dt
         if not duration <= MOST_STEPS * step:
-            raise endless("duration", duration, step)
+            raise InputError(
+                f"duration is {duration:g} s, more than {MOST_STEPS:.0e} time steps of {step:.3g} s: "
+                "granules are too small, stiff, light or fast for it."
+            )
         self.engine.until = self.time + duration
 
     def contacts(self) -> ContactList:
@@ -341,7 +310,7 @@ class Simulation:
         >>> print(f"{contacts.force[0]:.3f} N, {hertz:.3f} N")
         1.097 N, 1.097 N
         """
-        return list_contacts(self._seen, self.engine.order)
+        return list_contacts(self.world, self.engine.order)
 
     @checked
     def stress(self, x: Edges | None = None, y: Edges | None = None) -> Stress:
@@ -393,7 +362,7 @@ class Simulation:
         if x is not None and y is not None:
             raise InputError("x and y are both given; give edges along one of them.")
         bins = next(((k, np.asarray(e)) for k, e in enumerate((x, y)) if e is not None), None)
-        return stress(self.contacts(), self.state, self.scene, self._seen, bins)
+        return stress(self.contacts(), self.state, self.scene, self.world, bins)
 
     def ledger(self) -> Ledger:
         """Energies held, gained and lost since the start.
@@ -425,7 +394,7 @@ class Simulation:
             raise InputError("ledger is False; make the Simulation with ledger=True.")
         report = self.engine.progress
         later = report.pending_kick + report.seen - report.time
-        return energies(self._seen, *self._at_start, later)
+        return energies(self.world, *self._at_start, later)
 
     def checkpoint(self) -> dict[str, np.ndarray]:
         """Save the simulation as arrays, from which `restore` continues it exactly.
@@ -463,17 +432,15 @@ class Simulation:
         Raises
         ------
         InputError
-            If the checkpoint is of another scene, or has arrays that no simulation writes. The
-            simulation is then unchanged.
+            If the checkpoint is of another scene. The simulation is then unchanged.
         """
-        saved = read(saved)
-        if saved["scene"].tobytes() != self._fingerprint().tobytes():
+        if not np.array_equal(saved.get("scene"), self._fingerprint()):  # type: ignore[arg-type]
             raise InputError("saved is no checkpoint of this simulation; it is of another scene.")
         engine = self.engine
-        progress, world = engine.progress, replaced(writable(engine.world), saved, "world")
+        world = replaced(engine.world, saved, "world")
         if engine.table.alone:  # a granule is its own only constituent: one array for both
-            world = world._replace(force=world.constituent_force)
-        engine.world, engine.progress = world, replaced(progress, saved, "progress")
+            world = world._replace(constituents=world.bodies, force=world.constituent_force)
+        engine.world, engine.progress = world, replaced(engine.progress, saved, "progress")
 
     def _fingerprint(self) -> np.ndarray:
         """Hash that differs between scenes, options and orders of granules in memory."""
@@ -520,26 +487,22 @@ class Simulation:
         if not 0 <= solid < count:
             raise InputError(f"solid is {solid}; the scene has {count}, numbered from 0.")
         moving = self.scene.solids[solid]
-        if not isinstance(moving.velocity, tuple):
+        turns = spin is not None and isinstance(moving.spin, Turn)
+        if turns or not isinstance(moving.velocity, tuple):
             raise InputError(
-                f"velocity cannot be set: solids[{solid}] follows a PrescribedMotion or a Drive."
+                f"velocity and spin of solids[{solid}] follow a PrescribedMotion, a Drive or a Turn; "
+                "they cannot be set."
             )
-        if spin is not None and isinstance(moving.spin, Turn):
-            raise InputError(f"spin cannot be set: solids[{solid}] follows a Turn.")
-        report, seen = self.engine.progress, self._seen.boundaries
+        report, seen = self.engine.progress, self.world.boundaries
         boundaries, ahead = self.engine.world.boundaries, report.seen - report.time
         b = len(self.scene.walls) + solid
         # until now, and from now on
         before, after = boundaries.waypoints[boundaries.first_waypoint[b] :][:2]
-        rates = slice(1, 3 if spin is None else 4)
-        before[0] = after[0] = boundaries.time[0] + ahead
-        before[rates] = after[rates] = (*velocity, spin)[: rates.stop - 1]
+        spin = after[3] if spin is None else spin
+        before[:] = after[:] = boundaries.time[0] + ahead, *velocity, spin
         if ahead > 0.0:
-            moved = [
-                *(seen.motion[b, :2] - boundaries.motion[b, :2]),
-                seen.angle[b] - boundaries.angle[b],
-            ]
-            before[rates] = np.array(moved)[: rates.stop - 1] / ahead
+            moved = seen.motion[b, :2] - boundaries.motion[b, :2]
+            before[1:] = np.array([*moved, seen.angle[b] - boundaries.angle[b]]) / ahead
         self.engine.progress = report._replace(scanned=-1)
 
     @checked
@@ -558,12 +521,10 @@ class Simulation:
 
         Raises
         ------
-        InputError
-            If the duration takes too many time steps.
         StateError
-            If a position or velocity is not a number, a granule leaves the walls, the time step
-            shrinks too far, or the critical one becomes shorter than a fixed one. The message names
-            step, time and granule.
+            If a position or velocity is not a number, a granule leaves the walls, the duration
+            takes too many time steps, or the critical one becomes shorter than a fixed one. The
+            message names step, time and granule.
         OverlapError
             If an overlap exceeds `max_overlap`.
 
@@ -585,10 +546,10 @@ class Simulation:
         20.000 um
         """
         schedule = Schedule(begin=self.time, interval=duration, intervals=1)
-        return self.engine.advance("duration", schedule)
+        return self.engine.run(schedule).shortest
 
     @checked
-    def record(self, interval: Time, count: Intervals) -> Record:
+    def record(self, interval: Time, count: OneOrMore) -> Record:
         """Advance over equal intervals and measure forces, energy and contacts in each.
 
         Impulses from before do not count, and none are left for `collect_impulses`. An interrupt
@@ -608,8 +569,6 @@ class Simulation:
 
         Raises
         ------
-        InputError
-            If the intervals take too many time steps.
         StateError, OverlapError
             As for `advance`.
 
@@ -634,7 +593,7 @@ class Simulation:
         self.collect_impulses()
         rows = np.zeros((count, OF_BED + OF_BOUNDARY * len(self.engine.world.boundaries.motion)))
         schedule = Schedule(begin=self.time, interval=interval, intervals=count)
-        self.engine.advance("interval * count", schedule, rows)
+        self.engine.run(schedule, rows)
         self.diagnose()  # the guard on overlaps, also for the end of the last interval
         walls, solids, held = shares(self.scene, rows[:, OF_BED:].reshape(count, -1, OF_BOUNDARY))
         energy, contacts, overlap, step = rows[:, :OF_BED].T
@@ -653,3 +612,84 @@ class Simulation:
             wall_offset=walls[..., PLACE],
             held_force=held[..., :2],
         )
+
+
+@checked
+def simulate(
+    scene: InstanceOf[Scene],
+    state: InstanceOf[State],
+    duration: Time,
+    time_step: Time | None = None,
+    frames: OneOrMore = 1,
+    **options: Any,
+) -> Result:
+    """Simulate a scene from a state and return arrays.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is simulated: n granules, walls, solids.
+    state : State
+        Where the granules start, and how they move.
+    duration : float
+        Time to simulate (s).
+    time_step : float, optional
+        Time step (s); None, which is recommended, chooses it from the stiffness of the contacts.
+    frames : int
+        Number of equal intervals after each of which the state is kept (without unit).
+    **options
+        As of Simulation: step_fraction, max_overlap, skin, threads, allow_unstable.
+
+    Returns
+    -------
+    Result
+        The start and a frame per interval, frames + 1 in all.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used.
+    RunError
+        If the run fails: StateError or OverlapError.
+
+    Examples
+    --------
+    Two discs collide in empty space and part at half their speed:
+
+    >>> import dem
+    >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
+    >>> state = dem.State([[0, 0], [2.1e-3, 0]], velocity=[[1, 0], [-1, 0]])
+    >>> result = dem.simulate(scene, state, duration=1e-4)
+    >>> result.velocity[-1, :, 0].round(1)
+    array([-0.5,  0.5])
+    """
+    run = Simulation(scene, state, time_step, **options)
+    run.check_duration(duration)
+    interval, shortest, rows = duration / frames, math.inf, [frame_of(run, math.nan)]
+    for frame in range(1, frames + 1):
+        # the last one ends at the duration itself, however many there are
+        schedule = Schedule(begin=duration * (frame / frames), intervals=1)
+        shortest = min(shortest, run.engine.run(schedule).shortest)
+        rows.append(frame_of(run, interval))
+    series = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+    return Result(**series, state=run.state, time_step=shortest, scene=scene)
+
+
+def frame_of(run: Simulation, interval: float) -> dict[str, Any]:
+    """The simulation as it is, and the mean forces (N) since the frame before, an interval (s)
+    ago."""
+    world, state, scene = run.world, run.state, run.scene
+    walls, solids, held = shares(scene, run.engine.take_impulses())
+    motion, angle = world.boundaries.motion, world.boundaries.angle
+    place = shares(scene, np.column_stack([motion[:, :2], angle]))[1]
+    return {name: getattr(state, name) for name in ARRAYS} | {
+        "time": run.time,
+        "solid_force": (solids[:, :2] + solids[:, 2:4]) / interval,
+        "solid_torque": solids[:, 4] / interval,
+        "solid_position": place[:, :2],
+        "solid_angle": place[:, 2],
+        "wall_force": walls[:, 0] / interval,
+        "wall_tangential_force": walls[:, 3] / interval,
+        "wall_offset": world.walls.planes[:, 2],
+        "held_force": held[:, :2] / interval,
+    }

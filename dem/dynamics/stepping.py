@@ -8,17 +8,16 @@ from dem.dynamics.boundaries import boundaries_moved, move_boundaries
 from dem.dynamics.contact_list import contact_summary, deeper
 from dem.dynamics.diagnostics import Diagnostics, begin_scan, diagnose, end_scan, scan_pairs
 from dem.dynamics.energy import kinetic
-from dem.dynamics.forces import forces
+from dem.dynamics.forces import displaced, forces
 from dem.dynamics.integration import advance, drift, look_ahead
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
-from dem.dynamics.skin import MARGIN
 from dem.dynamics.threads import share_of
 from dem.jit.address import another, as_before, by_address, changeable, given
 from dem.jit.block_memory import Lanes
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
 
-FINE, LOST, TOO_DEEP, OUTSIDE, TOO_LONG, COLLAPSED, UNSTABLE, PAUSED = range(8)
+FINE, LOST, TOO_DEEP, OUTSIDE, TOO_LONG, UNSTABLE, PAUSED = range(7)
 MOST_STEPS = 1e11  # an hour or more for two granules, weeks for a bed of hundreds
 COLLAPSE = 1e-3  # of the first step: a shorter one has collapsed
 MOST_WORK = 4e8  # steps times granules, once the step has collapsed: less than a minute
@@ -26,6 +25,7 @@ SCAN_COST = 20  # steps that take as long as a scan, roughly
 SCAN_INTERVAL = 1000  # steps without a scan, at most
 QUIET = 2000  # steps for which the bound must have allowed a longer step before it is taken
 PER_OCTAVE = 8  # quantised steps to a factor of two
+MARGIN = 0.75  # share of skin / 2 that a constituent may move before the lists are rebuilt
 NEARLY = 1e-9  # of a step: a time is reached that is no farther off
 
 
@@ -211,9 +211,7 @@ def nearing(world):
     first, second = math.sqrt(max(walls, solids)), math.sqrt(min(walls, solids))
     motion, reference = world.constituents, world.reference
     for i in range(motion.shape[0]):
-        dx = motion[i, X] - reference[i, 0]
-        dy = motion[i, Y] - reference[i, 1]
-        moved = math.sqrt(dx * dx + dy * dy)
+        moved = math.sqrt(displaced(motion, reference, i))
         if not moved <= first:
             first, second = moved, first
         elif moved > second:
@@ -250,7 +248,7 @@ def measure(row, impulses, rate, world, table, frame):
 
 
 @inlined
-def copied(array):
+def copy_of(array):
     return None if array is None else array.copy()
 
 
@@ -263,17 +261,17 @@ def look(world, pending_kick, ahead):
     seen = another(world)
     boundaries, walls, lanes = seen.boundaries, seen.walls, seen.lanes
     seen.bodies, seen.angle = seen.bodies.copy(), seen.angle.copy()
-    seen.orientation = copied(seen.orientation)
-    seen.previous_acceleration = copied(seen.previous_acceleration)
+    seen.orientation = copy_of(seen.orientation)
+    seen.previous_acceleration = copy_of(seen.previous_acceleration)
     # one array where a granule is its own only constituent
     alone = world.constituents.shape[0] == world.bodies.shape[0]
     seen.constituents = seen.bodies if alone else seen.constituents.copy()
     boundaries.motion, boundaries.impulses = boundaries.motion.copy(), boundaries.impulses.copy()
     boundaries.previous_acceleration = boundaries.previous_acceleration.copy()
     boundaries.time, boundaries.angle = boundaries.time.copy(), boundaries.angle.copy()
-    boundaries.orientation = copied(boundaries.orientation)
+    boundaries.orientation = copy_of(boundaries.orientation)
     walls.planes = walls.planes.copy()
-    seen.lanes = Lanes(motion=lanes.motion, values=lanes.values, account=copied(lanes.account))
+    seen.lanes = Lanes(motion=lanes.motion, values=lanes.values, account=copy_of(lanes.account))
     look_ahead(seen, pending_kick, ahead)
     return given(seen)
 
@@ -293,7 +291,7 @@ def diagnose_together(threads, world, table, later, frame):
     bounds = begun[2]
     spare = range(len(bounds.rows) - len(shares), len(bounds.rows))
     same = map(repeat, (world, table, bounds))
-    scans = threads.each(scan_pairs, *same, *zip(*shares, strict=True), spare)
+    scans = [*threads.map(scan_pairs, *same, *zip(*shares, strict=True), spare)]
     worst = 0.0, 0
     for _, (overlap, constituent) in scans:
         worst = deeper(worst, overlap, constituent, 1.0)
@@ -373,11 +371,9 @@ def run_steps(world, table, rules, schedule, before, record, threads):
             break
         ends = begin + (n + 1) * interval
         work = max(until, ends) - time
-        if not work <= MOST_STEPS * dt:
+        most = MOST_WORK / view.bodies.shape[0] if dt < COLLAPSE * first_dt else MOST_STEPS
+        if not work <= most * dt:
             outcome, value = TOO_LONG, dt
-            break
-        if dt < COLLAPSE * first_dt and work * view.bodies.shape[0] > MOST_WORK * dt:
-            outcome, value = COLLAPSED, dt
             break
 
         # Measure at the end of an interval

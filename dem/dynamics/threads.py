@@ -6,7 +6,6 @@ a short step. The threads spin instead, and yield the processor when they wait f
 """
 
 import os
-import threading
 from concurrent.futures import ThreadPoolExecutor
 from itertools import repeat
 from typing import NamedTuple
@@ -44,27 +43,18 @@ class Place(NamedTuple):
 
 
 class Threads(ThreadPoolExecutor):
-    """A pool whose threads have all started, each with a Place in `places`."""
+    """A pool of threads, each with a Place in `places`."""
 
     def __init__(self, size: int):
         super().__init__(size)
         arrivals, moved = np.zeros(1, np.int64), np.zeros(LINE * size)
         self.places = [Place(number, size, arrivals, moved) for number in range(size)]
-        start = threading.Barrier(size)
-        try:  # if one cannot start, the others would wait for it within the kernel
-            self.each(lambda place: start.wait(), self.places)
-        except BaseException:
-            start.abort()
-            raise
-
-    def each(self, function, *columns) -> list:
-        """Results of a function that all threads call at the same time: `map` without a queue."""
-        return list(self.map(function, *columns))
 
     def together(self, function, world, *arguments):
         """What a compiled loop returns that all threads run, each with its lanes and its Place."""
         worlds = [world._replace(lanes=make_lanes()) for _ in self.places]
-        return self.each(function, worlds, *map(repeat, arguments), self.places)[0]
+        first, *_ = self.map(function, worlds, *map(repeat, arguments), self.places)
+        return first
 
 
 def _first(context, builder, signature, arguments):

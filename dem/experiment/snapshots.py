@@ -7,27 +7,26 @@ import numpy as np
 
 from dem.dynamics.contact_list import ContactList
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import periods, shaped, solids
-from dem.experiment.box import ahead_of
+from dem.experiment.bed import shaped, solids
+from dem.experiment.box import ahead_of, diameters_of
 from dem.experiment.run import Replicate
 from dem.experiment.scene import make_scene
 from dem.packing.random import Bed
-from dem.periodic import Periods
+from dem.periodic import Periods, periods_of
 from dem.solids import Solid
 
 
 class Snapshots(NamedTuple):
     """Snapshots s of granules n. SI units.
 
-    height (s,): of the box, up to its top wall; displacement, cylinder_y (s,), cylinder_orientation (s,;
-    None: it does not turn); position (s, n, 2), not wrapped at periodic sides; angle (s, n);
-    diameters (n,); drag (bins,) at drag_displacement (bins,), None where it is not asked for.
+    height (s,): of the box, up to its top wall; displacement (s,); position (s, n, 2), not wrapped at
+    periodic sides; angle (s, n); diameters (n,); drag (bins,) at drag_displacement (bins,), None where
+    it is not asked for; cylinder_orientation (s,), None where the cylinder does not turn.
     """
 
     replicate: Replicate
     height: np.ndarray
     displacement: np.ndarray
-    cylinder_y: np.ndarray
     position: np.ndarray
     angle: np.ndarray
     diameters: np.ndarray
@@ -38,7 +37,8 @@ class Snapshots(NamedTuple):
     @property
     def periodic(self) -> Periods:
         """Periods (m) of the box."""
-        return periods(self.replicate, self.height[0])
+        c = self.replicate.configuration
+        return periods_of(c.box_width, self.height[0], c.periodic)
 
     @property
     def outlines(self) -> np.ndarray:
@@ -51,29 +51,62 @@ class Snapshots(NamedTuple):
 
     def contacts(self, snapshot: int) -> ContactList:
         """Contacts at a snapshot."""
-        replicate, place = self.replicate, self.position[snapshot]
         bed = Bed(
-            place,
+            self.position[snapshot],
             self.angle[snapshot],
-            replicate.configuration.box_width,
+            self.replicate.configuration.box_width,
             float(self.height[snapshot]),
             *(np.nan,) * 4,
             self.periodic,
         )
-        scene = replace(make_scene(replicate, bed), solids=self.solids(snapshot))
+        scene = replace(make_scene(self.replicate, bed), solids=self.solids(snapshot))
         return Simulation(scene, bed.state).contacts()
 
     def solids(self, snapshot: int) -> tuple[Solid, ...]:
         """The cylinder, and a second one, where they are at a snapshot."""
-        first, *others = solids(self.replicate, self.height[0])
-        way = self.displacement[snapshot] * np.array(
-            ahead_of(self.replicate.configuration.cylinder)
+        ahead = np.array(ahead_of(self.replicate.configuration.cylinder))
+        first, *others = (
+            replace(solid, position=tuple(solid.position + self.displacement[snapshot] * ahead))
+            for solid in solids(self.replicate, self.height[0])
         )
-        place = first.position[0] + way[0], float(self.cylinder_y[snapshot])
-        turn = (
-            first.angle
-            if self.cylinder_orientation is None
-            else self.cylinder_orientation[snapshot]
-        )
-        first = replace(first, position=place, angle=turn)
-        return first, *(replace(solid, position=solid.position + way) for solid in others)
+        if self.cylinder_orientation is not None:
+            first = replace(first, angle=self.cylinder_orientation[snapshot])
+        return first, *others
+
+
+def snapshots_of(replicate: Replicate, values: dict) -> Snapshots:
+    """The snapshots of a run from its variables by name."""
+    displacement = values["snapshot_displacement"]
+    return Snapshots(
+        replicate,
+        values.get("top_y", np.full(len(displacement), float(values["box_height"]))),
+        displacement,
+        np.stack([values["granule_x"], values["granule_y"]], axis=-1),
+        values["granule_angle"],
+        values["granule_diameter"],
+        values.get("displacement"),
+        values.get("drag"),
+        values.get("cylinder_orientation"),
+    )
+
+
+def variables_of(run) -> dict:
+    """These variables, from what a run recorded (dem.experiment.kinds.drag.RunData)."""
+    c, height = run.replicate.configuration, run.bed.height
+    cylinder, *_ = solids(run.replicate, height)
+    x, y = np.stack([state.position for state in run.states]).transpose(2, 0, 1)
+    displacement = np.linspace(0.0, c.cylinder.stroke, c.record.snapshots)
+    values = {
+        "cylinder_y": cylinder.position[1] + ahead_of(c.cylinder)[1] * displacement,
+        "granule_x": x,
+        "granule_y": y,
+        "granule_angle": np.stack([state.angle for state in run.states]),
+        "granule_diameter": diameters_of(run.replicate),
+    }
+    every = c.record.bins // (c.record.snapshots - 1)
+    if c.packing.pressure is not None:
+        values["top_y"] = np.append(height, run.record.wall_offset[every - 1 :: every, -1])
+    if c.cylinder.spin is not None:
+        angle = run.record.solid_angle[every - 1 :: every, 0]
+        values["cylinder_orientation"] = np.append(cylinder.angle, angle)
+    return values

@@ -24,7 +24,6 @@ from numba.core.serialize import dumps
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.base.messages import say
-from dem.base.plugins import note
 from dem.base.sources import (
     PACKAGE,
     UNREADABLE,
@@ -48,28 +47,26 @@ def classes_in(kind):
     """Classes of the named tuples in a type of Numba."""
     if isinstance(kind, types.BaseNamedTuple):
         yield kind.instance_class
-    for each in kind.types if isinstance(kind, types.BaseTuple) else ():
-        yield from classes_in(each)
+    for part in kind.types if isinstance(kind, types.BaseTuple) else ():
+        yield from classes_in(part)
 
 
-CODE: dict[type, str] = {}  # hash of the code of each class that is not of this package
+@functools.cache
+def code_of(cls: type) -> str | None:
+    """Hash of the code of a class, empty for those of this package.
 
-
-def remember(cls: type) -> None:
-    """Note by which code a class is known, while Python imports its file.
-
-    Not of a class in a script, a notebook or a function: such a class may depend on more than is
-    written in its file.
+    None in a script, a notebook or a function: such a class may depend on more than is written in
+    its file.
     """
     file = getattr(sys.modules.get(cls.__module__), "__file__", None)
-    is_whole = cls.__module__ != "__main__" and "<locals>" not in cls.__qualname__
-    if file and is_whole and not _is_of_package(cls):
-        with suppress(*UNREADABLE):
-            CODE[cls] = code_hash(note(Path(file).resolve()))
-
-
-def _is_of_package(cls: type) -> bool:
-    return cls.__module__.partition(".")[0] == PACKAGE.name
+    if file and Path(file).resolve().is_relative_to(PACKAGE):
+        return ""
+    if not file or cls.__module__ == "__main__" or "<locals>" in cls.__qualname__:
+        return None
+    try:
+        return code_hash(plugin_codes(Path(file).resolve()))
+    except UNREADABLE:
+        return None
 
 
 class KernelCache(FunctionCache):
@@ -99,30 +96,18 @@ class KernelCache(FunctionCache):
         file = self._file(sig, data.codegen)
         if file is None or data.library.has_dynamic_globals:
             return
-        try:
-            with atomic(file) as part:
-                part.write_bytes(dumps(data._reduce()))
-        except (OSError, InputError):
-            _say_unkept()
+        with suppress(OSError, InputError), atomic(file) as part:  # else the next process compiles
+            part.write_bytes(dumps(data._reduce()))
 
     def _file(self, sig, codegen) -> Path | None:
         """The file for some types of arguments; None where the code of a class is unknown."""
         classes = [cls for kind in sig for cls in classes_in(kind)]
-        if not all(_is_of_package(cls) or cls in CODE for cls in classes):
+        if None in map(code_of, classes):
             return None
-        code = [f"{cls.__module__}.{cls.__qualname__} {CODE.get(cls, '')}" for cls in classes]
+        code = [f"{cls.__module__}.{cls.__qualname__} {code_of(cls)}" for cls in classes]
         key = (numba.__version__, sys.implementation.cache_tag, *self._index_key(sig, codegen))
         name = f"{self._py_func.__module__}.{self._py_func.__qualname__}".replace("<locals>.", "")
         return self._cache_path / f"{name}-{digest(*map(str, key), *code)}.nbc"
-
-
-@functools.cache
-def _say_unkept() -> None:
-    """Say once that the next process will compile again."""
-    say(
-        f"{cache_folder() / 'kernels'}: no machine code can be kept here; the next process "
-        "compiles again."
-    )
 
 
 def spare_blas():

@@ -18,12 +18,12 @@ def signals_deferred() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield  # handlers run in the main thread only
         return
-    numbers = filter(None, map(vars(signal).get, NAMES))  # some systems lack some
-    handlers = {number: signal.getsignal(number) for number in numbers}
-    handlers = {number: handler for number, handler in handlers.items() if callable(handler)}
     arrived: list[int] = []
-    for number in handlers:
-        signal.signal(number, lambda number, _: arrived.append(number))
+    handlers = {
+        number: signal.signal(number, lambda number, _: arrived.append(number))
+        for number in filter(None, map(vars(signal).get, NAMES))  # some systems lack some
+        if callable(signal.getsignal(number))
+    }
     try:
         yield
     finally:

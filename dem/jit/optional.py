@@ -63,7 +63,7 @@ def _by_presence(stub):
     present."""
 
     def operation(a, b):
-        raise NotImplementedError("for compiled code only")
+        return stub(a is not None, b is not None)(a, b)
 
     def choose(a, b):
         return stub(not isinstance(a, types.NoneType), not isinstance(b, types.NoneType))
@@ -107,9 +107,3 @@ def either(a, b):
 def given(a, b):
     """b; None if a is absent."""
     return (lambda a, b: b) if a else (lambda a, b: None)
-
-
-@_by_presence
-def unless(a, b):
-    """b; None if a is present."""
-    return (lambda a, b: None) if a else (lambda a, b: b)

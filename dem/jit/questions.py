@@ -9,7 +9,7 @@ import functools
 from numba.extending import overload, register_jitable
 
 from dem.base.errors import InputError
-from dem.jit.compilation import INLINED, remember
+from dem.jit.compilation import INLINED
 
 
 def question(stub):
@@ -46,11 +46,13 @@ def register(cls, *functions, questions, members, usual, **renamed):
         )
     functions = {function.__name__: function for function in functions} | renamed
     known = {question.__name__: question for question in questions}
-    for name in functions.keys() - known.keys():
-        raise InputError(f"{cls.__name__} answers {name}, which is no question of the kernels.")
-    for name, asked in known.items():
-        if name not in functions and not asked.has_default:
-            raise InputError(f"{cls.__name__} does not answer the question {name} of the kernels.")
+    needed = {name for name, asked in known.items() if not asked.has_default}
+    if not needed <= functions.keys() <= known.keys():
+        raise InputError(
+            f"{cls.__name__} answers {', '.join(functions)}; it must answer the questions "
+            f"{', '.join(sorted(needed))} of the kernels, and may answer "
+            f"{', '.join(sorted(known.keys() - needed))}."
+        )
     for name in dir(usual):
         if not hasattr(cls, name):
             setattr(cls, name, getattr(usual, name))
@@ -61,4 +63,3 @@ def register(cls, *functions, questions, members, usual, **renamed):
             )
     for name, function in functions.items():
         known[name].answers[cls] = register_jitable(**INLINED)(function)  # one may call another
-    remember(cls)

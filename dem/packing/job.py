@@ -6,7 +6,7 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.files import atomic, check_output
-from dem.dynamics.checkpoint import fingerprint, read, written
+from dem.dynamics.checkpoint import fingerprint, written
 
 SAVED_EVERY = 60.0  # s between two times that a bed is kept
 STAGE = "stage_"  # how names of arrays begin that are not the minimiser's
@@ -44,7 +44,7 @@ class Job:
             return
         try:
             with np.load(self.path) as file:
-                saved = read(file)
+                saved = dict(file)
             if not np.array_equal(saved["bed"], self._bed):
                 raise InputError("it is of another bed")
         except Exception as error:

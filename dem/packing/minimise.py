@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.base.errors import PackingError
-from dem.dynamics.assembly import assemble, granule_table
+from dem.dynamics.assembly import SKIN_OF_PACKING, assemble, granule_table, order_of, ordered
 from dem.dynamics.checkpoint import replaced
 from dem.dynamics.contact_list import contact_summary, list_contacts
 from dem.dynamics.diagnostics import critical_step
@@ -31,8 +31,6 @@ from dem.dynamics.forces import (
     pair_forces,
 )
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
-from dem.dynamics.ordering import order_of, ordered
-from dem.dynamics.skin import SKIN_OF_PACKING
 from dem.dynamics.threads import Threads, barrier, leads, share_of
 from dem.dynamics.world import PATCH, World, granules_of, number_of_patches
 from dem.jit.address import as_before, by_address, changeable
@@ -357,6 +355,8 @@ def minimise(scene, state, iterations, enough=None, job=None):
     if stopped:
         world, memory = replaced(world, stopped, "world"), stopped["memory"]
         left = int(stopped["left"])
+        if table.alone:  # a granule is its own only constituent: one array for both
+            world = world._replace(constituents=world.bodies, force=world.constituent_force)
     radius, modulus = table.radius.mean(), table.modulus
     unit, large = scene.law.scale(modulus, radius) * radius, scene.granules > PATCH
     least = 0.02 * radius

@@ -18,7 +18,7 @@ from dem.base.errors import InputError, PackingError
 from dem.base.types import Count, Length, checked
 from dem.contacts.force_law import effective_modulus
 from dem.dynamics.contact_list import list_contacts
-from dem.dynamics.numerics import ThreadCount
+from dem.dynamics.numerics import OneOrMore
 from dem.dynamics.world import World
 from dem.jit.columns import X, Y
 from dem.laws.hertz import Hertz
@@ -221,7 +221,7 @@ def pack(
     seed: BedSeed,
     periodic: Sides = "none",
     law: ContactLaw = HERTZ,
-    threads: ThreadCount = 1,
+    threads: OneOrMore = 1,
     checkpoint: Any = None,
 ) -> Bed:
     """Pack granules at random into a box and bring them to rest.

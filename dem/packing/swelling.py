@@ -14,7 +14,7 @@ import numpy as np
 
 from dem.base.errors import OverlapError, PackingError, StateError
 from dem.base.types import Length, checked
-from dem.dynamics.numerics import ThreadCount
+from dem.dynamics.numerics import OneOrMore
 from dem.dynamics.simulation import Simulation
 from dem.dynamics.world import World
 from dem.material import Material
@@ -49,7 +49,7 @@ def grow(
     seed: BedSeed,
     periodic: Sides = "none",
     law: ContactLaw = HERTZ,
-    threads: ThreadCount = 1,
+    threads: OneOrMore = 1,
     checkpoint: Any = None,
 ) -> Bed:
     """Pack granules at random into a box by growth in motion.

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import psutil
 
-from dem.dynamics.checkpoint import writable
+from dem.dynamics.checkpoint import copied
 from dem.dynamics.simulation import Simulation
 from studies.benchmark import this_code
 from studies.benchmark.drag import compare_drag
@@ -223,7 +223,7 @@ def compare_scenes(cases: dict[str, Case], plan: Plan) -> dict:
         for place, (scene, state, time_step) in enumerate(cases.values()):
             spent = this_code.seconds(scene, state, STILL * time_step, plan.warm, plan.steps)
             times[place, repeat] = spent / plan.steps / scene.granules
-    worlds = (writable(Simulation(*case).world) for case in cases.values())
+    worlds = (copied(Simulation(*case).world) for case in cases.values())
     sizes, widths = zip(*map(this_code.machine_code, worlds), strict=True)
     return {
         "variant": np.array(list(cases)),

@@ -18,11 +18,10 @@ from dem.contacts.blocks import (
     gather_pairs,
 )
 from dem.contacts.loops import boundary_contacts
-from dem.dynamics.assembly import assemble, granule_table
+from dem.dynamics.assembly import SKIN, assemble, granule_table
 from dem.dynamics.forces import clear, farthest_of
 from dem.dynamics.integration import advance, drift
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
-from dem.dynamics.skin import SKIN
 from dem.dynamics.world import number_of_patches
 from dem.jit.address import by_address, local
 from dem.jit.block_memory import BLOCK

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from dem.dynamics.checkpoint import writable
+from dem.dynamics.checkpoint import copied
 from dem.dynamics.forces import forces
 from dem.dynamics.simulation import Simulation
 from dem.experiment.run import Replicate
@@ -39,7 +39,7 @@ class Nudged:
     """Forces on a bed whose granules are moved a little or given velocities; contacts stick."""
 
     def __init__(self, simulation: Simulation):
-        world, scene = writable(simulation.world), simulation.scene
+        world, scene = copied(simulation.world), simulation.scene
         self.world = world
         self.size = math.sqrt((scene.inertia / scene.mass).mean())  # m: makes turns lengths
         self.unit = NUDGE * world.bodies[:, :2].max()

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from dem.contacts.force_law import effective_modulus
-from dem.dynamics.checkpoint import writable
+from dem.dynamics.checkpoint import copied
 from dem.dynamics.forces import forces
 from dem.dynamics.simulation import Simulation
 from dem.dynamics.world import COEFFICIENT, World
@@ -42,7 +42,7 @@ def friction_excess(simulation: Simulation, share: float = 1.0) -> float:
     """
     if simulation.world.circles.contacts.friction is None:
         return 0.0
-    world = writable(simulation.world)
+    world = copied(simulation.world)
     forces(world, 0.0, math.inf)
     contacts, values = world.circles.contacts, world.lanes.values
     count, mu = len(contacts.constituent), share * contacts.friction[COEFFICIENT]

@@ -1,5 +1,7 @@
 """Place and angle of every granule at the snapshots."""
 
+from dem.experiment.snapshots import variables_of
+
 VARIABLES = {
     "cylinder_y": (("snapshot",), "m", "height of the axis of the cylinder above the floor"),
     "cylinder_orientation": (("snapshot",), "rad", "angle of a cylinder that has a spin"),
@@ -17,20 +19,10 @@ VARIABLES = {
     "granule_angle": (("snapshot", "granule"), "rad", "angle of the granule, anticlockwise"),
     "granule_diameter": (("granule",), "m", "volume diameter: diameter of the disc of equal area"),
 }
+# there is no such variable where the value at a path is none: what does not move, or turn
+NEEDED = {"top_y": "packing.pressure", "cylinder_orientation": "cylinder.spin"}
 
 
 def measure(run) -> dict:
     """Values of VARIABLES by name."""
-    snapshots = run.snapshots
-    values = {
-        "cylinder_y": snapshots.cylinder_y,
-        "granule_x": snapshots.position[:, :, 0],
-        "granule_y": snapshots.position[:, :, 1],
-        "granule_angle": snapshots.angle,
-        "granule_diameter": snapshots.diameters,
-    }
-    if run.replicate.configuration.packing.pressure is not None:
-        values["top_y"] = snapshots.height
-    if snapshots.cylinder_orientation is not None:
-        values["cylinder_orientation"] = snapshots.cylinder_orientation
-    return values
+    return variables_of(run)
