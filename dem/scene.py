@@ -16,11 +16,12 @@ from dem.laws.hertz import Hertz
 from dem.laws.protocol import is_law
 from dem.material import Friction, Material, Rolling
 from dem.motion import Held, finite
-from dem.periodic import ROOM, Periods
+from dem.periodic import ROOM, Periods, nearest_image
 from dem.shapes.disc import Disc
 from dem.shapes.protocol import is_of_discs
-from dem.solids import Polygon, Solid, Solids, Walls, granules
+from dem.solids import Polygon, Solid, Solids, Walls, beyond, granules
 
+TOUCHING = 1e-9  # of the size of solids: less is no overlap
 THINNEST = 0.2  # of the radius of a granule: more than its overlap can exceed it
 
 
@@ -88,7 +89,8 @@ class Scene:
     InputError
         If a value cannot be used, for instance if a wall's normal is not a unit vector, if a wall
         crosses a periodic side, if a period is so short that a granule could touch two images of
-        one body, or if a granule could pass through a thin solid.
+        one body, if solids overlap each other or a wall, or if a granule could pass through a thin
+        solid.
 
     Notes
     -----
@@ -212,6 +214,25 @@ class Scene:
                 f"{name} is a {type(solid.outline).__name__}; among granules of "
                 f"{type(self.shape).__name__} it must be round, one of those, or a dem.Polygon."
             )
+        ring = solid.placed(solid.position, solid.angle)
+        over = ring @ self.planes[:, :2].T - self.planes[:, 2]
+        if (over > TOUCHING * solid.radius).any():
+            wall = int(over.max(axis=0).argmax())
+            raise InputError(
+                f"{name} is {over.max():.3g} m inside wall {wall}; put it at the wall or away from it."
+            )
+        for other, first in enumerate(self.solids[:number]):
+            away = nearest_image(np.subtract(solid.position, first.position), self.periodic)
+            if first.is_round and solid.is_round:
+                depth = first.radius + solid.radius - float(np.hypot(*away))
+            else:
+                rings = first.placed((0.0, 0.0), first.angle), solid.placed(away, solid.angle)
+                depth = -max(beyond(*pair).min(axis=0).max() for pair in (rings, rings[::-1]))
+            if depth > TOUCHING * (first.radius + solid.radius):
+                raise InputError(
+                    f"{name} is {depth:.3g} m inside solids[{other}]; put them beside each other, or "
+                    "make one convex outline of both."
+                )
 
     @property
     def materials(self) -> tuple[Material, ...]:

@@ -232,6 +232,16 @@ class Polygon:
         return np.vstack([ring, ring[:1]])[None, None]
 
 
+def beyond(ring: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """How far points (m, 2) are beyond each side (k,) of a closed convex outline, anticlockwise
+    (m)."""
+    edges = np.diff(ring, axis=0)
+    length = np.hypot(*edges.T)
+    normal = np.column_stack([edges[:, 1], -edges[:, 0]])[length > 0.0]
+    normal /= length[length > 0.0, None]
+    return points @ normal.T - (ring[:-1][length > 0.0] * normal).sum(axis=1)
+
+
 @checked
 def plate(length: Length, thickness: Length) -> Polygon:
     """Outline of a plate with round ends, about its middle, along x at angle zero.
@@ -396,13 +406,7 @@ class Solid:
         the outline (m; negative outside, and then a lower bound of the distance)."""
         if self.is_round:
             return self.radius - np.hypot(*points.T)
-        ring = self.ring(257)
-        edges = np.diff(ring, axis=0)
-        length = np.hypot(*edges.T)
-        normal = np.column_stack([edges[:, 1], -edges[:, 0]])[length > 0.0]
-        normal /= length[length > 0.0, None]
-        beyond = points @ normal.T - (ring[:-1][length > 0.0] * normal).sum(axis=1)
-        return -beyond.max(axis=1)
+        return -beyond(self.ring(257), points).max(axis=1)
 
 
 @checked

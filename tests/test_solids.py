@@ -386,6 +386,12 @@ def test_friction_between_granules_is_that_of_their_materials(species, mu):
 # Refusals
 
 REFUSED = {
+    "solids[1] is 0.001 m inside solids[0]": lambda: dem.Scene(
+        dem.Disc([R]), solids=[dem.Cylinder(2e-3, (0, 0)), dem.Cylinder(2e-3, (1e-3, 0))]
+    ),
+    "solids[0] is 0.0005 m inside wall 0": lambda: dem.Scene(
+        dem.Disc([R]), walls=[[0, -1, 0]], solids=dem.Cylinder(2e-3, (0, 0.5e-3))
+    ),
     "it must be two or more corners of a convex polygon, anticlockwise": lambda: dem.Polygon(
         [[0, 0], [2e-3, 0], [1e-3, 0.2e-3], [1e-3, 2e-3]], 1e-4
     ),
