@@ -138,7 +138,7 @@ def read_snapshots(
 
 def snapshots_of(path: Path, replicate: Replicate, values: dict) -> Snapshots:
     """The snapshots of a run from its variables."""
-    from dem.experiment.snapshots import Snapshots  # with the kernels
+    from dem.experiment.snapshots import ORIENTATIONS, Snapshots  # with the kernels
 
     if "granule_x" not in values:
         raise InputError(
@@ -156,5 +156,5 @@ def snapshots_of(path: Path, replicate: Replicate, values: dict) -> Snapshots:
         values["granule_diameter"],
         values.get("displacement"),
         values.get("drag"),
-        values.get("cylinder_orientation"),
+        [values.get(name) for name in ORIENTATIONS],
     )

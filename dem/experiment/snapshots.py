@@ -1,5 +1,6 @@
 """The snapshots of one run, with all that is needed to draw and to measure them."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -15,13 +16,16 @@ from dem.packing.random import Bed
 from dem.periodic import Periods
 from dem.solids import Solid
 
+ORIENTATIONS = "cylinder_orientation", "second_orientation"  # variables of a run
+
 
 class Snapshots(NamedTuple):
     """Snapshots s of granules n. SI units.
 
-    height (s,): of the box, up to its top wall; displacement, cylinder_y (s,), cylinder_orientation (s,;
-    None: it does not turn); position (s, n, 2), not wrapped at periodic sides; angle (s, n);
-    diameters (n,); drag (bins,) at drag_displacement (bins,), None where it is not asked for.
+    height (s,): of the box, up to its top wall; displacement, cylinder_y (s,); position (s, n, 2),
+    not wrapped at periodic sides; angle (s, n); diameters (n,); drag (bins,) at drag_displacement
+    (bins,), None where it is not asked for; orientation: angles (s,) of each solid, None for one that
+    does not turn.
     """
 
     replicate: Replicate
@@ -33,7 +37,7 @@ class Snapshots(NamedTuple):
     diameters: np.ndarray
     drag_displacement: np.ndarray | None = None
     drag: np.ndarray | None = None
-    cylinder_orientation: np.ndarray | None = None
+    orientation: Sequence[np.ndarray | None] = (None, None)
 
     @property
     def periodic(self) -> Periods:
@@ -70,10 +74,11 @@ class Snapshots(NamedTuple):
             ahead_of(self.replicate.configuration.cylinder)
         )
         place = first.position[0] + way[0], float(self.cylinder_y[snapshot])
-        turn = (
-            first.angle
-            if self.cylinder_orientation is None
-            else self.cylinder_orientation[snapshot]
+        moved = (
+            replace(first, position=place),
+            *(replace(solid, position=solid.position + way) for solid in others),
         )
-        first = replace(first, position=place, angle=turn)
-        return first, *(replace(solid, position=solid.position + way) for solid in others)
+        return tuple(
+            solid if angle is None else replace(solid, angle=angle[snapshot])
+            for solid, angle in zip(moved, self.orientation, strict=False)
+        )

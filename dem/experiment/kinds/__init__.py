@@ -159,6 +159,7 @@ class Experiment:
         for name, path in (
             ("top_y", "packing.pressure"),
             ("cylinder_orientation", "cylinder.spin"),
+            ("second_orientation", "second.spin"),
         ):
             if self.configuration.at(path) is None:  # it does not move, or turn
                 layout.pop(name, None)

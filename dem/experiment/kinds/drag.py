@@ -44,19 +44,22 @@ class RunData(NamedTuple):
         every = len(self.record.time_step) // (len(height) - 1)
         if c.packing.pressure is not None:
             height[1:] = self.record.wall_offset[every - 1 :: every, -1]
-        cylinder, *_ = solids(self.replicate, self.bed.height)
-        angle = np.full(len(height), cylinder.angle)
-        angle[1:] = self.record.solid_angle[every - 1 :: every, 0]
+        drawn, sections = solids(self.replicate, self.bed.height), (c.cylinder, c.second)
+        angles = self.record.solid_angle[every - 1 :: every]
+        angles = np.vstack([[solid.angle for solid in drawn], angles]).T
         displacement = np.linspace(0.0, c.cylinder.stroke, c.record.snapshots)
         return Snapshots(
             self.replicate,
             height,
             displacement,
-            cylinder.position[1] + ahead_of(c.cylinder)[1] * displacement,
+            drawn[0].position[1] + ahead_of(c.cylinder)[1] * displacement,
             np.stack([state.position for state in self.states]),
             np.stack([state.angle for state in self.states]),
             diameters(self.replicate),
-            cylinder_orientation=angle if c.cylinder.spin is not None else None,
+            orientation=[
+                None if section.spin is None else angle
+                for section, angle in zip(sections, angles, strict=False)
+            ],
         )
 
 

@@ -1,8 +1,11 @@
 """Place and angle of every granule at the snapshots."""
 
+from dem.experiment.snapshots import ORIENTATIONS
+
 VARIABLES = {
     "cylinder_y": (("snapshot",), "m", "height of the axis of the cylinder above the floor"),
     "cylinder_orientation": (("snapshot",), "rad", "angle of a cylinder that has a spin"),
+    "second_orientation": (("snapshot",), "rad", "angle of a second cylinder that has a spin"),
     "top_y": (
         ("snapshot",),
         "m",
@@ -31,6 +34,5 @@ def measure(run) -> dict:
     }
     if run.replicate.configuration.packing.pressure is not None:
         values["top_y"] = snapshots.height
-    if snapshots.cylinder_orientation is not None:
-        values["cylinder_orientation"] = snapshots.cylinder_orientation
-    return values
+    turns = zip(ORIENTATIONS, snapshots.orientation, strict=False)
+    return values | {name: angle for name, angle in turns if angle is not None}
