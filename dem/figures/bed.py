@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
+from matplotlib.patheffects import withStroke
 
 from dem.experiment.observables.flow import layers_of
 from dem.figures import style
@@ -83,7 +84,8 @@ class Drawing:
         self.granules = PolyCollection([], **EDGE, zorder=1)
         self.forces = LineCollection([], colors="#b34700", capstyle="round", zorder=2)
         self.solids = PolyCollection([], **STEEL)
-        self.marks = LineCollection([], colors="black", linewidths=1.6, zorder=4)
+        rim = [withStroke(linewidth=5.0, foreground="white")]  # seen on the hatch of a solid
+        self.marks = LineCollection([], colors="black", linewidths=2.0, zorder=4, path_effects=rim)
         self.walls = LineCollection(
             [], colors="black", linewidths=1.4, capstyle="projecting", zorder=1
         )
