@@ -56,15 +56,16 @@ include: "rules/studies.smk"
 
 
 onstart:
-    workflow.results_lock, sentences = prepare(SWEEP.results, SWEEP.store.folder)  # until the process ends
-    for sentence in (*sentences, *WARNINGS):
+    workflow.results_lock = prepare(SWEEP.results, SWEEP.store.folder)  # until the process ends
+    for sentence in WARNINGS:
         say(sentence)
     logging.raiseExceptions = False  # that Snakemake's log cannot grow on a full disk is said once
 
 
 onsuccess:
     if all(map(os.path.exists, COMBINED)):
-        say(outcome(SWEEP, draws=f"snakemake -j2 report --configfile {SWEEP.file or 'FILE'}"))
+        files = " ".join(map(os.path.relpath, workflow.configfiles))
+        say(outcome(SWEEP, draws=f"snakemake -j2 report --configfile {files}"))
 
 
 onerror:

@@ -15,8 +15,8 @@ import hypothesis
 import numpy as np
 import pytest
 from filelock import FileLock
-from forked import snakemake
 from PIL import Image
+from workflows import snakemake
 
 import dem
 from dem import shapes
@@ -43,8 +43,8 @@ posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX pipes, s
 
 def needs_study(*names):
     """Marks tests that are about studies, any of which may be removed."""
-    there = [(Path(__file__).parent / "studies" / name).is_dir() for name in names]
-    return pytest.mark.skipif(not all(there), reason=f"needs the studies {', '.join(names)}")
+    present = [(Path(__file__).parent / "studies" / name).is_dir() for name in names]
+    return pytest.mark.skipif(not all(present), reason=f"needs the studies {', '.join(names)}")
 
 
 KINDS = sorted(shapes.KINDS, key=len, reverse=True)  # "superellipse" before "ellipse"
@@ -138,14 +138,14 @@ def pytest_collection_modifyitems(config, items):
         parameters, stem = item.name.lower().partition("[")[2], item.path.stem
         group = next((kind for kind in KINDS if kind in parameters), stem)
         group = "test_large" if "in chunks" in parameters else group  # beds of many granules
-        groups[item] = "claims" if "claimed" in item.fixturenames else group
+        groups[item] = "claims" if "checkout_with_claims" in item.fixturenames else group
         item.add_marker(pytest.mark.xdist_group(groups[item]))
         if is_quick(item):
             item.add_marker(pytest.mark.quick)
     if config.option.markexpr == "quick":
         items.sort(key=lambda item: list(QUICK).index(item.path.name))
     elif "PYTEST_XDIST_WORKER" in os.environ:
-        order = {group: place for place, group in enumerate(LONGEST)}
+        order = {group: index for index, group in enumerate(LONGEST)}
         items.sort(key=lambda item: order.get(groups[item], len(order)))
 
 
@@ -174,13 +174,13 @@ class Small(NamedTuple):
 
     def scene(self, **changes):
         """Scene with friction, damping, walls and the cylinder: one compilation a kind of granule."""
-        usual = {
+        defaults = {
             "friction": dem.Friction(),
             "walls": self.bed.walls,
             "solids": self.cylinder,
             "thickness": 1e-3,
         }
-        return dem.Scene(self.shape, **usual | changes)
+        return dem.Scene(self.shape, **defaults | changes)
 
     @property
     def state(self):
@@ -225,34 +225,34 @@ def browser():
     ):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    opened = webdriver.Chrome(options, Service(driver))
-    yield opened
-    opened.quit()
+    session = webdriver.Chrome(options, Service(driver))
+    yield session
+    session.quit()
 
 
 def assert_alone(browser):
     """The page that is open has asked for nothing but itself, and no script has failed."""
-    asked = [
+    events = [
         line["message"]
         for line in browser.get_log("performance")
         if "Network.requestWillBeSent" in line["message"]
     ]
-    assert asked and all(re.search(r'"url":"(file|data|blob):', one) for one in asked), asked
+    assert events and all(re.search(r'"url":"(file|data|blob):', one) for one in events), events
     assert not [line for line in browser.get_log("browser") if line["level"] == "SEVERE"]
 
 
 def places_shown(axes):
     """Finite places (k, 2) of the data that an axes shows: lines, bars, marks and areas."""
-    held = [(line.get_transform(), line.get_xydata()) for line in axes.lines]
+    data = [(line.get_transform(), line.get_xydata()) for line in axes.lines]
     for patch in axes.patches:
         corners = patch.get_patch_transform().transform_path(patch.get_path()).vertices
-        held.append((patch.get_transform(), corners))
-    for each in axes.collections:
-        places = np.concatenate([path.vertices for path in each.get_paths()] or [np.empty((0, 2))])
-        held += [(each.get_transform(), places), (each.get_offset_transform(), each.get_offsets())]
+        data.append((patch.get_transform(), corners))
+    for item in axes.collections:
+        places = np.concatenate([path.vertices for path in item.get_paths()] or [np.empty((0, 2))])
+        data += [(item.get_transform(), places), (item.get_offset_transform(), item.get_offsets())]
     of_data = [
         np.ma.filled(places, np.nan)
-        for transform, places in held
+        for transform, places in data
         if all(transform.contains_branch_seperately(axes.transData))
     ]
     places = np.concatenate([*of_data, np.empty((0, 2))])
@@ -261,8 +261,8 @@ def places_shown(axes):
 
 def assert_not_blank(picture):
     """Data are drawn in colour; axes, grid and words are grey."""
-    with Image.open(picture) as drawn:
-        pixels = np.asarray(drawn.convert("RGB")).astype(int)
+    with Image.open(picture) as image:
+        pixels = np.asarray(image.convert("RGB")).astype(int)
     assert (np.ptp(pixels, axis=2) > 30).mean() > 1e-4, f"{picture} shows no data"
 
 
@@ -283,12 +283,12 @@ def copy(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def finished(copy, tmp_path_factory):
+def checkout(copy, tmp_path_factory):
     """The copy after one run of the smoke sweep, which the first process to ask makes for all."""
     root = tmp_path_factory.getbasetemp()
     root = root.parent if "PYTEST_XDIST_WORKER" in os.environ else root
-    shared, making = root / "finished", root / "making"
-    with FileLock(root / "finished.lock"):
+    shared, making = root / "checkout", root / "making"
+    with FileLock(root / "checkout.lock"):
         if not shared.exists():
             run = snakemake(shutil.copytree(copy, making, dirs_exist_ok=True), "-j2")
             assert run.returncode == 0, run.stdout + run.stderr
@@ -297,13 +297,13 @@ def finished(copy, tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def claimed(finished):
-    """The results after the study of claims too."""
-    if not (finished / "studies/claims").is_dir():
+def checkout_with_claims(checkout):
+    """The same after the study of claims too."""
+    if not (checkout / "studies/claims").is_dir():
         pytest.skip("needs the study claims")
-    run = snakemake(finished, "claims", "-j2")
+    run = snakemake(checkout, "claims", "-j2")
     assert run.returncode == 0, run.stdout + run.stderr
-    return finished
+    return checkout
 
 
 @pytest.fixture(scope="session")

@@ -12,8 +12,8 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from measured import arguments, report
-from nightly.faults import Place
+from measurements import arguments, report
+from nightly.faults import Checkout
 
 from dem.experiment.bed import make_bed
 from dem.experiment.kinds import drag
@@ -45,58 +45,58 @@ SIZE = 100  # runs a job
 EACH = 10_000  # runs up to which a job each is planned too
 
 
-def copies(place: Place, config: str, row: dict) -> None:
+def copies(checkout: Checkout, config: str, row: dict) -> None:
     """Write all batches of a sweep, each run as if it had given this row."""
-    with contextlib.chdir(place.folder):
+    with contextlib.chdir(checkout.folder):
         work = SweepState(load(Path(config)))
         runs = {run.id: run for run in work.sweep.block("drag").unique()}
         chunks = work.batches("drag")
         work.begin("drag")
         for chunk in chunks:
             if not work.store.file_of(chunk.id).exists():
-                mine = [runs[name] for name in chunk.runs]
-                write_batch(work.store.file_of(chunk.id), mine, [row] * len(mine))
+                replicates = [runs[name] for name in chunk.runs]
+                write_batch(work.store.file_of(chunk.id), replicates, [row] * len(replicates))
 
 
-def measured(place: Place, *command) -> tuple[float, float]:
+def measured(checkout: Checkout, *command) -> tuple[float, float]:
     """Processor time (s) and peak memory (bytes) of a command."""
     words = [sys.executable, "-c", MEASURED, sys.executable, "-m", *command]
-    done = place.run(words)
-    assert done.returncode == 0, done.stderr
-    time, memory = map(float, done.stdout.split())
+    process = checkout.run(words)
+    assert process.returncode == 0, process.stderr
+    time, memory = map(float, process.stdout.split())
     return time, memory
 
 
-def commands(place: Place, count: int, row: dict):
+def commands(checkout: Checkout, count: int, row: dict):
     """Names of COMMANDS and what each takes for so many runs."""
     runs, data = {"case": ["c1"], "seed": f"1 to {count}"}, "results/many/drag.nc"
     # before there are runs: all jobs are planned
     for name, size in {"plan": SIZE, "plan_each": 1}.items():
         if size > 1 or count <= EACH:
-            config = place.sweep("plan", sweep=runs, batch=size, gravity=count)
+            config = checkout.sweep("plan", sweep=runs, batch=size, gravity=count)
             plan = "snakemake", "-n", "results/plan/drag.nc", "--configfile", config
-            yield name, measured(place, *plan)
-    config = place.sweep("many", sweep=runs, batch=SIZE)
-    copies(place, config, row)
-    yield "combine", measured(place, "dem", "combine", "--config", config, "-o", data)
-    yield "figure", measured(place, "dem", "figure", "figure13", data)
-    yield "info", measured(place, "dem", "info", data)
+            yield name, measured(checkout, *plan)
+    config = checkout.sweep("many", sweep=runs, batch=SIZE)
+    copies(checkout, config, row)
+    yield "combine", measured(checkout, "dem", "combine", "--config", config, "-o", data)
+    yield "figure", measured(checkout, "dem", "figure", "figure13", data)
+    yield "info", measured(checkout, "dem", "info", data)
 
 
 def main() -> None:
-    given = arguments(__doc__, runs={"nargs": "+", "help": "numbers of runs"})
-    values = {name: np.full(len(given.runs), np.nan) for name in LAYOUT} | {"runs": given.runs}
+    options = arguments(__doc__, runs={"nargs": "+", "help": "numbers of runs"})
+    values = {name: np.full(len(options.runs), np.nan) for name in LAYOUT} | {"runs": options.runs}
     with tempfile.TemporaryDirectory() as folder:
-        place = Place(Path(folder), sweep={"case": ["c1"], "seed": [1]})
-        one = next(load(place.folder / place.sweep("many")).block("drag").unique())
+        checkout = Checkout(Path(folder), sweep={"case": ["c1"], "seed": [1]})
+        one = next(load(checkout.folder / checkout.sweep("many")).block("drag").unique())
         row = drag.run(one, make_bed(one))
         row |= {"failure": 0, "failure_reason": "", "spent": row["run_time"]}
-        for at, count in enumerate(given.runs):
-            for name, (time, memory) in commands(place, count, row):
+        for at, count in enumerate(options.runs):
+            for name, (time, memory) in commands(checkout, count, row):
                 values[f"{name}_time"][at], values[f"{name}_memory"][at] = time, memory
-            sizes = [path.stat().st_size for path in place.store.rglob("*") if path.is_file()]
+            sizes = [path.stat().st_size for path in checkout.store.rglob("*") if path.is_file()]
             values["files"][at], values["size"][at] = len(sizes), sum(sizes)
-    report(values, LAYOUT, "Time and memory of sweeps by their number of runs", given.output)
+    report(values, LAYOUT, "Time and memory of sweeps by their number of runs", options.output)
 
 
 if __name__ == "__main__":

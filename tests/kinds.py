@@ -21,7 +21,7 @@ from dem.jit.compilation import Kernel
 BUDGET = {"run_steps": 32, "settle": 13, "forces": 12}
 
 # by kernel and hash of the types: what they have, and the first test that asked
-asked: dict[tuple[str, str], tuple[list[str], str]] = {}
+uses: dict[tuple[str, str], tuple[list[str], str]] = {}
 
 
 def members(name: str, kind):
@@ -29,8 +29,8 @@ def members(name: str, kind):
     kind = kind.held if isinstance(kind, Address) else kind
     if isinstance(kind, types.BaseNamedTuple):
         yield kind.instance_class.__name__
-        for field, each in zip(kind.fields, kind.types, strict=True):
-            yield from members(f"{name}{'.' * bool(name)}{field}", each)
+        for field, member in zip(kind.fields, kind.types, strict=True):
+            yield from members(f"{name}{'.' * bool(name)}{field}", member)
     elif isinstance(kind, types.NoneType):
         yield f"no {name}"
 
@@ -46,34 +46,34 @@ class Kinds:
             if name in BUDGET and test:
                 arguments = getattr(signature, "args", signature)
                 key = name, hashlib.sha256(str(arguments).encode()).hexdigest()
-                words = [word for each in arguments for word in members("", each)]
-                asked.setdefault(key, (words, test.partition(" (")[0]))
+                words = [word for argument in arguments for word in members("", argument)]
+                uses.setdefault(key, (words, test.partition(" (")[0]))
             return compile_kernel(kernel, signature)
 
         Kernel.compile = noted
 
     def pytest_sessionfinish(self, session):
         if hasattr(session.config, "workeroutput"):
-            session.config.workeroutput["kinds"] = [(*key, *value) for key, value in asked.items()]
+            session.config.workeroutput["kinds"] = [(*key, *value) for key, value in uses.items()]
         elif self.excess() and session.exitstatus == pytest.ExitCode.OK:
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
     @pytest.hookimpl(optionalhook=True)
     def pytest_testnodedown(self, node):
         for name, digest, *value in getattr(node, "workeroutput", {}).get("kinds", ()):
-            asked.setdefault((name, digest), tuple(value))
+            uses.setdefault((name, digest), tuple(value))
 
     def pytest_terminal_summary(self, terminalreporter):
         for name in self.excess():
-            found = [value for (kernel, _), value in asked.items() if kernel == name]
-            common = set.intersection(*(set(words) for words, _ in found))
-            terminalreporter.section(f"{len(found)} kinds of {name}: at most {BUDGET[name]} may be")
-            for words, test in found:
+            kinds = [value for (kernel, _), value in uses.items() if kernel == name]
+            common = set.intersection(*(set(words) for words, _ in kinds))
+            terminalreporter.section(f"{len(kinds)} kinds of {name}: at most {BUDGET[name]} may be")
+            for words, test in kinds:
                 terminalreporter.line(f"{test}: {', '.join(w for w in words if w not in common)}")
 
     def excess(self) -> list[str]:
         """Kernels of which there are more kinds than may be."""
-        counts = [name for name, _ in asked]
+        counts = [name for name, _ in uses]
         return [name for name, most in BUDGET.items() if counts.count(name) > most]
 
 

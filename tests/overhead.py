@@ -13,8 +13,8 @@ import time
 from pathlib import Path
 
 import netCDF4
-from measured import arguments, processor_time, report
-from nightly.faults import Place, varied
+from measurements import arguments, processor_time, report
+from nightly.faults import Checkout, varied
 
 from dem.base.errors import RunError
 from dem.experiment.bed import make_bed
@@ -66,51 +66,51 @@ def kernels(config: Path) -> tuple[float, float, float]:
         return packing, running, (time.process_time() - began) / 50
 
 
-def timed(place: Place, *command) -> float:
+def timed(checkout: Checkout, *command) -> float:
     """Time (s) of a command that succeeds."""
     began = processor_time()
-    done = place.run([sys.executable, "-m", *command])
-    assert done.returncode == 0, done.stdout + done.stderr
+    process = checkout.run([sys.executable, "-m", *command])
+    assert process.returncode == 0, process.stdout + process.stderr
     return processor_time() - began
 
 
 def main() -> None:
-    given = arguments(
+    options = arguments(
         __doc__,
         seeds={"nargs": "?", "default": 200, "help": "seeds of each of the five cases"},
         batch={"nargs": "?", "default": 100, "help": "runs a job"},
     )
-    many = varied(f"1 to {given.seeds}", CASES)
+    many = varied(f"1 to {options.seeds}", CASES)
     spare_blas()
     with tempfile.TemporaryDirectory() as name:
-        place = Place(Path(name))
-        config = place.sweep("many", sweep=many, batch=given.batch, failures=0.05)
-        first = place.sweep("first", sweep=varied([1, 2], CASES))
+        checkout = Checkout(Path(name))
+        config = checkout.sweep("many", sweep=many, batch=options.batch, failures=0.05)
+        first = checkout.sweep("first", sweep=varied([1, 2], CASES))
         for path in (first, config):  # the first loads what is compiled
-            packing, running, writing = kernels(place.folder / path)
+            packing, running, writing = kernels(checkout.folder / path)
         target = ["results/many/drag.nc", "--configfile", config]
-        planning = timed(place, "snakemake", "-n", *target)
-        workflow = timed(place, "snakemake", "-j2", *target)
+        planning = timed(checkout, "snakemake", "-n", *target)
+        workflow = timed(checkout, "snakemake", "-j2", *target)
         run = "--shape", "c1", "--density", "3900", "--seed", "1", "-o", "one.nc"
-        start = timed(place, "dem", "simulate", "--config", config, *run)
-        combining = timed(place, "dem", "combine", "--config", config, "-o", "again.nc")
-        with netCDF4.Dataset(place.results("many") / "drag.nc") as file:
+        start = timed(checkout, "dem", "simulate", "--config", config, *run)
+        combining = timed(checkout, "dem", "combine", "--config", config, "-o", "again.nc")
+        with netCDF4.Dataset(checkout.results("many") / "drag.nc") as file:
             failure = file["failure"][...]
-        jobs = len(list((place.results("many").parent / "store/batches").glob("*.nc")))
-    made = int((failure == 0).sum())
+        jobs = len(list((checkout.results("many").parent / "store/batches").glob("*.nc")))
+    successes = int((failure == 0).sum())
     values = {
         "runs": failure.size,
-        "made": made,
+        "made": successes,
         "jobs": jobs,
         "packing": packing,
         "running": running,
         "workflow": workflow,
         "starting": jobs * start,
-        "writing": made * writing,
+        "writing": successes * writing,
         "combining": combining,
         "planning": planning,
     }
-    report(values, LAYOUT, "What a sweep of small runs costs beyond its kernels", given.output)
+    report(values, LAYOUT, "What a sweep of small runs costs beyond its kernels", options.output)
 
 
 if __name__ == "__main__":

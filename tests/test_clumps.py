@@ -72,11 +72,11 @@ def test_area_centre_and_inertia_of_a_union_are_sums_over_its_points():
     """Of three discs, and of two of which one is twice there and one is inside another."""
     inside = [(0.0, 0.0, 1.0), (0.0, 0.0, 1.0), (0.2, 0.0, 0.5), (1.1, 0.0, 0.6)]
     clumps, side = dem.Clump([TRIMER, inside]), np.linspace(-3.0, 3.0, 2001)
-    place = np.stack(np.meshgrid(side, side), axis=-1)
+    points = np.stack(np.meshgrid(side, side), axis=-1)
     for g in range(2):
         discs = clumps.discs[clumps.owner == g]
-        away = np.linalg.norm(place[..., None, :] - discs[:, :2], axis=-1)
-        point = place[(away < discs[:, 2]).any(axis=-1)]
+        distance = np.linalg.norm(points[..., None, :] - discs[:, :2], axis=-1)
+        point = points[(distance < discs[:, 2]).any(axis=-1)]
         assert_allclose(clumps.area[g], len(point) * (side[1] - side[0]) ** 2, rtol=1e-3)
         assert np.abs(point.mean(axis=0)).max() < 1e-3
         assert_allclose(clumps.gyration_squared[g], (point**2).sum(axis=1).mean(), rtol=1e-3)
@@ -85,9 +85,9 @@ def test_area_centre_and_inertia_of_a_union_are_sums_over_its_points():
 def test_clumps_that_are_taken_scaled_or_appended_are_those_that_are_made_so():
     clumps = dem.Clump([np.multiply(form, 1e-3) for form in FORMS])
     other = dem.Clump([2e-3 * TRIMER, np.multiply(FORMS[0], 2e-3)])
-    found = clumps.scaled(2.0).take([2, 0]).appended(clumps.take([1]))
-    assert_allclose(found.discs, np.vstack([other.discs, clumps.discs[1:3]]), atol=1e-18)
-    assert found.owner.tolist() == [0, 0, 0, 1, 2, 2] and found.first.tolist() == [0, 3, 4, 6]
+    result = clumps.scaled(2.0).take([2, 0]).appended(clumps.take([1]))
+    assert_allclose(result.discs, np.vstack([other.discs, clumps.discs[1:3]]), atol=1e-18)
+    assert result.owner.tolist() == [0, 0, 0, 1, 2, 2] and result.first.tolist() == [0, 3, 4, 6]
 
 
 def test_a_granule_of_several_forms_in_one_bed_keeps_the_laws():
@@ -149,8 +149,8 @@ def test_a_clump_of_two_discs_that_touch_moves_as_a_dumbbell(small_bed):
     small = small_bed("dumbbell")
     one = np.array([[1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]])
     scene, clumps = small.scene(), dem.Clump([r * one for r in small.shape.radius])
-    made = scene, small._replace(shape=clumps).scene()
-    runs = [dem.Simulation(each, small.state, 2e-8) for each in made]
+    scenes = scene, small._replace(shape=clumps).scene()
+    runs = [dem.Simulation(case, small.state, 2e-8) for case in scenes]
     for run in runs:
         run.advance(4e-6)
     (one, two), size = (run.state for run in runs), small.shape.radius.mean()
@@ -170,19 +170,19 @@ def test_clumps_of_one_two_and_three_discs_pack_and_keep_their_energy(bed):
     run = dem.Simulation(
         scene, dem.State(packed.position, velocity, packed.angle), step_fraction=0.1
     )
-    before = sum(balance(run.world))
+    initial = sum(balance(run.world))
     moving = balance(run.world)[0]
     run.advance(1e-4)
     assert abs(balance(run.world)[0] / moving - 1.0) > 0.05
-    assert_allclose(sum(balance(run.world)), before, rtol=1e-4)
+    assert_allclose(sum(balance(run.world)), initial, rtol=1e-4)
 
 
 def test_contacts_of_clumps_are_those_of_their_discs(bed):
     """Found by brute force among all discs, and named by their granules."""
     shape, packed = bed
     run = dem.Simulation(dem.Scene(shape, ELASTIC, LEAST, packed.walls), packed.state)
-    place, owner = run.world.constituents[:, :2], shape.owner
-    apart = np.linalg.norm(place[:, None] - place, axis=2) - np.add.outer(*2 * [shape.discs[:, 2]])
+    point, owner = run.world.constituents[:, :2], shape.owner
+    apart = np.linalg.norm(point[:, None] - point, axis=2) - np.add.outer(*2 * [shape.discs[:, 2]])
     i, j = np.nonzero(np.triu((apart < 0.0) & (owner[:, None] != owner)))
     contacts = run.contacts()
     pairs = np.sort(

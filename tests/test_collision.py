@@ -66,10 +66,10 @@ def volley(shape, seed, spin, **properties):
     n = len(reach) // 2
     angle, turn = rng.uniform(0.0, 2.0 * np.pi, n), 0.5 * np.pi * rng.uniform(-0.99, 0.99, n)
     out = np.column_stack([np.cos(angle), np.sin(angle)])
-    way = np.column_stack([np.cos(angle + turn), np.sin(angle + turn)])
-    here = np.column_stack([np.zeros(n), 30.0 * reach.max() * np.arange(n)])
-    position = np.concatenate([here, here + 1.001 * (reach[:n] + reach[n:])[:, None] * out])
-    velocity = np.concatenate([np.zeros((n, 2)), -way * rng.uniform(0.5, 2.0, n)[:, None]])
+    direction = np.column_stack([np.cos(angle + turn), np.sin(angle + turn)])
+    centre = np.column_stack([np.zeros(n), 30.0 * reach.max() * np.arange(n)])
+    position = np.concatenate([centre, centre + 1.001 * (reach[:n] + reach[n:])[:, None] * out])
+    velocity = np.concatenate([np.zeros((n, 2)), -direction * rng.uniform(0.5, 2.0, n)[:, None]])
     state = dem.State(
         position, velocity, rng.uniform(0.0, 2.0 * np.pi, 2 * n), rng.uniform(-spin, spin, 2 * n)
     )
@@ -78,11 +78,11 @@ def volley(shape, seed, spin, **properties):
 
 def gains(scene, state, step_fraction):
     """Relative gain of kinetic energy of each pair of a volley that has met."""
-    after = dem.simulate(scene, state, 6e-3, step_fraction=step_fraction).state
-    before, now = (energy(scene, s).reshape(2, -1).sum(axis=0) for s in (state, after))
-    met = np.hypot(*after.velocity[: len(before)].T) > 0.0
-    assert met.sum() > len(before) // 2
-    return (now / before - 1.0)[met]
+    result = dem.simulate(scene, state, 6e-3, step_fraction=step_fraction).state
+    initial, final = (energy(scene, s).reshape(2, -1).sum(axis=0) for s in (state, result))
+    met = np.hypot(*result.velocity[: len(initial)].T) > 0.0
+    assert met.sum() > len(initial) // 2
+    return (final / initial - 1.0)[met]
 
 
 def sizes(n, seed=0):
@@ -168,8 +168,8 @@ def test_restitution_is_as_asked_for_at_any_speed(restitution):
     radii = np.array([[1.0, 1.0], [1.0, 1.0], [1.0, 1.0], [0.5, 2.0]]) * 1e-3
     speeds = np.array([0.02, 0.3, 5.0, 1.0])
     scene, state = head_on(radii, speeds, material=dem.Material(restitution=restitution), **ROUGH)
-    after = dem.simulate(scene, state, 1e-3, step_fraction=0.01).state
-    assert_allclose(-approach(after.velocity) / speeds, restitution, rtol=3e-3)
+    result = dem.simulate(scene, state, 1e-3, step_fraction=0.01).state
+    assert_allclose(-approach(result.velocity) / speeds, restitution, rtol=3e-3)
 
 
 @pytest.mark.parametrize("restitution", [0.9, 0.5, 0.1, 0.02, 0.01, 0.001])
@@ -179,8 +179,8 @@ def test_restitution_holds_at_the_default_time_step(restitution):
     scene, state = head_on(
         [[1e-3, 1e-3]] * 5, [1.0] * 5, np.arange(5) * 2e-8, material=material, **ROUGH
     )
-    after = dem.simulate(scene, state, 5e-3).state
-    assert_allclose(-approach(after.velocity), restitution, rtol=0.04)
+    result = dem.simulate(scene, state, 5e-3).state
+    assert_allclose(-approach(result.velocity), restitution, rtol=0.04)
 
 
 @pytest.mark.parametrize("restitution", [0.9, 0.5, 0.1])
@@ -194,8 +194,8 @@ def test_a_collision_off_the_centre_returns_less_than_restitution(restitution):
         [[0.0, 0.0], [2.0 * a, 2.0 * a]], [[0.5, 0.0], [-0.5, 0.0]], [0.5 * np.pi] * 2
     )
     scene = dem.Scene(dem.Dumbbell([a, a]), dem.Material(restitution=restitution), **HEAVY, **LEAST)
-    after = dem.simulate(scene, state, 1e-4, step_fraction=0.01).state
-    speed = after.velocity[:, 0] - a * after.angular_velocity * [1.0, -1.0]
+    result = dem.simulate(scene, state, 1e-4, step_fraction=0.01).state
+    speed = result.velocity[:, 0] - a * result.angular_velocity * [1.0, -1.0]
     zeta = damping_from_restitution(restitution) * np.sqrt(5.0 / 3.0)
     assert_allclose(speed[1] - speed[0], restitution_from_damping(zeta), rtol=5e-3)
 
@@ -213,9 +213,9 @@ def test_elastic_collisions_at_the_default_step_err_by_a_tenth_of_a_per_cent(par
         wall = {"walls": [[1.0, 0.0, 0.0]], "solids": None}
         scene = dem.Scene(dem.Disc(np.full(n, radius)), ELASTIC, **LEAST | wall)
         state = dem.State(np.column_stack([x, y]), np.column_stack([speed, np.zeros(n)]))
-    after = dem.simulate(scene, state, 6e-3).state
-    assert (after.velocity[:, 0] * state.velocity[:, 0] < 0.0).all()
-    gain = (after.velocity[:, 0] / state.velocity[:, 0]) ** 2 - 1.0
+    result = dem.simulate(scene, state, 6e-3).state
+    assert (result.velocity[:, 0] * state.velocity[:, 0] < 0.0).all()
+    gain = (result.velocity[:, 0] / state.velocity[:, 0]) ** 2 - 1.0
     assert 0.0005 < np.sqrt((gain**2).mean()) < 0.002
     assert np.abs(gain).max() < 0.005
 
@@ -245,12 +245,12 @@ def test_oblique_impact_in_gross_sliding(partner, sign):
         properties |= APART | {"thickness": 1e-3}
         scene, state = head_on([[radius, radius]], [2.0 * vn], **properties)
         state.velocity[:, 1] = -vt, vt  # the left disc slides along its right side
-    after = dem.simulate(scene, state, 5e-4, step_fraction=0.01).state
-    tangential = after.velocity[0, 0] if partner == "floor" else -after.velocity[0, 1]
+    result = dem.simulate(scene, state, 5e-4, step_fraction=0.01).state
+    tangential = result.velocity[0, 0] if partner == "floor" else -result.velocity[0, 1]
     impulse = sign * mu * (1.0 + e) * vn
     assert_allclose(tangential, vt - impulse, rtol=2e-3)
     turning = -1.0 if partner == "floor" else 1.0
-    assert_allclose(radius * after.angular_velocity, turning * 2.0 * impulse, rtol=5e-3)
+    assert_allclose(radius * result.angular_velocity, turning * 2.0 * impulse, rtol=5e-3)
 
 
 def test_sliding_disc_ends_rolling():
@@ -260,10 +260,10 @@ def test_sliding_disc_ends_rolling():
         material=dem.Material(density=2500.0, young_modulus=1e8, restitution=0.1),
         friction=dem.Friction(mu, mu, mu),
     )
-    still = dem.simulate(scene, dem.State([[1.0, 5e-3]]), 0.02, time_step=1e-5).state
+    state = dem.simulate(scene, dem.State([[1.0, 5e-3]]), 0.02, time_step=1e-5).state
     rolling = speed / (3.0 * mu * gravity)
-    still.velocity[0, 0] = speed
-    run = dem.simulate(scene, still, 2.0 * rolling, time_step=1e-5, frames=40)
+    state.velocity[0, 0] = speed
+    run = dem.simulate(scene, state, 2.0 * rolling, time_step=1e-5, frames=40)
     expected = np.maximum(speed - mu * gravity * run.time, 2.0 / 3.0 * speed)
     assert_allclose(run.velocity[:, 0, 0], expected, atol=2e-3 * speed)
     assert_allclose(run.angular_velocity[-1] * 5e-3, -run.velocity[-1, 0, 0], rtol=2e-3)
@@ -287,18 +287,18 @@ def test_momentum_and_angular_momentum_are_conserved(kind):
     velocity = rng.normal(size=(n, 2)) - 200.0 * (grid - grid.mean(axis=0))
     state = dem.State(grid, velocity, rng.uniform(0.0, 7.0, n), rng.normal(scale=500.0, size=n))
     scene = dem.Scene(SHAPES[kind](sizes(n)), **HEAVY, **ROUGH)
-    after = dem.simulate(scene, state, 8e-3, time_step=8e-3 / 2**16).state
+    result = dem.simulate(scene, state, 8e-3, time_step=8e-3 / 2**16).state
     m = scene.mass[:, None]
 
     def angular(s):
         (x, y), (vx, vy) = s.position.T, s.velocity.T
         return scene.mass * (x * vy - y * vx) + scene.inertia * s.angular_velocity
 
-    assert energy(scene, after).sum() < 0.6 * energy(scene, state).sum()
+    assert energy(scene, result).sum() < 0.6 * energy(scene, state).sum()
     total = np.abs(m * velocity).sum()
-    assert_allclose((m * (after.velocity - velocity)).sum(axis=0), 0.0, atol=1e-12 * total)
+    assert_allclose((m * (result.velocity - velocity)).sum(axis=0), 0.0, atol=1e-12 * total)
     total = np.abs(angular(state)).sum()
-    assert abs((angular(after) - angular(state)).sum()) < 1e-12 * total
+    assert abs((angular(result) - angular(state)).sum()) < 1e-12 * total
 
 
 @pytest.mark.parametrize(

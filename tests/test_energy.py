@@ -21,8 +21,8 @@ def pair(small, velocity, restitution=0.5):
         solids=dem.Cylinder(1e-3, (0.9 * FAR, 0.9 * FAR)),
     )
     middle = 0.5 * FAR
-    place = [[middle, middle], [middle + 1.01e-3, middle]]
-    return dem.Simulation(scene, dem.State(place, velocity), ledger=True, step_fraction=0.05)
+    position = [[middle, middle], [middle + 1.01e-3, middle]]
+    return dem.Simulation(scene, dem.State(position, velocity), ledger=True, step_fraction=0.05)
 
 
 def test_energy_balance_of_a_bed(small_bed):
@@ -43,22 +43,22 @@ def test_energy_balance_of_a_bed(small_bed):
 def test_the_energy_residual_falls_faster_than_the_time_step(small_bed):
     """Half the step leaves clearly less than half the residual, though contacts come and slide."""
     small = small_bed("disc")
-    still = replace(small.cylinder, velocity=(0.0, 0.0))
+    cylinder = replace(small.cylinder, velocity=(0.0, 0.0))
     squeezed = small.state
     squeezed.position = squeezed.position * [0.995, 1.0] + [0.0025 * small.bed.width, 0.0]
-    found = []
+    residuals = []
     for step in (8e-9, 4e-9):
-        run = dem.Simulation(small.scene(solids=still), squeezed, time_step=step, ledger=True)
+        run = dem.Simulation(small.scene(solids=cylinder), squeezed, time_step=step, ledger=True)
         run.advance(2e-6)
-        found.append(run.ledger().residual)
+        residuals.append(run.ledger().residual)
         assert run.ledger().damped > 1e-3 * run.ledger().before
-    assert found[0] / found[1] > 2.4
+    assert residuals[0] / residuals[1] > 2.4
 
 
 def test_an_energy_ledger_does_not_change_the_motion(small_bed):
     """A run moves alike, to rounding, whether it is accounted for or not."""
     small = small_bed("disc")
-    runs = [dem.Simulation(small.scene(), small.state, ledger=kept) for kept in (False, True)]
+    runs = [dem.Simulation(small.scene(), small.state, ledger=ledger) for ledger in (False, True)]
     for run in runs:
         run.advance(2e-5)
     first, second = (run.state.position for run in runs)
@@ -115,7 +115,7 @@ def spun(small, ledger=False, **friction):
 @pytest.mark.parametrize("kind", ["disc", "dumbbell"])
 def test_no_friction_at_one_kind_of_contact_is_the_limit_of_little(small_bed, kind, smooth):
     """The bed turns alike for a coefficient of zero and a tiny one."""
-    none, little = (spun(small_bed(kind), **{smooth: each}) for each in (0.0, 1e-12))
+    none, little = (spun(small_bed(kind), **{smooth: coefficient}) for coefficient in (0.0, 1e-12))
     np.testing.assert_allclose(
         none.state.angular_velocity, little.state.angular_velocity, rtol=1e-6, atol=1e-6
     )

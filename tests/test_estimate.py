@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made import SMOKE
 from rich.console import Console
+from sweeps import SMOKE
 
 from dem.cli import show
 from dem.io.dataset import read
@@ -16,7 +16,6 @@ from dem.sweep.combine import combine_block
 from dem.sweep.config import parse
 from dem.sweep.estimate import effort
 from dem.sweep.state import SweepState
-from dem.sweep.workers import Workers
 
 
 def test_the_estimated_time_of_a_run_is_in_proportion_to_its_steps():
@@ -29,8 +28,8 @@ def test_the_estimated_time_of_a_run_is_in_proportion_to_its_steps():
         }
         sweep = parse({"extends": "config/smoke.yaml"} | values, "a sweep")
         run = sweep.block("drag").first
-        made = run.configuration.module.run(run)
-        ratios.append(effort(run) / int(made["steps"]))
+        result = run.configuration.module.run(run)
+        ratios.append(effort(run) / int(result["steps"]))
     assert max(ratios) < 1.25 * min(ratios)
 
 
@@ -69,23 +68,11 @@ def stopped(tmp_path):
         yield state
 
 
-def test_a_sweep_with_nothing_to_make_writes_no_file_again(tmp_path):
-    """Figures are drawn again where drag.nc is newer. Another window or more runs are another file."""
-    times = []
-    with chdir(tmp_path):
-        for values in ({}, {}, {"title": "Another"}, {"sweep": {"shape": "c1", "seed": "1 to 11"}}):
-            state = SweepState(parse(VALUES | values))
-            finish(state, 12)
-            state.make(Workers())
-            times.append(Path("results/drag.nc").stat().st_mtime_ns)
-    assert times[0] == times[1] < times[2] < times[3]
-
-
 def text(table):
     console = Console(width=160)
-    with console.capture() as shown:
+    with console.capture() as capture:
         console.print(table)
-    return shown.get()
+    return capture.get()
 
 
 def test_status_knows_the_mean_of_finished_runs_before_their_batch_ends(stopped):

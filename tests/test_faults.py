@@ -15,7 +15,6 @@ import netCDF4
 import numpy as np
 import pytest
 from rich.console import Console
-from test_outputs import content
 from test_stopping import Killed, combined, discs, killed_at, planned, simulate, smoke
 from typer.testing import CliRunner
 
@@ -37,7 +36,7 @@ from dem.sweep import state as working
 from dem.sweep.combine import combine_block
 from dem.sweep.config import save
 from dem.sweep.estimate import summary as estimated
-from dem.sweep.restart import hold
+from dem.sweep.restart import prepare
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 
@@ -45,23 +44,23 @@ from dem.sweep.store import Store
 @pytest.fixture
 def two_fail(monkeypatch):
     """The bed of seed 2, and the run of seed 3 at the higher density, fail; how often they are tried."""
-    tried, make_bed, run = [], making.make_bed, drag.run
+    attempts, make_bed, run = [], making.make_bed, drag.run
 
     def bed(replicate, checkpoint):
         if replicate.seed == 2:
-            tried.append((replicate.seed, replicate.density))
+            attempts.append((replicate.seed, replicate.density))
             raise PackingError("seed 2 cannot be made.")
         return make_bed(replicate, checkpoint)
 
     def running(replicate, *rest, **more):
         if (replicate.seed, replicate.density) == (3, 3.9e4):
-            tried.append((replicate.seed, replicate.density))
+            attempts.append((replicate.seed, replicate.density))
             raise OverlapError("granule 7 at step 12.")
         return run(replicate, *rest, **more)
 
     monkeypatch.setattr(making, "make_bed", bed)
     monkeypatch.setattr(drag, "run", running)
-    return tried
+    return attempts
 
 
 def done(sweep, folder):
@@ -141,15 +140,15 @@ def test_a_run_that_failed_is_tried_again_when_it_is_asked_for(tmp_path, monkeyp
     sweep = discs([1, 2, 3], failures=0.5)
     work = done(sweep, tmp_path)
     (file,), names = work.files("drag"), ("drag", "failure", "spent", "steps")
-    before, _ = read(file, names)
+    old, _ = read(file, names)
     assert work.retry() == 3 and len(two_fail) == 3
     monkeypatch.undo()
     done(sweep, tmp_path)
-    after, _ = read(file, names)
-    kept = before["failure"] == 0
-    assert not after["failure"].any() and np.isfinite(after["drag"]).all()
+    new, _ = read(file, names)
+    success = old["failure"] == 0
+    assert not new["failure"].any() and np.isfinite(new["drag"]).all()
     for name in names:
-        np.testing.assert_array_equal(before[name][kept], after[name][kept])
+        np.testing.assert_array_equal(old[name][success], new[name][success])
     assert work.retry() == 0 and file.is_file()
     rough = discs([1, 2, 3], friction={"granule": 0.1, "wall": 0.1, "cylinder": 0.1})
     assert not set(rough.block("drag").points) & set(sweep.block("drag").points)
@@ -157,7 +156,7 @@ def test_a_run_that_failed_is_tried_again_when_it_is_asked_for(tmp_path, monkeyp
 
 def test_a_run_that_failed_in_another_batch_is_tried_again(tmp_path, two_fail):
     """Where two sweeps were planned before it was made; the second takes over what did not fail."""
-    store, found = Store(tmp_path / "store"), []
+    store, results = Store(tmp_path / "store"), []
     sweeps = [
         SweepState(discs([1, 2], results=f"results/{name}"), store, root=tmp_path) for name in "ab"
     ]
@@ -166,11 +165,11 @@ def test_a_run_that_failed_in_another_batch_is_tried_again(tmp_path, two_fail):
     for tries, work in zip((2, 4), sweeps, strict=True):
         (path,) = (making.make(store, batch.id) for batch in work.batches("drag"))
         assert len(two_fail) == tries
-        found.append(read(path, ("failure", "spent"))[0])
-    one, other = found
-    made = one["failure"] == 0
-    assert made.sum() == 2 and (made == (other["failure"] == 0)).all()
-    np.testing.assert_array_equal(one["spent"][made], other["spent"][made])
+        results.append(read(path, ("failure", "spent"))[0])
+    one, other = results
+    success = one["failure"] == 0
+    assert success.sum() == 2 and (success == (other["failure"] == 0)).all()
+    np.testing.assert_array_equal(one["spent"][success], other["spent"][success])
 
 
 def test_a_dry_run_counts_failed_runs_of_a_chunk_under_way(tmp_path, two_fail):
@@ -179,9 +178,9 @@ def test_a_dry_run_counts_failed_runs_of_a_chunk_under_way(tmp_path, two_fail):
     with pytest.raises(Killed):
         making.make(work.store, chunk, progress=killed_at(3))
     assert "2 finished, 1 failed" in estimated(work, 1)
-    made = making.make(work.store, chunk)
+    path = making.make(work.store, chunk)
     assert "2 finished, 2 failed" in estimated(work, 1)
-    made.write_bytes(made.read_bytes()[:-1])
+    path.write_bytes(path.read_bytes()[:-1])
     with pytest.raises(InputError, match="delete it and run again"):
         estimated(work, 1)
 
@@ -200,11 +199,11 @@ def test_the_command_ends_with_1_where_runs_failed_and_tries_them_again(tmp_path
     assert "c1 at 3900 kg/m3: none of its 2 runs" in line
     monkeypatch.setattr(making, "make_bed", make_bed)
     assert CliRunner().invoke(app, arguments).exit_code == 1
-    told = CliRunner().invoke(app, [*arguments, "--dry-run"]).stdout
-    assert "0 finished, 4 failed (dem sweep --retry makes these" in told
-    assert "About" not in told
-    told = CliRunner().invoke(app, [*arguments, "--dry-run", "--retry"]).stdout
-    assert "4 failed (these are made again)" in told and "About" in told
+    output = CliRunner().invoke(app, [*arguments, "--dry-run"]).stdout
+    assert "0 finished, 4 failed (dem sweep --retry makes these" in output
+    assert "About" not in output
+    output = CliRunner().invoke(app, [*arguments, "--dry-run", "--retry"]).stdout
+    assert "4 failed (these are made again)" in output and "About" in output
     result = CliRunner().invoke(app, [*arguments, "--retry"])
     assert result.exit_code == 0 and "4 failed runs are tried again" in result.stderr, result.output
     assert (tmp_path / "results/few/drag.nc").is_file()
@@ -234,52 +233,19 @@ def swept(*arguments):
     return result.exit_code, result.output
 
 
-def test_two_files_do_not_replace_each_others_results(one_sweep):
-    """The second is refused in one sentence, and nothing is written. The same file, changed, goes on and
-    says how many runs are gone; so does the resolved configuration of the folder."""
-    write_sweep("two.yaml", [1])
-    before = content(Path("results"))
-    for words in (["two.yaml"], ["two.yaml", "-n"]):
-        status, told = swept(*words)
-        assert status == 2 and told.count("\n") == 1, told
-        assert "results is 'results/few', which has the results of one.yaml" in told
-        assert content(Path("results")) == before
-    write_sweep("one.yaml", [3, 4])
-    status, told = swept("one.yaml")
-    assert status == 0 and "drag.nc: 2 of the 3 runs that it held are no longer" in told, told
-    status, told = swept(str(one_sweep / "config.yaml"))
-    assert status == 0 and "no longer" not in told, told
-    with netCDF4.Dataset(one_sweep / "drag.nc") as file:
-        assert file["seed"][:].tolist() == [3, 4]
-    assert swept("two.yaml")[0] == 2
-
-
-def test_a_sweep_is_known_where_its_file_or_its_folder_was_moved(one_sweep, tmp_path, monkeypatch):
-    """The folder of a sweep whose file is gone is anybody's."""
-    place = tmp_path.with_name(f"{tmp_path.name}_moved")
-    tmp_path.rename(place)
-    tmp_path.mkdir()  # pytest's own
-    monkeypatch.chdir(place)
-    write_sweep("other.yaml", [1])
-    Path("sub").mkdir()
-    Path("link.yaml").symlink_to("one.yaml")
-    for name, allowed in (
-        ("one.yaml", True),
-        (place / "one.yaml", True),
-        ("link.yaml", True),
-        ("other.yaml", False),
+def test_a_sweep_says_how_many_runs_of_its_file_will_be_gone(one_sweep):
+    """Of the same file, changed, or of another one of the same folder."""
+    for name, seeds, words in (
+        ("one.yaml", [3, 4], "drag.nc: 2 of the 3 runs that it held are no longer"),
+        ("two.yaml", [1], "drag.nc: 2 of the 2 runs that it held are no longer"),
     ):
-        assert checked(SweepState.of(name)) == allowed, name
-    Path("one.yaml").rename("sub/renamed.yaml")
-    assert checked(SweepState.of("sub/renamed.yaml")) and checked(SweepState.of("other.yaml"))
-
-
-def checked(work):
-    try:
-        work.check()
-    except InputError:
-        return False
-    return True
+        write_sweep(name, seeds)
+        status, output = swept(name)
+        assert status == 0 and words in output, output
+        with netCDF4.Dataset(one_sweep / "drag.nc") as file:
+            assert file["seed"][:].tolist() == seeds
+    status, output = swept(str(one_sweep / "config.yaml"))
+    assert status == 0 and "no longer" not in output, output
 
 
 def test_a_damaged_chunk_leaves_the_good_result(one_sweep, monkeypatch):
@@ -288,8 +254,8 @@ def test_a_damaged_chunk_leaves_the_good_result(one_sweep, monkeypatch):
     (chunk,) = Path("results/store/batches").glob("*.nc")
     chunk.write_bytes(chunk.read_bytes()[:20000])
     good = (one_sweep / "drag.nc").read_bytes()
-    status, told = swept("one.yaml")
-    assert status == 2 and str(chunk) in told and "delete it" in told
+    status, output = swept("one.yaml")
+    assert status == 2 and str(chunk) in output and "delete it" in output
     assert (one_sweep / "drag.nc").read_bytes() == good
 
 
@@ -306,8 +272,8 @@ def test_a_folder_is_held_until_its_process_ends(tmp_path):
     """However it ends: SIGKILL leaves no lock behind."""
     code = f"""
 from pathlib import Path
-from dem.sweep.restart import hold
-lock = hold(Path({str(tmp_path)!r}))
+from dem.sweep.restart import prepare
+lock = prepare(*[Path({str(tmp_path)!r})] * 2)
 print('held', flush=True)
 input()
 """
@@ -316,15 +282,15 @@ input()
     )
     assert process.stdout.readline() == "held\n"
     with pytest.raises(RunError, match="another run works in this folder; wait for it or stop it"):
-        hold(tmp_path)
+        prepare(tmp_path, tmp_path)
     process.kill()
     process.communicate()
-    hold(tmp_path).release()
+    prepare(tmp_path, tmp_path).release()
 
 
 def test_a_time_is_said_as_a_reader_would_say_it():
-    found = [span(seconds) for seconds in (59.4, 60, 3599, 3600, 90000)]
-    assert found == ["59 s", "1 min 0 s", "59 min 59 s", "1 h 0 min", "25 h 0 min"]
+    texts = [span(seconds) for seconds in (59.4, 60, 3599, 3600, 90000)]
+    assert texts == ["59 s", "1 min 0 s", "59 min 59 s", "1 h 0 min", "25 h 0 min"]
 
 
 SAYS_WHEN_IT_PACKS = """
@@ -345,9 +311,9 @@ def test_a_stopped_command_says_one_sentence_and_leaves_no_file(tmp_path, number
     with subprocess.Popen(command, **streams) as process:
         assert process.stdout.readline() == "packing\n"
         process.send_signal(number)
-        said = process.stderr.read()
+        text = process.stderr.read()
     assert process.returncode == 128 + number
-    assert said.endswith("Interrupted; no half-written file is left.\n") and "Traceback" not in said
+    assert text.endswith("Interrupted; no half-written file is left.\n") and "Traceback" not in text
     assert not list(tmp_path.iterdir())
 
 
@@ -366,11 +332,11 @@ def test_a_stopped_sweep_keeps_what_is_finished_and_says_how_to_go_on(tmp_path, 
             assert process.poll() is None
             time.sleep(0.05)
         process.send_signal(number)
-        said = process.stderr.read()  # until its workers have ended, which have the pipe too
+        output = process.stderr.read()  # until its workers have ended, which have the pipe too
     assert process.returncode == 128 + number
     sentence = r"Interrupted; (\d+) of 400 runs are kept; run the same command to go on"
-    found = re.fullmatch(sentence, said.splitlines()[-1])
-    assert found and int(found[1]) > 0 and "Traceback" not in said, said
+    match = re.fullmatch(sentence, output.splitlines()[-1])
+    assert match and int(match[1]) > 0 and "Traceback" not in output, output
     assert not list(tmp_path.rglob("*.part"))
 
 

@@ -46,9 +46,9 @@ def test_forces_of_a_random_bed(kind, dt, steps):
         for _ in range(steps):  # all granules stay where they are
             forces(world, dt, np.inf)
         force, torque = forces_of(scene, state, steps * dt)
-        found = world.force
-        assert_allclose(found[:, :2], force, rtol=1e-10, atol=1e-10 * np.abs(force).max())
-        assert_allclose(found[:, 2], torque, rtol=1e-10, atol=1e-10 * np.abs(torque).max())
+        result = world.force
+        assert_allclose(result[:, :2], force, rtol=1e-10, atol=1e-10 * np.abs(force).max())
+        assert_allclose(result[:, 2], torque, rtol=1e-10, atol=1e-10 * np.abs(torque).max())
         assert (np.hypot(*force.T) > 0.0).sum() > 15
 
 
@@ -61,8 +61,8 @@ def test_forces_on_walls_and_solids_balance_those_on_granules(kind):
     dt = 1e-7
     loads, axis = world.boundaries.contact_forces, len(scene.walls)
     forces(world, dt, np.inf)
-    given = loads[axis, :2] + loads[axis, 2:4] + loads[:axis, 0] @ scene.planes[:, :2]
-    assert_allclose(world.force[:, :2].sum(axis=0), -given, rtol=1e-10)
+    total = loads[axis, :2] + loads[axis, 2:4] + loads[:axis, 0] @ scene.planes[:, :2]
+    assert_allclose(world.force[:, :2].sum(axis=0), -total, rtol=1e-10)
 
 
 def test_the_stages_that_are_timed_make_the_forces_of_a_step():
@@ -84,18 +84,18 @@ def test_the_stages_that_are_timed_make_the_forces_of_a_step():
 def guarded(value, rows):
     """A copy of a world whose arrays lie between rows of NaN; rows gets them, by the place of each array."""
     if isinstance(value, tuple):
-        found = [guarded(each, rows) for each in value]
-        return type(value)(*found) if hasattr(value, "_fields") else tuple(found)
+        members = [guarded(member, rows) for member in value]
+        return type(value)(*members) if hasattr(value, "_fields") else tuple(members)
     if not isinstance(value, np.ndarray) or not value.size:
         return value
-    place = value.ctypes.data  # one array may have two names
-    if place not in rows:
+    address = value.ctypes.data  # one array may have two names
+    if address not in rows:
         whole = np.full(
             (len(value) + 2 * GUARDS, *value.shape[1:]), NO_NUMBER[value.dtype.kind], value.dtype
         )
         whole[GUARDS:-GUARDS] = value
-        rows[place] = whole
-    return rows[place][GUARDS:-GUARDS]
+        rows[address] = whole
+    return rows[address][GUARDS:-GUARDS]
 
 
 @pytest.mark.parametrize("name", ["discs", "dumbbells", "ellipses"])

@@ -31,13 +31,13 @@ RATIOS = [1.0, 1.125, 1.375, 2.0, 5.0]
 
 
 @compiled
-def _touch(shape, dx, dy, own, other, guess):
-    return solve_contact(shape, dx, dy, own, other, guess)
+def _touch(shape, dx, dy, one, other, guess):
+    return solve_contact(shape, dx, dy, one, other, guess)
 
 
 @compiled
-def _support(shape, own, nx, ny):
-    return support(shape, own, nx, ny)
+def _support(shape, ellipse, nx, ny):
+    return support(shape, ellipse, nx, ny)
 
 
 def kind(method):
@@ -45,11 +45,11 @@ def kind(method):
     return Ellipse(one, one, method)
 
 
-def contact(d, own, other, guess=None, method=NORMAL):
+def contact(d, one, other, guess=None, method=NORMAL):
     """(overlap, nx, ny, n1, t1, n2, t2); the first guess is along d, as in a new list."""
     if guess is None:
         guess = np.array(d) / np.hypot(*d) if np.any(d) else (1.0, 0.0)
-    return np.array(_touch(kind(method), *d, own, other, tuple(guess))[:7])
+    return np.array(_touch(kind(method), *d, one, other, tuple(guess))[:7])
 
 
 def ellipse(ratio, angle, size=1.0):
@@ -74,8 +74,8 @@ def touching(rng, ratio, overlap):
     angle = rng.uniform(0.0, 2.0 * np.pi)
     n = np.array([np.cos(angle), np.sin(angle)])
     depth = overlap * min(first[3], second[3])
-    mine, theirs = facing(first, n), facing(second, -n)
-    return mine - depth * n - theirs, first, second, depth, n, mine - 0.5 * depth * n
+    end, start = facing(first, n), facing(second, -n)
+    return end - depth * n - start, first, second, depth, n, end - 0.5 * depth * n
 
 
 @pytest.mark.parametrize("ratio", RATIOS)
@@ -85,12 +85,12 @@ def test_contact_of_known_normal(ratio):
     for overlap in np.geomspace(1e-8, 0.1, 15) * min(1.0, 4.0 / ratio**2):
         d, first, second, depth, n, point = touching(rng, ratio, overlap)
         geometry = contact(d, first, second)
-        found = geometry[1:3]
-        t = np.array([-found[1], found[0]])
+        normal = geometry[1:3]
+        t = np.array([-normal[1], normal[0]])
         assert_allclose(geometry[0], depth, rtol=1e-11, atol=1e-14)
-        assert_allclose(found, n, atol=1e-9)
-        assert_allclose(geometry[3] * found + geometry[4] * t, point, atol=1e-9)
-        assert_allclose(d - geometry[5] * found + geometry[6] * t, point, atol=1e-9)
+        assert_allclose(normal, n, atol=1e-9)
+        assert_allclose(geometry[3] * normal + geometry[4] * t, point, atol=1e-9)
+        assert_allclose(d - geometry[5] * normal + geometry[6] * t, point, atol=1e-9)
 
 
 @pytest.mark.parametrize("ratio", RATIOS)
@@ -177,11 +177,11 @@ def test_geometric_potential_takes_the_deepest_points(ratio):
         length, nx, ny, n1, t1, _, _ = contact(d, first, second, method=GeometricPotential())
         n, t = np.array([nx, ny]), np.array([-ny, nx])
         middle = n1 * n + t1 * t
-        mine, theirs = middle + 0.5 * length * n, middle - 0.5 * length * n
-        assert_allclose(potential(first, mine), 0.0, atol=1e-9)
-        assert_allclose(potential(second, theirs - d), 0.0, atol=1e-9)
-        for point, own, other, shift in ((mine, first, second, d), (theirs - d, second, first, -d)):
-            sampled = potential(other, outline(own, 20_000) - shift)
+        end, start = middle + 0.5 * length * n, middle - 0.5 * length * n
+        assert_allclose(potential(first, end), 0.0, atol=1e-9)
+        assert_allclose(potential(second, start - d), 0.0, atol=1e-9)
+        for point, one, other, shift in ((end, first, second, d), (start - d, second, first, -d)):
+            sampled = potential(other, outline(one, 20_000) - shift)
             assert abs(potential(other, point - shift) - sampled.min()) < 1e-6
             assert sampled.min() < 0.0
 
@@ -237,14 +237,14 @@ def test_area_and_inertia_are_those_of_the_outline(kind):
 def test_granules_of_one_volume_diameter_have_one_area(kind):
     """Shapes of equal volume diameter have the area of the disc of that diameter."""
     diameter = np.array([1.0, 1.7])
-    made = KINDS[kind].shape.of_size(diameter, section_of(kind).form)
-    assert_allclose(made.area, 0.25 * np.pi * diameter**2)
+    shape = KINDS[kind].shape.of_size(diameter, section_of(kind).form)
+    assert_allclose(shape.area, 0.25 * np.pi * diameter**2)
 
 
 def test_aspect_ratio_of_an_ellipse_is_that_of_its_axes():
     """Length over width is what was asked for."""
-    made = Ellipse.of_size(np.array([1.0, 1.7]), 1.375)
-    assert_allclose(made.semi_major / made.semi_minor, 1.375)
+    shape = Ellipse.of_size(np.array([1.0, 1.7]), 1.375)
+    assert_allclose(shape.semi_major / shape.semi_minor, 1.375)
 
 
 def test_dumbbells_are_two_rigidly_joined_discs():
@@ -252,11 +252,11 @@ def test_dumbbells_are_two_rigidly_joined_discs():
     rng = np.random.default_rng(9)
     n = 30
     radius = 1e-3 * rng.uniform(0.5, 1.0, 2 * n)
-    here = np.column_stack([np.zeros(n), 0.02 * np.arange(n)])
-    away = rng.uniform(0.0, 2.0 * np.pi, n)
-    there = here + 2.2e-3 * np.column_stack([np.cos(away), np.sin(away)])
+    centre = np.column_stack([np.zeros(n), 0.02 * np.arange(n)])
+    direction = rng.uniform(0.0, 2.0 * np.pi, n)
+    partner = centre + 2.2e-3 * np.column_stack([np.cos(direction), np.sin(direction)])
     state = State(
-        np.concatenate([here, there]),
+        np.concatenate([centre, partner]),
         rng.normal(size=(2 * n, 2)),
         rng.uniform(0.0, 7.0, 2 * n),
         1e3 * rng.normal(size=2 * n),

@@ -16,13 +16,13 @@ from dem.base import sources
 from dem.base.sources import PACKAGE, ROOT, RUNS, code_hash, codes, files_of
 from dem.experiment import run
 from dem.experiment.config import EXPERIMENTS
-from dem.experiment.observables import OBSERVABLES, module_of
+from dem.experiment.observables import OBSERVABLES
 from dem.io import dataset
 from dem.sweep.config import load
 
 LINE = "\nEDITED = True\n"
 USED = "experiment/kinds/drag.py", "experiment/observables/drag.py"  # by the run
-AGAIN = {  # file: what is added, or what is put in place of what
+EDITS = {  # file: what is added, or what is put in place of what
     "contacts/loops.py": LINE,
     "contacts/force_law.py": ("if zeta < 1.0:", "if zeta <= 1.0:"),
     "dynamics/skin.py": LINE,
@@ -38,7 +38,7 @@ AGAIN = {  # file: what is added, or what is put in place of what
     "experiment/kinds/drag.py": ("BINS_A_CALL = 20", "BINS_A_CALL = 21"),
     "experiment/observables/drag.py": LINE,
 }
-KEPT = {
+HARMLESS = {
     "contacts/loops.py": "\n# a comment\n",
     "experiment/scene.py": ('"""The scene of the run."""', '"""Another word."""'),
     "experiment/kinds/drag.py": ("checkpoint: Path | None", "checkpoint: str | None"),
@@ -68,15 +68,15 @@ def package(tmp_path_factory):
 
 
 @pytest.mark.parametrize(
-    ("name", "edit", "again"),
-    [(*each, True) for each in AGAIN.items()] + [(*each, False) for each in KEPT.items()],
+    ("name", "edit", "expected"),
+    [(*item, True) for item in EDITS.items()] + [(*item, False) for item in HARMLESS.items()],
 )
-def test_a_run_is_made_again_only_where_its_numbers_may_change(package, name, edit, again):
-    path, before = package / name, hash_of(package)
+def test_a_run_is_made_again_only_where_its_numbers_may_change(package, name, edit, expected):
+    path, digest = package / name, hash_of(package)
     text = path.read_text() if path.exists() else None
     path.write_text((text or "") + edit if isinstance(edit, str) else text.replace(*edit))
     try:
-        assert text != path.read_text() and (hash_of(package) != before) == again
+        assert text != path.read_text() and (hash_of(package) != digest) == expected
     finally:
         path.unlink() if text is None else path.write_text(text)
 
@@ -97,13 +97,13 @@ NO_NUMBERS = {
 def test_all_that_sets_a_number_of_a_run_is_known():
     """What makes runs imports nothing else of the package."""
     files = set(files_of((*RUNS, "experiment/kinds", "experiment/observables")))
-    known = files | set(files_of(NO_NUMBERS))
+    sources = files | set(files_of(NO_NUMBERS))
     for file in files - {PACKAGE / name for name in NO_NUMBERS}:
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom) and node.module.startswith("dem."):
-                for name in (node.module, *(f"{node.module}.{each.name}" for each in node.names)):
+                for name in (node.module, *(f"{node.module}.{alias.name}" for alias in node.names)):
                     path = ROOT.joinpath(*name.split(".")).with_suffix(".py")
-                    assert path in known or not path.is_file(), f"{file} imports {path}"
+                    assert path in sources or not path.is_file(), f"{file} imports {path}"
 
 
 def test_a_run_depends_on_versions(monkeypatch):
@@ -119,7 +119,7 @@ LAYOUTS = {1: "07117a61fa96d550"}  # same with more, which only runs of new valu
 def test_another_layout_of_the_files_of_runs_has_another_version():
     """Because what only writes files is no part of the identity of a run."""
     tables = [dataset.AXES, dataset.LABELS, dataset.OF_RUN, dataset.OF_STORE]
-    tables += [module_of(name).VARIABLES for name in OBSERVABLES]
+    tables += [header["VARIABLES"] for header in OBSERVABLES.values()]
     for name in EXPERIMENTS:
         tables.append(getattr(import_module(f"dem.experiment.kinds.{name}"), "VARIABLES", {}))
     # names, dimensions and units; words may change

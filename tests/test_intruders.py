@@ -11,12 +11,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 import dem
-from dem.analysis.one_run import snapshots_of
-from dem.experiment.bed import make_bed
+from dem.experiment.bed import make_bed, solids
 from dem.experiment.box import area_of_solids, circles_of, height_of_box
 from dem.experiment.kinds import drag
 from dem.experiment.scene import make_scene
-from dem.experiment.solids import solids_of
+from dem.experiment.snapshots import snapshots_of
 from dem.figures.export import export
 from dem.figures.frames import of_motion
 from dem.sweep.config import load
@@ -32,16 +31,16 @@ def run(changes=(), **sections):
 
 
 def drawn(replicate, height=20e-3):
-    return solids_of(replicate, height, 1e-3)
+    return solids(replicate, height)
 
 
 def test_a_run_without_the_new_keys_is_known_by_what_it_was():
     """Finished runs stay finished: what is not asked for is no part of what a run is."""
-    known = json.loads(run().run_key().rsplit(" ", 2)[0])
-    assert {path for path in known if path.startswith("cylinder")} == {
+    keys = json.loads(run().run_key().rsplit(" ", 2)[0])
+    assert {path for path in keys if path.startswith("cylinder")} == {
         f"cylinder.{name}" for name in ("diameter", "velocity", "start", "stroke")
     }
-    assert not {path for path in known if path.startswith(("second", "walls"))}
+    assert not {path for path in keys if path.startswith(("second", "walls"))}
 
 
 @pytest.mark.parametrize(
@@ -91,10 +90,11 @@ def test_a_second_cylinder_is_at_its_gap_and_bearing(direction, bearing, towards
 
 
 def test_a_cylinder_that_turns_freely_has_the_inertia_of_its_density():
-    (solid,) = drawn(run({"cylinder.spin": "free"}))
+    free = {"cylinder.spin": "free", "material.thickness": 1e-3}
+    (solid,) = drawn(run(free))
     mass = 3900.0 * math.pi * solid.radius**2 * 1e-3
     assert_allclose(solid.spin.inertia, 0.5 * mass * solid.radius**2)
-    (plate,) = drawn(run({"cylinder.spin": "free", "cylinder.outline": "plate"}))
+    (plate,) = drawn(run(free | {"cylinder.outline": "plate"}))
     thin = plate.area * 3900.0 * 1e-3 * (2.0 * plate.radius) ** 2 / 12.0
     assert_allclose(plate.spin.inertia, thin, rtol=0.1)
 
@@ -136,7 +136,7 @@ def test_a_second_cylinder_that_turns_is_drawn_and_exported_at_its_angle(pair, t
     replicate, values = pair
     layout = replicate.configuration.module.layout
     assert "second_orientation" in layout and "cylinder_orientation" not in layout
-    motion = snapshots_of(Path(), replicate, values | drag.axes(replicate.configuration))
+    motion = snapshots_of(replicate, values | drag.axes(replicate.configuration))
     assert_allclose(of_motion(motion).turn, [[0.0, 0.0], [0.0, 0.25], [0.0, 0.5]], atol=1e-9)
     export(motion, tmp_path / "bed.pvd")
     mesh = meshio.read(tmp_path / "bed0002.vtu")
@@ -184,8 +184,8 @@ def test_a_settled_bed_rests_on_its_floor_below_a_free_surface():
     scene = make_scene(replicate, bed)
     diameter = 2.0 * scene.shape.radius
     assert (bed.position[:, 1] + 0.5 * diameter).max() < 0.9 * bed.height
-    still = replace(scene, solids=[replace(solid, velocity=(0.0, 0.0)) for solid in scene.solids])
-    simulation = dem.Simulation(still, bed.state)
+    resting = replace(scene, solids=[replace(solid, velocity=(0.0, 0.0)) for solid in scene.solids])
+    simulation = dem.Simulation(resting, bed.state)
     simulation.advance(5e-3)  # in which a granule that nothing holds falls by a tenth of a diameter
     assert np.abs(simulation.state.position - bed.position).max() < 0.01 * diameter.mean()
 

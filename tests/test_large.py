@@ -38,23 +38,23 @@ def swarm(side=40, seed=1):
         periodic=(side * PITCH, None),
         held=[dem.Held([n], ANCHOR)],
     )
-    place = np.concatenate([grid, [[0.5 * PITCH, (side + 1.5) * PITCH]]])
+    position = np.concatenate([grid, [[0.5 * PITCH, (side + 1.5) * PITCH]]])
     velocity, spin = rng.normal(size=(n + 1, 2)), rng.normal(size=n + 1)
     velocity[n] = 0.0
-    return scene, dem.State(place, velocity, angular_velocity=spin)
+    return scene, dem.State(position, velocity, angular_velocity=spin)
 
 
 def crowd():
     """More granules than a patch holds, some of them held, between walls that move, in a box that
     repeats itself from side to side."""
-    made, start = swarm()
-    side = made.periodic[0]
+    scene, start = swarm()
+    side = scene.periodic[0]
     ground = dem.Held(start.position[:, 1] < PITCH, (2.0, 0.0))
     middle = np.flatnonzero(np.hypot(*(start.position - 0.5 * side).T) < 3 * PITCH)
     body = dem.Held(middle, dem.Drive((0.0, 0.5), 1e-4))
     motions = [dem.Drive((None, 1.0), 1e-3), smoothly(-1.0, 1e-4, axis=1)]
-    walls = list(map(dem.Wall, made.planes, motions))
-    return replace(made, held=[ground, body], walls=walls), start
+    walls = list(map(dem.Wall, scene.planes, motions))
+    return replace(scene, held=[ground, body], walls=walls), start
 
 
 def test_the_number_of_threads_changes_no_bit():
@@ -64,23 +64,23 @@ def test_the_number_of_threads_changes_no_bit():
 
 
 def assert_threads_change_no_bit(friction):
-    made, start = crowd()
-    made = replace(made, friction=friction)
-    found = []
+    scene, start = crowd()
+    scene = replace(scene, friction=friction)
+    results = []
     for threads in (1, 2):
-        run = dem.Simulation(made, start, threads=threads)
+        run = dem.Simulation(scene, start, threads=threads)
         for _ in range(20):
             record = run.record(1e-5, 1)
-        found.append((*vars(run.state).values(), *record, run.steps))
-    assert found[0][-1] > 50 and np.abs(found[0][0] - start.position).max() > 0.1 * PITCH
-    for other in found[1:]:
-        for first, second in zip(found[0], other, strict=True):
+        results.append((*vars(run.state).values(), *record, run.steps))
+    assert results[0][-1] > 50 and np.abs(results[0][0] - start.position).max() > 0.1 * PITCH
+    for other in results[1:]:
+        for first, second in zip(results[0], other, strict=True):
             assert_array_equal(first, second)
-    ground, body = (group.granules for group in made.held)
-    moved = found[0][0] - start.position
-    assert_allclose(moved[ground], np.broadcast_to([4e-4, 0.0], (len(ground), 2)), atol=1e-15)
-    assert np.ptp(moved[body], axis=0).max() < 1e-15 and moved[body][0, 1] > 0.0
-    assert np.abs(found[0][-2]).max() > 0.0
+    ground, body = (group.granules for group in scene.held)
+    shift = results[0][0] - start.position
+    assert_allclose(shift[ground], np.broadcast_to([4e-4, 0.0], (len(ground), 2)), atol=1e-15)
+    assert np.ptp(shift[body], axis=0).max() < 1e-15 and shift[body][0, 1] > 0.0
+    assert np.abs(results[0][-2]).max() > 0.0
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -104,18 +104,18 @@ def test_contacts_of_a_large_bed_name_the_granules_of_the_input():
     scene, state = swarm()
     run = dem.Simulation(scene, state)
     run.record(1e-4, 1)
-    found, place = run.contacts(), run.state.position
+    contacts, position = run.contacts(), run.state.position
     reach = scene.shape.radius[:, None] + scene.shape.radius
-    away = place[:, None] - place
-    away[..., 0] -= scene.periodic[0] * np.rint(away[..., 0] / scene.periodic[0])
-    apart = np.linalg.norm(away, axis=2)
-    pairs = np.argwhere(np.triu(apart < reach, 1))
-    between = found.partner >= 0
-    named = np.sort(np.column_stack([found.granule, found.partner])[between], axis=1)
+    separation = position[:, None] - position
+    separation[..., 0] -= scene.periodic[0] * np.rint(separation[..., 0] / scene.periodic[0])
+    distance = np.linalg.norm(separation, axis=2)
+    pairs = np.argwhere(np.triu(distance < reach, 1))
+    between = contacts.partner >= 0
+    named = np.sort(np.column_stack([contacts.granule, contacts.partner])[between], axis=1)
     assert len(pairs) > 50
     assert sorted(map(tuple, named.tolist())) == sorted(map(tuple, pairs.tolist()))
-    i, j = found.granule[between], found.partner[between]
-    assert_allclose(found.overlap[between], (reach - apart)[i, j], rtol=1e-9, atol=1e-15)
+    i, j = contacts.granule[between], contacts.partner[between]
+    assert_allclose(contacts.overlap[between], (reach - distance)[i, j], rtol=1e-9, atol=1e-15)
 
 
 def test_a_large_bed_keeps_momentum_and_the_order_of_its_granules():
@@ -127,17 +127,17 @@ def test_a_large_bed_keeps_momentum_and_the_order_of_its_granules():
     state.position += width
     run = dem.Simulation(free, state)
     assert not run.record(1e-4, 1).wall_force.any()
-    m, after = free.mass[:, None], run.state
-    assert (np.abs(after.velocity - state.velocity) > 0.1).any(axis=1).sum() > 100
+    m, result = free.mass[:, None], run.state
+    assert (np.abs(result.velocity - state.velocity) > 0.1).any(axis=1).sum() > 100
     total = np.abs(m * state.velocity).sum()
-    assert_allclose((m * (after.velocity - state.velocity)).sum(axis=0), 0.0, atol=1e-12 * total)
+    assert_allclose((m * (result.velocity - state.velocity)).sum(axis=0), 0.0, atol=1e-12 * total)
     order = np.random.default_rng(2).permutation(free.granules)
     shape = dem.Disc(free.shape.radius[order])
     fields = (value[order] for value in list(vars(state.checked(free.granules)).values())[:4])
     held = [dem.Held(free.is_held[order], ANCHOR)]
     other = dem.Simulation(replace(free, shape=shape, held=held), dem.State(*fields))
     other.record(1e-4, 1)
-    assert_allclose(other.state.position, after.position[order], rtol=0.0, atol=1e-9 * PITCH)
+    assert_allclose(other.state.position, result.position[order], rtol=0.0, atol=1e-9 * PITCH)
 
 
 def test_a_wall_takes_the_momentum_that_a_large_bed_loses():
@@ -147,9 +147,9 @@ def test_a_wall_takes_the_momentum_that_a_large_bed_loses():
     fall[-1] = 0.0
     run, duration = dem.Simulation(scene, replace(state, velocity=fall)), 1e-4
     push = run.record(duration, 1).wall_force.ravel()
-    gained = (scene.mass * (run.state.velocity - fall)[:, 1])[:-1].sum()
+    gain = (scene.mass * (run.state.velocity - fall)[:, 1])[:-1].sum()
     assert push[0] > 0.0 == push[1]
-    assert_allclose(gained, push[0] * duration, rtol=0.02)
+    assert_allclose(gain, push[0] * duration, rtol=0.02)
 
 
 def test_the_order_of_memory_is_compact():

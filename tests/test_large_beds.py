@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 import xarray as xr
-from made import SMOKE
 from numpy.testing import assert_array_equal
+from sweeps import SMOKE
 from twin import Twin
 
 import dem
@@ -48,14 +48,14 @@ def bed():
 def test_a_large_bed_at_rest_bears_a_two_hundredth_of_its_contact_forces():
     """By the forces of the model in plain numpy: the greatest net force is below 0.5 % of the mean
     contact force, and below 1e-6 E* R^2."""
-    shape, found = granules(), bed()
+    shape, packing = granules(), bed()
     scene = replace(Room(**room(0.86)).scene(shape), friction=dem.Friction(0.0, 0.0, 0.0))
-    net_force = np.hypot(*Twin(scene, found.state).force.T).max()
-    same = minimise(Room(**room(0.86)).scene(shape), found.state, 0)
+    net_force = np.hypot(*Twin(scene, packing.state).force.T).max()
+    same = minimise(Room(**room(0.86)).scene(shape), packing.state, 0)
     unit = Room(**room(0.86)).unit(shape)
     contact_force = list_contacts(same.world, same.order).force.mean()
     assert net_force < min(5.5e-3 * contact_force, 1.1e-6 * unit)
-    assert net_force == pytest.approx(found.net_force * unit, rel=1e-6)
+    assert net_force == pytest.approx(packing.net_force * unit, rel=1e-6)
 
 
 def test_a_large_bed_is_the_same_of_any_number_of_threads():
@@ -106,13 +106,13 @@ def test_a_bed_that_is_stopped_goes_on_to_the_same_bits(tmp_path, way, pieces):
         job = Job(1, path, stop_after(pieces))
         job.begin("bed")
         try:
-            again = WAYS[way](job)
+            resumed = WAYS[way](job)
             break
         except Stopped:
             stops += 1
             assert path.is_file()
     assert stops > 0
-    for first, second in zip(whole[:-1], again[:-1], strict=True):
+    for first, second in zip(whole[:-1], resumed[:-1], strict=True):
         assert_array_equal(first, second)
     other = Job(1, path)
     with pytest.raises(dem.InputError, match=r"bed\.npz: no packing can go on from it"):

@@ -9,7 +9,7 @@ import pytest
 from scipy.special import lambertw
 from test_collision import ROUGH, approach, followed, head_on, leaving
 from test_plugins import run
-from test_pressure import area_of, asked
+from test_pressure import area_of, replicate
 from twin import Twin
 
 import dem
@@ -24,15 +24,15 @@ THIN = {"thickness": 1e-3, **ROUGH}
 PAGE = (ROOT / "docs/howto/law.md").read_text()
 
 
-@pytest.mark.parametrize("restitution", [1.0 - 1e-12, 0.9, 0.5, 0.2])
+@pytest.mark.parametrize("restitution", [1.0 - 1e-12, 0.9, 0.5, 0.3, 0.2, 0.1])
 @pytest.mark.parametrize("law", LAWS)
 def test_restitution_is_as_asked_for_at_the_default_step(law, restitution):
-    """In the mean over collisions that begin anywhere within many steps, to 0.4 %."""
-    size, gap, material = np.full((200, 2), 1e-3), np.linspace(0.0, 1e-5, 200), dem.Material()
+    """In the mean over collisions that begin anywhere within many steps, to 0.3 %."""
+    size, gap, material = np.full((200, 2), 1e-3), np.linspace(1e-7, 1e-5, 200), dem.Material()
     material = replace(material, restitution=restitution)
     scene, state = head_on(size, np.ones(200), gap, material=material, law=LAWS[law], **THIN)
-    after = dem.simulate(scene, state, 4e-5).state
-    assert -approach(after.velocity).mean() == pytest.approx(restitution, rel=4e-3)
+    result = dem.simulate(scene, state, 4e-5).state
+    assert -approach(result.velocity).mean() == pytest.approx(restitution, rel=3e-3)
 
 
 @pytest.mark.parametrize("law", ["linear", "line"])
@@ -41,8 +41,8 @@ def test_restitution_is_as_asked_for_at_any_speed(law):
     size, speed = np.array([[1.0, 1.0], [1.0, 1.0], [0.5, 2.0]]) * 1e-3, np.array([0.05, 5.0, 1.0])
     material = dem.Material(restitution=0.5)
     scene, state = head_on(size, speed, material=material, law=LAWS[law], **THIN)
-    after = dem.simulate(scene, state, 2e-5, step_fraction=0.005).state
-    np.testing.assert_allclose(-approach(after.velocity) / speed, 0.5, rtol=3e-3)
+    result = dem.simulate(scene, state, 2e-5, step_fraction=0.005).state
+    np.testing.assert_allclose(-approach(result.velocity) / speed, 0.5, rtol=3e-3)
 
 
 def test_a_linear_collision_lasts_half_a_period():
@@ -68,7 +68,7 @@ def test_the_ledger_balances_under_a_law_of_lines():
 def test_a_bed_bears_the_pressure_asked_for_under_any_law(law):
     """Force on the top wall over its area, by the forces of the model in plain numpy."""
     stiffness = {"contact.stiffness": 5e7} if "stiffness" in law else {}
-    run = asked(**{"contact.law": law.partition(" ")[0]} | stiffness)
+    run = replicate(**{"contact.law": law.partition(" ")[0]} | stiffness)
     scene, state = make_scene(run, bed := make_bed(run)), bed.state
     with_top, without = (
         Twin(replace(scene, walls=walls), state).force[:, 1].sum()
@@ -156,12 +156,12 @@ def test_check_law_names_the_promise_that_a_law_breaks(name):
         dem.check_law(cone(f"Broken{name}", changes))
 
 
-@pytest.mark.parametrize("look", [dem.check_law, lambda law: dem.Scene(dem.Disc([1.0]), law=law)])
-def test_what_is_no_law_is_refused(look):
+@pytest.mark.parametrize("check", [dem.check_law, lambda law: dem.Scene(dem.Disc([1.0]), law=law)])
+def test_what_is_no_law_is_refused(check):
     with pytest.raises(
         dem.InputError, match=r"law.* must be a law of contacts, such as dem.Hertz\(\)"
     ):
-        look("hertz")
+        check("hertz")
 
 
 OF_THE_PAGE = """
@@ -188,7 +188,7 @@ def test_a_law_of_ones_own_by_the_page(tmp_path):
 def test_a_law_is_part_of_what_a_run_and_its_bed_are():
     """hertz is what runs are without it; a stiffness changes a run, and a bed under a pressure."""
     plain, hertz, linear, stiff = (
-        asked(**{f"contact.{key}": value for key, value in contact.items()})
+        replicate(**{f"contact.{key}": value for key, value in contact.items()})
         for contact in (
             {},
             {"law": "hertz"},
@@ -200,4 +200,4 @@ def test_a_law_is_part_of_what_a_run_and_its_bed_are():
     assert len({run.id for run in (plain, linear, stiff)}) == 3
     assert len({run.bed_id for run in (plain, linear, stiff)}) == 3
     with pytest.raises(dem.InputError, match="N/m and law hertz; leave it out"):
-        asked(**{"contact.stiffness": 1e7})
+        replicate(**{"contact.stiffness": 1e7})

@@ -17,13 +17,13 @@ STATE = {"position": [[2e-3, 2e-3], [6e-3, 2e-3]], "velocity": [[1.0, 0.0], [0.0
 
 def discs(**changes):
     """Two discs in a box with a cylinder, at rest but for one."""
-    usual = {
+    defaults = {
         "shape": dem.Disc(SIZES),
         "friction": dem.Friction(),
         "walls": dem.box(2e-2, 1e-2),
         "solids": dem.Cylinder(1e-3, (1.5e-2, 5e-3), (0.0, 1.0)),
     }
-    return dem.Scene(**usual | changes)
+    return dem.Scene(**defaults | changes)
 
 
 def test_a_result_is_a_dataset_with_units(tmp_path):
@@ -32,7 +32,7 @@ def test_a_result_is_a_dataset_with_units(tmp_path):
     dataset = result.to_dataset()
     sizes = {"time": 4, "granule": 2, "axis": 2, "wall": 4, "solid": 1, "point": 65}
     assert dict(dataset.sizes) == sizes
-    assert {name: each.attrs["units"] for name, each in dataset.items()} == {
+    assert {name: variable.attrs["units"] for name, variable in dataset.items()} == {
         "position": "m",
         "angle": "rad",
         "velocity": "m s-1",
@@ -52,7 +52,7 @@ def test_a_result_is_a_dataset_with_units(tmp_path):
         "wall_tangential_force": "N",
     }
     assert dataset["time"].attrs["units"] == "s"
-    assert all(each.attrs["long_name"] for each in dataset.variables.values())
+    assert all(variable.attrs["long_name"] for variable in dataset.variables.values())
     assert result.held_force is None
     for name in set(result._fields) - {"state", "scene", "held_force"}:
         assert_array_equal(dataset[name], getattr(result, name))
@@ -76,8 +76,8 @@ def test_thickness_is_the_mean_volume_diameter_unless_it_is_given():
     assert discs(thickness=0.5).thickness == 0.5
     assert_array_equal(discs(thickness=3e-3).mass * 2.0, discs(thickness=6e-3).mass)
     for shape in (dem.Ellipse, dem.Dumbbell, dem.Superellipse):
-        made = shape.of_size(2.0 * SIZES, aspect_ratio=1.5)
-        assert dem.Scene(made).thickness == pytest.approx(3e-3, rel=1e-6)
+        granules = shape.of_size(2.0 * SIZES, aspect_ratio=1.5)
+        assert dem.Scene(granules).thickness == pytest.approx(3e-3, rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -89,26 +89,26 @@ def test_thickness_is_the_mean_volume_diameter_unless_it_is_given():
 )
 def test_words_choose_how_ellipses_meet(make):
     """Texts stop at the class; the kernels get types, and scenes, pickles and changes keep them."""
-    usual, other = make(), make(contact="geometric_potential", hertz_radius="local")
-    assert (usual.contact, usual.local_curvature) == (dem.CommonNormal(), None)
+    default, other = make(), make(contact="geometric_potential", hertz_radius="local")
+    assert (default.contact, default.local_curvature) == (dem.CommonNormal(), None)
     assert (other.contact, other.local_curvature) == (dem.GeometricPotential(), True)
-    assert make(contact="common_normal", hertz_radius="volume")[2:] == usual[2:]
+    assert make(contact="common_normal", hertz_radius="volume")[2:] == default[2:]
     assert make(contact=dem.CommonNormal(1e-6)).contact.tolerance == 1e-6
     assert type(other)(*other)[2:] == other[2:]  # as compiled code makes it
     assert pickle.loads(pickle.dumps(other))[2:] == other[2:]
     assert dem.Scene(other.scaled(2.0)).shape[2:] == other[2:]
-    assert dem.Scene(usual._replace(contact="geometric_potential")).shape.contact == other.contact
+    assert dem.Scene(default._replace(contact="geometric_potential")).shape.contact == other.contact
 
 
 def test_simulate_lists_the_options_of_a_simulation():
     """In its signature, with the same defaults; an energy ledger has no place in a Result."""
     options = inspect.signature(dem.Simulation).parameters
-    given = inspect.signature(dem.simulate).parameters
-    assert not any(each.kind is each.VAR_KEYWORD for each in given.values())
-    assert set(options) - set(given) == {"ledger"}
-    assert set(given) - set(options) == {"duration", "frames"}
-    for name in set(given) & set(options):
-        assert given[name].default == options[name].default
+    parameters = inspect.signature(dem.simulate).parameters
+    assert not any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters.values())
+    assert set(options) - set(parameters) == {"ledger"}
+    assert set(parameters) - set(options) == {"duration", "frames"}
+    for name in set(parameters) & set(options):
+        assert parameters[name].default == options[name].default
 
 
 def test_a_state_is_arrays_whatever_it_was_made_of():
@@ -134,14 +134,14 @@ def test_a_solid_takes_another_velocity(small_bed):
     """From then on; a checkpoint keeps it."""
     small = small_bed("disc")
     run = dem.Simulation(small.scene(), small.state)
-    before = run.world.boundaries.motion[4, :2].copy()
+    start = run.world.boundaries.motion[4, :2].copy()
     run.set_velocity((1.0, -2.0))
     other = dem.Simulation(small.scene(), small.state)
     other.restore(run.checkpoint())
-    for each in (run, other):
-        each.advance(1e-6)
-        moved = each.world.boundaries.motion[4, :2] - before
-        assert moved == pytest.approx([1e-6, -2e-6], rel=1e-6)
+    for simulation in (run, other):
+        simulation.advance(1e-6)
+        displacement = simulation.world.boundaries.motion[4, :2] - start
+        assert displacement == pytest.approx([1e-6, -2e-6], rel=1e-6)
     empty = dem.Simulation(dem.Scene(dem.Disc([1e-3])), dem.State([[0.0, 0.0]]))
     with pytest.raises(dem.InputError, match="solid is 0; the scene has 0, numbered from 0"):
         empty.set_velocity((0.0, 0.0))
@@ -172,6 +172,6 @@ def test_a_writable_world_is_a_copy(small_bed, kind):
 def test_contacts_of_a_bed_name_granules_solids_and_walls(small_bed):
     """Partners are granules, -1 for the solid, -2 to -5 for the walls."""
     small = small_bed("disc")
-    found = dem.Simulation(small.scene(), small.state).contacts()
-    assert set(found.partner[found.partner < 0]) <= {-1, -2, -3, -4, -5}
-    assert (found.partner <= -2).any() and (found.overlap > 0.0).all()
+    contacts = dem.Simulation(small.scene(), small.state).contacts()
+    assert set(contacts.partner[contacts.partner < 0]) <= {-1, -2, -3, -4, -5}
+    assert (contacts.partner <= -2).any() and (contacts.overlap > 0.0).all()

@@ -24,13 +24,13 @@ DISCS = dem.Disc([1e-3, 1e-3])
 
 
 def scene(**changes):
-    usual = {"shape": DISCS, "friction": dem.Friction(), "walls": dem.box(1e-2, 1e-2)}
-    return dem.Scene(**usual | {"solids": dem.Cylinder(1e-3, (8e-3, 8e-3))} | changes)
+    defaults = {"shape": DISCS, "friction": dem.Friction(), "walls": dem.box(1e-2, 1e-2)}
+    return dem.Scene(**defaults | {"solids": dem.Cylinder(1e-3, (8e-3, 8e-3))} | changes)
 
 
 def simulation(**changes):
-    usual = {"scene": scene(), "state": dem.State(PLACES)}
-    return dem.Simulation(**usual | changes)
+    defaults = {"scene": scene(), "state": dem.State(PLACES)}
+    return dem.Simulation(**defaults | changes)
 
 
 def simulate(**changes):
@@ -56,9 +56,9 @@ def public_arguments():
             if inspect.isclass(function):
                 function = function.__new__ if issubclass(function, tuple) else function.__init__
             if hasattr(function, "__wrapped__"):
-                for key, each in inspect.signature(function).parameters.items():
-                    if get_args(each.annotation):
-                        yield f"{call} {key}", each.annotation
+                for key, parameter in inspect.signature(function).parameters.items():
+                    if get_args(parameter.annotation):
+                        yield f"{call} {key}", parameter.annotation
 
 
 ARGUMENTS = dict(public_arguments())
@@ -184,19 +184,19 @@ def test_what_granules_refuse_is_said_with_the_shape(monkeypatch):
         raise dem.InputError("bulge is 1.0; it must lie in 0 to 0.12.")
 
     monkeypatch.setattr(dem.Superellipse, "of_size", of_size)
-    said = of_class(monkeypatch, shapes.KINDS["superellipse"].file, "Superellipse")
-    assert said == "shapes.c1 (disc): bulge is 1.0; it must lie in 0 to 0.12."
+    message = of_class(monkeypatch, shapes.KINDS["superellipse"].file, "Superellipse")
+    assert message == "shapes.c1 (disc): bulge is 1.0; it must lie in 0 to 0.12."
 
 
 def test_granules_have_the_areas_of_discs_of_their_diameters(monkeypatch):
     """Others would make a bed of another packing fraction: refused with the class and both areas."""
     right = dem.Superellipse.of_size
     monkeypatch.setattr(dem.Superellipse, "of_size", lambda size, ratio: right(1.001 * size, ratio))
-    said = of_class(monkeypatch, shapes.KINDS["superellipse"].file, "Superellipse")
-    assert said.startswith("shapes.c1 (disc): Superellipse.of_size gives a granule of ")
-    found, diameter, wanted = map(float, re.findall(r"\S+e-\d+|0\.\d+", said))
-    assert found / wanted == pytest.approx(1.001**2, rel=1e-6)
-    assert wanted == pytest.approx(0.25 * np.pi * diameter**2, rel=1e-5)
+    message = of_class(monkeypatch, shapes.KINDS["superellipse"].file, "Superellipse")
+    assert message.startswith("shapes.c1 (disc): Superellipse.of_size gives a granule of ")
+    area, diameter, expected = map(float, re.findall(r"\S+e-\d+|0\.\d+", message))
+    assert area / expected == pytest.approx(1.001**2, rel=1e-6)
+    assert expected == pytest.approx(0.25 * np.pi * diameter**2, rel=1e-5)
 
 
 KINDS = {
@@ -222,16 +222,16 @@ def test_real_numbers_of_any_kind_are_taken_alike(kind):
     arrays += [np.array([1.0, 2.0]), np.array([[-1.0, 0.0, 4.0], [1.0, 0.0, 8.0]])]
 
     def run(radius, position, velocity, spin, walls):
-        made = scene(shape=dem.Disc(radius), walls=walls, solids=None, gravity=spin)
+        system = scene(shape=dem.Disc(radius), walls=walls, solids=None, gravity=spin)
         start = dem.State(position, velocity, angular_velocity=spin)
-        return dem.simulate(made, start, 1e-4, frames=np.int64(3))
+        return dem.simulate(system, start, 1e-4, frames=np.int64(3))
 
-    given = [as_given(array) for array in arrays]
-    found, wanted = run(*given), run(*arrays)
-    assert_array_equal(found.position, wanted.position)
-    assert_array_equal(found.angular_velocity, wanted.angular_velocity)
-    for before, after in zip(arrays, given, strict=True):
-        assert_array_equal(before, after)
+    inputs = [as_given(array) for array in arrays]
+    result, expected = run(*inputs), run(*arrays)
+    assert_array_equal(result.position, expected.position)
+    assert_array_equal(result.angular_velocity, expected.angular_velocity)
+    for array, value in zip(arrays, inputs, strict=True):
+        assert_array_equal(array, value)
 
 
 def test_scalars_of_any_kind_are_taken_alike():
@@ -244,11 +244,11 @@ def test_scalars_of_any_kind_are_taken_alike():
 def test_a_scene_does_not_follow_the_arrays_of_its_user():
     """Sizes and walls are copies that cannot be written: masses and neighbour lists rely on them."""
     radius, walls = np.full(2, 1e-3), dem.box(1.0, 1.0)
-    made = scene(shape=dem.Disc(radius), walls=walls)
+    system = scene(shape=dem.Disc(radius), walls=walls)
     radius[:], walls[:] = 5.0, 5.0
-    assert_array_equal(made.shape.radius, 1e-3)
-    assert_array_equal(made.planes, dem.box(1.0, 1.0))
-    for array in (made.shape.radius, made.walls[0].plane):
+    assert_array_equal(system.shape.radius, 1e-3)
+    assert_array_equal(system.planes, dem.box(1.0, 1.0))
+    for array in (system.shape.radius, system.walls[0].plane):
         with pytest.raises(ValueError, match="read-only"):
             array += 1.0
 
@@ -293,8 +293,8 @@ def spoil_speed(world):
 def test_a_run_whose_step_collapses_ends_within_a_minute(spoil):
     """Whatever the cause: what remains of it would take hours or weeks."""
     grid = 1.999e-3 * np.stack(np.meshgrid(np.arange(20), np.arange(20)), -1).reshape(-1, 2)
-    made = scene(shape=dem.Disc(np.full(400, 1e-3)), **APART)
-    run = dem.Simulation(made, dem.State(grid))
+    system = scene(shape=dem.Disc(np.full(400, 1e-3)), **APART)
+    run = dem.Simulation(system, dem.State(grid))
     run.advance(1e-6)
     spoil(run.engine.world)
     run.engine.progress = run.engine.progress._replace(
@@ -328,13 +328,13 @@ BEDS = [
 def test_short_steps_that_a_bed_needs_are_no_collapse(small_bed, kind, extreme):
     """Where all granules overlap as far as they may, with extreme values, the step is far above the limit."""
     small = small_bed(kind)
-    made = small.scene(**EXTREMES[extreme])
+    system = small.scene(**EXTREMES[extreme])
     if extreme == "a light wall":
-        *others, top = made.walls
+        *others, top = system.walls
         light = dem.Drive((None, -1e-3), 1e-12)
-        made = replace(made, walls=[*others, replace(top, motion=light)])
+        system = replace(system, walls=[*others, replace(top, motion=light)])
     squeezed = dem.State(0.5 * small.state.position + 1e-3, angle=small.state.angle)
-    run, deep = (dem.Simulation(made, each, max_overlap=1.5) for each in (small.state, squeezed))
+    run, deep = (dem.Simulation(system, s, max_overlap=1.5) for s in (small.state, squeezed))
     diagnostics = deep.engine.run(Schedule()).diagnostics
     assert diagnostics.max_overlap > 1.5
     assert 5.0 * COLLAPSE * run.engine.progress.first_dt < longest_step(

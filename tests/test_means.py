@@ -18,8 +18,7 @@ from dem.base.errors import InputError
 from dem.base.sources import ROOT
 from dem.base.statistics import mean_interval
 from dem.cli.app import app
-from dem.cli.show import PlainConsole, print_or_write
-from dem.io.checksums import seal
+from dem.cli.show import plain_console, print_or_write
 from dem.report.info import summary
 from dem.sweep.axis import POINT
 
@@ -57,7 +56,6 @@ def file(tmp_path):
             {"window_start": 1e-3, "window_stop": 4e-3, "title": "three points"},
         )
         dataset.isel(point=list(points)).to_netcdf(tmp_path / name)
-        seal(tmp_path / name)
         return tmp_path / name
 
     return write
@@ -75,24 +73,24 @@ def test_the_mean_of_a_point_is_that_of_its_runs_within_the_window(file, tmp_pat
     assert "point" not in rows[0]  # its number
     assert {row["drag_runs"] for row in rows} == {"4"}
     write_means(means(file()), tmp_path / "means.nc")
-    with dem.open_results(tmp_path / "means.nc") as found:
-        assert found["drag"].dims == ("point",) and found["drag"].attrs["units"] == "N"
+    with dem.open_results(tmp_path / "means.nc") as result:
+        assert result["drag"].dims == ("point",) and result["drag"].attrs["units"] == "N"
 
 
 def test_two_sweeps_are_compared_where_both_have_a_point(file):
-    found = compared(file(), file("other.nc", shift=50.0, points=(1, 2)), "drag")
-    assert found["point"].values.tolist() == [1, 2]
-    assert found["ratio"].values == pytest.approx(
-        (found["first"].values + 50.0) / found["first"].values
+    result = compared(file(), file("other.nc", shift=50.0, points=(1, 2)), "drag")
+    assert result["point"].values.tolist() == [1, 2]
+    assert result["ratio"].values == pytest.approx(
+        (result["first"].values + 50.0) / result["first"].values
     )
-    assert (found["ratio_low"] < found["ratio"]).all() and (
-        found["ratio"] < found["ratio_high"]
+    assert (result["ratio_low"] < result["ratio"]).all() and (
+        result["ratio"] < result["ratio_high"]
     ).all()
 
 
 def test_the_terminal_shows_one_quantity_by_what_varies(file):
-    shown = CliRunner().invoke(app, ["means", str(file())]).output
-    assert "friction_granule" in shown and "drag (N)" in shown and len(table_of(means(file()))) == 3
+    text = CliRunner().invoke(app, ["means", str(file())]).output
+    assert "friction_granule" in text and "drag (N)" in text and len(table_of(means(file()))) == 3
     info = CliRunner().invoke(app, ["means", str(file()), "--of", "lift"])
     assert info.exit_code == 2
 
@@ -100,7 +98,10 @@ def test_the_terminal_shows_one_quantity_by_what_varies(file):
 @pytest.mark.parametrize(
     "call, words",
     [
-        (lambda f, d: write_means(means(f()), d / "means.txt"), "it must end in .csv or .nc"),
+        (
+            lambda f, d: write_means(means(f()), d / "means.txt"),
+            "of a file that ends in .csv or .nc",
+        ),
         (lambda f, d: compared(f(), f("o.nc"), "lift"), "it has no lift; it has drag"),
         (
             lambda f, d: compared(f(points=[0]), f("o.nc", points=[2]), "drag"),
@@ -113,19 +114,18 @@ def test_what_cannot_be_shown_is_refused(file, tmp_path, call, words):
         call(file, tmp_path)
 
 
-def text_of(shown, width=1000):
-    console = PlainConsole(width=width)
+def text_of(table, width=1000):
+    console = plain_console(width=width)
     with console.capture() as text:
-        console.print(shown)
+        console.print(table)
     return text.get()
 
 
 def changed(path, edit):
     """Write a file again as `edit` has it."""
     with xr.open_dataset(path) as dataset:
-        found = edit(dataset.load())
-    found.to_netcdf(path)
-    seal(path)
+        result = edit(dataset.load())
+    result.to_netcdf(path)
     return path
 
 
@@ -136,8 +136,8 @@ def test_each_quantity_counts_its_own_runs(file):
         )
         return dataset.assign(lift=lift)
 
-    found = means(changed(file(), edit))
-    assert (found["drag_runs"] == 4).all() and (found["lift_runs"] == 2).all()
+    result = means(changed(file(), edit))
+    assert (result["drag_runs"] == 4).all() and (result["lift_runs"] == 2).all()
 
 
 def test_an_infinite_result_counts_as_none_wherever_means_are_shown(file):
@@ -146,15 +146,13 @@ def test_an_infinite_result_counts_as_none_wherever_means_are_shown(file):
         return dataset
 
     path = changed(file(), edit)
-    found = means(path)
+    data = means(path)
     with dem.open_results(path) as dataset:
         of_drag = summarise(dataset)
-    wanted = mean_interval(of_drag["run_mean"][0])
-    assert found["drag"][0] == pytest.approx(wanted.value) == of_drag["mean"][0]
-    assert (
-        found["drag_half_interval"][0] == pytest.approx(wanted.half) == of_drag["half_interval"][0]
-    )
-    assert found["drag_runs"][0] == 3
+    mean = mean_interval(of_drag["run_mean"][0])
+    assert data["drag"][0] == pytest.approx(mean.value) == of_drag["mean"][0]
+    assert data["drag_half_interval"][0] == pytest.approx(mean.half) == of_drag["half_interval"][0]
+    assert data["drag_runs"][0] == 3
 
 
 def test_points_of_different_designs_are_no_pairs(file):
@@ -176,10 +174,10 @@ def test_runs_that_both_files_have_count_once(file):
         return dataset.assign(run_id=of_both.where(dataset["seed"] < 3, dataset["run_id"]))
 
     other = changed(file("other.nc", shift=50.0), apart)
-    found = compared(file(), other, "drag")
+    result = compared(file(), other, "drag")
     with dem.open_results(file("other.nc", shift=50.0)) as dataset:
         runs = summarise(dataset)["run_mean"]
-    np.testing.assert_allclose(found["second"], runs.sel(seed=[3, 4]).mean("seed"))
+    np.testing.assert_allclose(result["second"], runs.sel(seed=[3, 4]).mean("seed"))
     assert compared(file(), file("same.nc"), "drag")["ratio"].isnull().all()
 
 
@@ -196,8 +194,8 @@ def test_points_of_a_name_are_compared_whatever_their_granules_are(file):
 
     one = changed(file("one.nc"), named([60, 60, 60]))
     two = changed(file("two.nc"), named([60, 90, 60]))
-    found = table_of(compared(one, two, "drag"))
-    assert len(found) == 3 and "granules" not in found
+    table = table_of(compared(one, two, "drag"))
+    assert len(table) == 3 and "granules" not in table
 
 
 @pytest.mark.parametrize("width", [30, 80, 1000])

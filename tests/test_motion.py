@@ -31,7 +31,7 @@ def scene(shape, motions=None, held=(), walls=None, **changes):
 
     The last one is held, beside those of `held`.
     """
-    usual = {
+    defaults = {
         "material": SOFT,
         "boundary": SOFT,
         "friction": dem.Friction(),
@@ -41,7 +41,7 @@ def scene(shape, motions=None, held=(), walls=None, **changes):
         "solids": AWAY,
         "held": [*held, dem.Held([len(shape.area) - 1], ANCHOR)],
     }
-    return dem.Scene(shape, **usual | changes)
+    return dem.Scene(shape, **defaults | changes)
 
 
 def some(radius, position, velocity=None, motions=None, **changes):
@@ -55,8 +55,8 @@ def some(radius, position, velocity=None, motions=None, **changes):
 def bed(small_bed, motions=None, kind="disc", **changes):
     """Scene and state of a bed of granules around a cylinder, one of them held."""
     small = small_bed(kind, fraction=0.82)
-    usual = {"walls": small.bed.walls, "solids": replace(small.cylinder, velocity=(0.0, 0.0))}
-    return scene(small.shape, motions, **usual | changes), small.state
+    defaults = {"walls": small.bed.walls, "solids": replace(small.cylinder, velocity=(0.0, 0.0))}
+    return scene(small.shape, motions, **defaults | changes), small.state
 
 
 def smoothly(speed, time, axis=0, spin=0.0):
@@ -96,18 +96,18 @@ def test_the_work_of_a_boundary_on_a_path_is_what_the_bed_gains(small_bed, mover
     time, pieces = 4e-4, 200
     changes = MOVERS[mover](time)
     velocity = changes.pop("velocity", None)
-    made, start = bed(small_bed, kind="dumbbell", **changes)
+    system, start = bed(small_bed, kind="dumbbell", **changes)
     if velocity is not None:
-        made = replace(made, solids=replace(made.solids[0], velocity=velocity))
-    run = dem.Simulation(made, start, step_fraction=0.1, ledger=True)
+        system = replace(system, solids=replace(system.solids[0], velocity=velocity))
+    run = dem.Simulation(system, start, step_fraction=0.1, ledger=True)
     record = run.record(time / pieces, pieces)
     ledger = run.ledger()
-    gained = ledger.held - ledger.before + ledger.damped + ledger.slid
+    gain = ledger.held - ledger.before + ledger.damped + ledger.slid
     assert ledger.work > 0.1 * ledger.before
-    assert abs(gained - ledger.work) < 1e-4 * ledger.work
+    assert abs(gain - ledger.work) < 1e-4 * ledger.work
     path = next(
         p
-        for p in (velocity, *(wall.motion for wall in made.walls), made.held[0].motion)
+        for p in (velocity, *(wall.motion for wall in system.walls), system.held[0].motion)
         if isinstance(p, dem.PrescribedMotion) and len(p.time) > 1
     )
     middle = (np.arange(pieces) + 0.5) * time / pieces
@@ -130,34 +130,34 @@ def test_the_work_of_a_boundary_on_a_path_is_what_the_bed_gains(small_bed, mover
 def test_energy_adds_up_between_moving_boundaries_for_granules_that_are_not_round(small_bed, kind):
     """A wall, a solid and a held granule that turns all do work; the ledger has a thousandth."""
     small, time = small_bed(kind), 1e-4
-    made = scene(
+    system = scene(
         small.shape,
         {LEFT: smoothly(0.5, time)},
         walls=small.bed.walls,
         solids=replace(small.cylinder, velocity=smoothly(0.5, time, axis=1, spin=1e3)),
         held=[dem.Held([30], smoothly(0.5, time))],
     )
-    start = replace(small.state, angular_velocity=np.where(made.is_held, 100.0, 0.0))
-    run = dem.Simulation(made, start, step_fraction=0.2, ledger=True)
+    start = replace(small.state, angular_velocity=np.where(system.is_held, 100.0, 0.0))
+    run = dem.Simulation(system, start, step_fraction=0.2, ledger=True)
     run.advance(time)
     ledger = run.ledger()
-    gained = ledger.held - ledger.before + ledger.damped + ledger.slid
-    assert ledger.work > 0.0 and abs(gained - ledger.work) < 1e-3 * max(ledger.work, ledger.before)
+    gain = ledger.held - ledger.before + ledger.damped + ledger.slid
+    assert ledger.work > 0.0 and abs(gain - ledger.work) < 1e-3 * max(ledger.work, ledger.before)
 
 
 def test_what_the_bed_loses_of_momentum_is_what_the_boundaries_get(small_bed):
     """Normal and tangential forces on walls, solids and held granules are all there is."""
-    made, start = bed(
+    system, start = bed(
         small_bed, {TOP: (0.0, -1.0), BOTTOM: (2.0, 0.0)}, held=[dem.Held([7, 30], (0.3, 0.2))]
     )
-    run = dem.Simulation(made, start)
-    free = ~made.is_held
+    run = dem.Simulation(system, start)
+    free = ~system.is_held
     time = 1e-4
     record = run.record(time, 1)
-    gained = made.mass[free] @ run.state.velocity[free]
+    gain = system.mass[free] @ run.state.velocity[free]
     scale = record.wall_force.sum() * time
-    assert_allclose(-forces_on(record)[0] * time, gained, atol=3e-3 * scale)
-    assert np.abs(gained).max() > 0.05 * scale
+    assert_allclose(-forces_on(record)[0] * time, gain, atol=3e-3 * scale)
+    assert np.abs(gain).max() > 0.05 * scale
     assert np.abs(record.wall_tangential_force[0, BOTTOM]) > 0.0
 
 
@@ -165,12 +165,12 @@ def test_a_lid_keeps_its_pressure(small_bed):
     """A driven wall settles where the bed bears its force, to 1 % of it, and so does the floor."""
     force, smooth = 3.0, dem.Friction(0.3, 0.0, 0.3)
     lid = dem.Drive((None, -force), mass=2e-4, damping=1.0)
-    made, start = bed(small_bed, {TOP: lid}, friction=smooth)
-    run = dem.Simulation(made, start)
+    system, start = bed(small_bed, {TOP: lid}, friction=smooth)
+    run = dem.Simulation(system, start)
     run.advance(0.02)
     record = run.record(1e-4, 20)
     assert_allclose(record.wall_force[:, TOP], force, rtol=0.01)
-    assert record.wall_offset[-1, TOP] != made.planes[TOP, 2]
+    assert record.wall_offset[-1, TOP] != system.planes[TOP, 2]
     held_up = record.wall_force[:, BOTTOM] - record.held_force[:, 0, 1]
     held_up = held_up - (record.normal_force + record.tangential_force)[:, 0, 1]
     assert_allclose(held_up, force, rtol=0.01)
@@ -183,36 +183,36 @@ def test_a_driven_boundary_that_meets_nothing_moves_as_mechanics_says(damping):
     mass, force, time, lever = 2e-3, 5.0, 2e-3, 0.1
     drive = dem.Drive((force, None), mass, damping, velocity=(0.0, 0.5))
     turn = dem.Turn(lever * mass, force, lever * damping)
-    made, start = some(
+    system, start = some(
         [1e-3, 1e-3],
         0.25 * FAR * np.array([[1.0, 1.0], [1.0, 2.0]]),
         motions={RIGHT: drive},
         solids=replace(AWAY, velocity=drive, spin=turn),
         held=[dem.Held([1], drive)],
     )
-    run = dem.Simulation(made, start, time_step=1e-6)
+    run = dem.Simulation(system, start, time_step=1e-6)
     record = run.record(time, 1)
     if damping:
         rate = damping / mass
-        way = force / damping * (time - (1.0 - np.exp(-rate * time)) / rate)
+        distance = force / damping * (time - (1.0 - np.exp(-rate * time)) / rate)
     else:
-        way = 0.5 * force / mass * time**2
-    assert record.wall_offset[0, RIGHT] - FAR == pytest.approx(way, rel=1e-5)
-    moved = np.array([way, 0.5 * time])
-    assert_allclose(record.solid_position[0, 0] - AWAY.position, moved, rtol=1e-5)
-    assert record.solid_angle[0, 0] == pytest.approx(way / lever, rel=1e-5)
-    assert_allclose(run.state.position[1] - start.position[1], moved, rtol=1e-5)
+        distance = 0.5 * force / mass * time**2
+    assert record.wall_offset[0, RIGHT] - FAR == pytest.approx(distance, rel=1e-5)
+    displacement = np.array([distance, 0.5 * time])
+    assert_allclose(record.solid_position[0, 0] - AWAY.position, displacement, rtol=1e-5)
+    assert record.solid_angle[0, 0] == pytest.approx(distance / lever, rel=1e-5)
+    assert_allclose(run.state.position[1] - start.position[1], displacement, rtol=1e-5)
 
 
 def test_a_boundary_on_a_path_is_where_its_velocity_leads():
     """The integral of a velocity that is linear between rows, for the cylinder in all frames."""
     path = dem.PrescribedMotion([1e-4, 3e-4, 4e-4], [[1.0, 0.0], [-1.0, 2.0], [0.0, 2.0]])
-    made, start = some([1e-3], [[0.25 * FAR, 0.25 * FAR]], solids=replace(AWAY, velocity=path))
-    result = dem.simulate(made, start, 6e-4, time_step=1e-6, frames=6)
-    moved = result.solid_position[:, 0] - AWAY.position
+    system, start = some([1e-3], [[0.25 * FAR, 0.25 * FAR]], solids=replace(AWAY, velocity=path))
+    result = dem.simulate(system, start, 6e-4, time_step=1e-6, frames=6)
+    displacement = result.solid_position[:, 0] - AWAY.position
     x = 1e-4 * np.array([0.0, 1.0, 1.5, 1.0, 0.5, 0.5, 0.5])
     y = 1e-4 * np.array([0.0, 0.0, 0.5, 2.0, 4.0, 6.0, 8.0])
-    assert_allclose(moved, np.column_stack([x, y]), rtol=0.0, atol=1e-12)
+    assert_allclose(displacement, np.column_stack([x, y]), rtol=0.0, atol=1e-12)
 
 
 def test_a_run_goes_on_from_a_state_only_where_its_boundaries_are(small_bed):
@@ -224,35 +224,35 @@ def test_a_run_goes_on_from_a_state_only_where_its_boundaries_are(small_bed):
         ({TOP: lid}, {}),
         ({LEFT: (0.1, 0.0)}, {}),
     ):
-        made, start = bed(small_bed, motions, **change)
-        run = dem.Simulation(made, start)
-        dem.Simulation(made, run.state)
+        system, start = bed(small_bed, motions, **change)
+        run = dem.Simulation(system, start)
+        dem.Simulation(system, run.state)
         run.advance(1e-5)
         stopped, copied = replace(run.state, velocity=None), pickle.loads(pickle.dumps(run.state))
         for state in (run.state, stopped, copied):
             with pytest.raises(dem.InputError, match="state was reached with boundaries in other"):
-                dem.simulate(made, state, 1e-5)
-        dem.Simulation(made, replace(run.state, boundaries=None))
+                dem.simulate(system, state, 1e-5)
+        dem.Simulation(system, replace(run.state, boundaries=None))
 
 
 def test_a_run_goes_on_where_its_boundaries_are_put(small_bed):
     """What a Result says of walls and solids makes the scene, and forces go on; what is at rest binds none."""
     velocity = dem.PrescribedMotion([0.0], [(0.0, 1.0)])
     cylinder = replace(small_bed("disc").cylinder, velocity=velocity)
-    made, start = bed(small_bed, {TOP: (0.0, -0.1)}, solids=cylinder)
-    made = replace(made, held=[], gravity=None)  # the kernels of drawn beds
-    first = dem.simulate(made, start, 1e-5)
+    system, start = bed(small_bed, {TOP: (0.0, -0.1)}, solids=cylinder)
+    system = replace(system, held=[], gravity=None)  # the kernels of drawn beds
+    first = dem.simulate(system, start, 1e-5)
     axis = replace(cylinder, position=first.solid_position[-1, 0])
-    rows = zip(made.walls, first.walls[-1], strict=True)
+    rows = zip(system.walls, first.walls[-1], strict=True)
     walls = [replace(wall, plane=row) for wall, row in rows]
-    there = replace(made, walls=walls, solids=axis)
-    second = dem.simulate(there, first.state, 1e-6)
-    assert second.wall_offset[0, TOP] == first.wall_offset[-1, TOP] < made.planes[TOP, 2]
+    continuation = replace(system, walls=walls, solids=axis)
+    second = dem.simulate(continuation, first.state, 1e-6)
+    assert second.wall_offset[0, TOP] == first.wall_offset[-1, TOP] < system.planes[TOP, 2]
     assert_allclose(second.solid_position[-1, 0], cylinder.position + np.array([0.0, 1.1e-5]))
-    still = replace(made, solids=replace(cylinder, velocity=(0.0, 0.0)), walls=made.planes)
-    resting = dem.simulate(still, start, 1e-6).state
+    rest = replace(system, solids=replace(cylinder, velocity=(0.0, 0.0)), walls=system.planes)
+    resting = dem.simulate(rest, start, 1e-6).state
     assert resting.boundaries is None
-    dem.simulate(made, resting, 1e-6)
+    dem.simulate(system, resting, 1e-6)
 
 
 def test_a_held_granule_in_the_place_of_the_cylinder_feels_what_it_feels(small_bed):
@@ -283,10 +283,10 @@ def test_a_wall_that_oscillates_comes_back_and_the_bed_feels_it(small_bed):
     time = np.linspace(0.0, 2.0 * period, 201)
     speed = 2.0 * np.pi / period * reach * np.cos(2.0 * np.pi * time / period)
     path = dem.PrescribedMotion(time, np.column_stack([speed, 0.0 * speed]))
-    made, start = bed(small_bed, {LEFT: path})
-    run = dem.Simulation(made, start)
+    system, start = bed(small_bed, {LEFT: path})
+    run = dem.Simulation(system, start)
     record = run.record(period / 40, 80)
-    offset = record.wall_offset[:, LEFT] - made.planes[LEFT, 2]
+    offset = record.wall_offset[:, LEFT] - system.planes[LEFT, 2]
     assert np.ptp(offset) == pytest.approx(2.0 * reach, rel=1e-2)
     assert abs(offset[39]) < 2e-3 * reach and abs(offset[79]) < 2e-3 * reach
     into, out = record.wall_force[:, LEFT].reshape(2, 2, 20).mean(axis=(0, 2))
@@ -297,27 +297,27 @@ def test_a_wall_that_oscillates_comes_back_and_the_bed_feels_it(small_bed):
 def test_nothing_passes_a_moving_boundary_unseen(skin):
     """A fast wall and a fast held granule sweep up all discs of a row, however thin the skin is."""
     r, n = 0.5e-3, 8
-    place = np.column_stack([3e-3 * (1 + np.arange(n)), np.full(n, 5e-3)])
-    made, start = some(
+    position = np.column_stack([3e-3 * (1 + np.arange(n)), np.full(n, 5e-3)])
+    system, start = some(
         np.full(n, r),
-        place,
+        position,
         motions={LEFT: (30.0, 0.0)},
         friction=SMOOTH,
         material=replace(SOFT, young_modulus=1e10),
     )
-    run = dem.Simulation(made, start, skin=skin)
+    run = dem.Simulation(system, start, skin=skin)
     record = run.record(1e-3, 1)
     assert record.wall_offset[0, LEFT] == pytest.approx(-30e-3)
     behind = run.state.position[:n, 0] + record.wall_offset[0, LEFT]
     assert (behind > 0.5 * r).all() and (np.diff(run.state.position[:n, 0]) > 0.9 * r).all()
-    made, start = some(
+    system, start = some(
         np.full(n, r),
-        place - [2.9e-3, 0.0],
+        position - [2.9e-3, 0.0],
         friction=SMOOTH,
         material=replace(SOFT, young_modulus=1e10),
         held=[dem.Held([0], (30.0, 0.0))],
     )
-    run = dem.Simulation(made, start, skin=skin)
+    run = dem.Simulation(system, start, skin=skin)
     run.advance(1e-3)
     assert (np.diff(run.state.position[:n, 0]) > 0.9 * r).all()
     assert run.state.position[0, 0] == pytest.approx(30.1e-3)
@@ -326,7 +326,7 @@ def test_nothing_passes_a_moving_boundary_unseen(skin):
 @pytest.mark.parametrize("restitution", [0.3, 0.8])
 def test_a_disc_bounces_off_a_held_one_as_off_a_wall(restitution):
     """It comes back with its speed times the restitution: the held one is infinitely heavy."""
-    made, start = some(
+    system, start = some(
         [0.5e-3, 0.2e-3],
         [[3e-3, 3e-3], [3.75e-3, 3e-3]],
         [[9.0, 9.0], [-1.0, 0.0]],
@@ -334,7 +334,7 @@ def test_a_disc_bounces_off_a_held_one_as_off_a_wall(restitution):
         boundary=None,
         held=[dem.Held([0])],
     )
-    run = dem.Simulation(made, start, step_fraction=0.02)
+    run = dem.Simulation(system, start, step_fraction=0.02)
     run.advance(4e-4)
     assert not run.contacts().granule.size
     assert run.state.velocity[1] == pytest.approx([restitution, 0.0], rel=2e-3)
@@ -345,21 +345,21 @@ def test_a_driven_group_and_a_disc_share_their_momentum():
     """No force from outside: what the disc loses two discs of a given mass gain, together."""
     mass, r = 3e-5, 0.5e-3
     pair = dem.Held([0, 1], dem.Drive((0.0, 0.0), mass))
-    made, start = some(
+    system, start = some(
         [r, r, r],
         [[3e-3, 3e-3], [3e-3, 3.9e-3], [1.95e-3, 3.3e-3]],
         [[0, 0], [0, 0], [1.0, 0.0]],
         held=[pair],
     )
-    run = dem.Simulation(made, start)
+    run = dem.Simulation(system, start)
     run.advance(1e-3)
-    after = run.state.velocity
-    assert_array_equal(after[0], after[1])
-    assert after[0, 0] > 0.05
-    lost = made.mass[2] * (start.velocity[2] - after[2])
-    assert_allclose(mass * after[0], lost, rtol=1e-9, atol=1e-15)
-    apart = run.state.position[1] - run.state.position[0]
-    assert_allclose(apart, [0.0, 0.9e-3], rtol=0.0, atol=1e-15)
+    velocity = run.state.velocity
+    assert_array_equal(velocity[0], velocity[1])
+    assert velocity[0, 0] > 0.05
+    lost = system.mass[2] * (start.velocity[2] - velocity[2])
+    assert_allclose(mass * velocity[0], lost, rtol=1e-9, atol=1e-15)
+    separation = run.state.position[1] - run.state.position[0]
+    assert_allclose(separation, [0.0, 0.9e-3], rtol=0.0, atol=1e-15)
 
 
 def driven(mover, ratio, drive, gap, **changes):
@@ -367,51 +367,51 @@ def driven(mover, ratio, drive, gap, **changes):
     of force, mass and velocity along x and y."""
     r, at = 1e-3, 0.3 * FAR
     mass = dem.Scene(dem.Disc([r]), SOFT, thickness=1e-3).mass[0]
-    each = dem.Drive(drive, ratio * mass)
+    motion = dem.Drive(drive, ratio * mass)
     places = {
         "wall": {
-            "motions": {RIGHT: each},
+            "motions": {RIGHT: motion},
             "walls": [[-1, 0, -at], [1, 0, at + 2 * r + gap]],
             "solids": None,
         },
-        "solid": {"solids": dem.Cylinder(2 * r, (at + 3 * r + gap, 0.5), each)},
-        "held": {"held": [dem.Held([1], each)]},
+        "solid": {"solids": dem.Cylinder(2 * r, (at + 3 * r + gap, 0.5), motion)},
+        "held": {"held": [dem.Held([1], motion)]},
     }[mover]
     walls = np.array(places.pop("walls", [[-1, 0, -at], [1, 0, FAR]]), float)
     second = [[at + 3 * r + gap, 0.5]] if mover == "held" else []
     sizes = [r, *[r for _ in second], 0.5 * r]
-    made = scene(
+    system = scene(
         dem.Disc(sizes),
         walls=walls,
         **places | changes,
     )
-    return made, np.array([[at + r, 0.5], *second, [at + r, 0.1]]), mass
+    return system, np.array([[at + r, 0.5], *second, [at + r, 0.1]]), mass
 
 
 @pytest.mark.parametrize("ratio", [0.1, 1.0, 10.0])
 @pytest.mark.parametrize("mover", ["wall", "solid", "held"])
 def test_a_driven_boundary_returns_the_restitution_that_is_asked_for(mover, ratio):
     """To 1 %, at any ratio of masses: the speed of separation over that of approach."""
-    made, place, mass = driven(mover, ratio, (0.0, None), 1e-5)
-    velocity = np.zeros_like(place)
+    system, position, mass = driven(mover, ratio, (0.0, None), 1e-5)
+    velocity = np.zeros_like(position)
     velocity[0, 0] = 1.0
-    run = dem.Simulation(made, dem.State(place, velocity), ledger=True)
-    impulse, before = 0.0, run.ledger().before
+    run = dem.Simulation(system, dem.State(position, velocity), ledger=True)
+    impulse, initial = 0.0, run.ledger().before
     while not impulse or run.contacts().granule.size:
         run.advance(2e-5)
         impulse = mass * (1.0 - run.state.velocity[0, 0])
     separation = impulse / (ratio * mass) - run.state.velocity[0, 0]
     assert separation == pytest.approx(SOFT.restitution, rel=1e-2)
     ledger = run.ledger()
-    assert ledger.residual < 1e-2 and ledger.before == before
+    assert ledger.residual < 1e-2 and ledger.before == initial
 
 
 @pytest.mark.parametrize("ratio", [0.1, 1.0, 10.0])
 @pytest.mark.parametrize("mover", ["wall", "solid", "held"])
 def test_the_work_of_a_driven_boundary_is_what_it_loses(mover, ratio):
     """A force presses it from rest on a disc: the ledger adds up to a thousandth."""
-    made, place, _ = driven(mover, ratio, (-0.5, None), 5e-6, material=ELASTIC)
-    run = dem.Simulation(made, dem.State(place), ledger=True, step_fraction=0.03)
+    system, position, _ = driven(mover, ratio, (-0.5, None), 5e-6, material=ELASTIC)
+    run = dem.Simulation(system, dem.State(position), ledger=True, step_fraction=0.03)
     run.advance(2e-4)
     ledger = run.ledger()
     assert ledger.work > 0.0 and ledger.residual < 1e-3
@@ -421,11 +421,11 @@ def test_the_stress_between_held_granules_is_the_force_on_them():
     """Across a line through a disc that two held ones squeeze."""
     r, middle = 1e-3, 0.3 * FAR
     squeezed = middle + 0.999 * np.array([[-2.0 * r], [0.0], [2.0 * r]]) * [0.0, 1.0]
-    made, start = some([r, r, r], squeezed, held=[dem.Held([k]) for k in (0, 2)])
-    run = dem.Simulation(made, start)
+    system, start = some([r, r, r], squeezed, held=[dem.Held([k]) for k in (0, 2)])
+    run = dem.Simulation(system, start)
     record = run.record(1e-9, 1)
     force = (
-        run.stress(y=[middle - 0.1 * r, middle + 0.1 * r]).contact[0, 1, 1] * FAR * made.thickness
+        run.stress(y=[middle - 0.1 * r, middle + 0.1 * r]).contact[0, 1, 1] * FAR * system.thickness
     )
     assert_allclose(record.held_force[0, :2, 1], [-force, force], rtol=1e-6)
     assert force > 0.0
@@ -433,7 +433,7 @@ def test_the_stress_between_held_granules_is_the_force_on_them():
 
 def test_held_granules_feel_neither_gravity_nor_each_other():
     """However much they overlap; a spin of the state stays, and the rest of it does not count."""
-    made, start = some(
+    system, start = some(
         np.full(3, 1e-3),
         [[3e-3, 3e-3], [3.1e-3, 3e-3], [9e-3, 9e-3]],
         np.full((3, 2), 7.0),
@@ -441,30 +441,30 @@ def test_held_granules_feel_neither_gravity_nor_each_other():
         gravity=(0.0, -9.81),
     )
     start.angular_velocity[1] = 50.0
-    run = dem.Simulation(made, start)
+    run = dem.Simulation(system, start)
     record = run.record(1e-3, 1)
     assert not record.held_force.any() and not len(run.contacts().granule)
-    moved = run.state.position[:3] - start.position[:3]
-    assert_allclose(moved[:2], [[0.0, 0.0], [0.0, 1e-4]], rtol=0.0, atol=1e-15)
+    displacement = run.state.position[:3] - start.position[:3]
+    assert_allclose(displacement[:2], [[0.0, 0.0], [0.0, 1e-4]], rtol=0.0, atol=1e-15)
     assert run.state.angle[1] == pytest.approx(0.05) and run.state.angular_velocity[1] == 50.0
-    assert moved[2, 1] == pytest.approx(7e-3 - 0.5 * 9.81e-6)
+    assert displacement[2, 1] == pytest.approx(7e-3 - 0.5 * 9.81e-6)
     assert record.kinetic_energy[0] == pytest.approx(
-        0.5 * made.mass[2] * (49.0 + (7.0 - 9.81e-3) ** 2)
+        0.5 * system.mass[2] * (49.0 + (7.0 - 9.81e-3) ** 2)
     )
 
 
 def test_the_time_step_follows_the_mass_of_what_is_driven(small_bed):
     """A light lid makes it short, as the root of its mass, where it carries what the bed lifts it with."""
-    plain, found = dem.Simulation(*bed(small_bed, material=ELASTIC)), {}
+    plain, steps = dem.Simulation(*bed(small_bed, material=ELASTIC)), {}
     contacts = plain.contacts()
     load = contacts.force[contacts.partner == -2 - TOP].sum()  # -1 is the solid
     for mass in (1.0, 1e-9, 1e-11):
         run = dem.Simulation(
             *bed(small_bed, {TOP: dem.Drive((None, -load), mass)}, material=ELASTIC)
         )
-        found[mass] = run.diagnose().critical_time_step
-    assert found[1.0] == pytest.approx(plain.diagnose().critical_time_step, rel=1e-2)
-    assert found[1e-11] / found[1e-9] == pytest.approx(0.1, rel=0.05)
+        steps[mass] = run.diagnose().critical_time_step
+    assert steps[1.0] == pytest.approx(plain.diagnose().critical_time_step, rel=1e-2)
+    assert steps[1e-11] / steps[1e-9] == pytest.approx(0.1, rel=0.05)
 
 
 @pytest.mark.parametrize("mover", ["wall", "solid", "held"])
@@ -477,9 +477,9 @@ def test_light_driven_boundaries_are_stable_at_the_step_that_is_chosen(mover):
         "wall": {"motions": {TOP: drive}, "walls": dem.box(FAR, 2 * r), "solids": None},
     }[mover]
     second = [[5e-3, 3 * r]] if mover == "held" else []
-    made = scene(dem.Disc([r, *[r for _ in second], 0.5 * r]), **{"material": ELASTIC} | places)
+    system = scene(dem.Disc([r, *[r for _ in second], 0.5 * r]), **{"material": ELASTIC} | places)
     start = dem.State([[5e-3, r], *second, [9e-3, r]])
-    run = dem.Simulation(made, start, step_fraction=1.0)
+    run = dem.Simulation(system, start, step_fraction=1.0)
     record = run.record(2e-4, 50)
     assert run.steps > 1000
     load = 1e-2 * 20e-6  # J: of the force over a way that it never goes
@@ -489,24 +489,24 @@ def test_light_driven_boundaries_are_stable_at_the_step_that_is_chosen(mover):
 def everything(small_bed):
     """A bed in which all that can move does."""
     lid = dem.Drive((None, -3.0), 2e-4, damping=0.1)
-    made, start = bed(
+    system, start = bed(
         small_bed,
         {TOP: lid, LEFT: smoothly(0.5, 1e-4), BOTTOM: (1.0, 0.0)},
         held=[dem.Held([3, 9], smoothly(-0.5, 1e-4)), dem.Held([20], dem.Drive((0.1, None), 1e-5))],
     )
     drive = dem.Drive((0.0, 30.0), 5e-5, 0.2)
-    return replace(made, solids=replace(made.solids[0], velocity=drive, spin=100.0)), start
+    return replace(system, solids=replace(system.solids[0], velocity=drive, spin=100.0)), start
 
 
 def test_a_run_with_all_motions_goes_on_from_a_checkpoint_with_the_same_bits(small_bed):
     """Clocks, offsets, velocities of boundaries and their forces are saved."""
-    made, start = everything(small_bed)
-    whole = dem.Simulation(made, start)
+    system, start = everything(small_bed)
+    whole = dem.Simulation(system, start)
     whole.record(3e-5, 1)
     file = io.BytesIO()
     np.savez(file, **whole.checkpoint())
     file.seek(0)
-    second = dem.Simulation(made, start)
+    second = dem.Simulation(system, start)
     with np.load(file) as saved:
         second.restore(saved)
     one, two = (run.record(3e-5, 3) for run in (whole, second))
@@ -515,32 +515,32 @@ def test_a_run_with_all_motions_goes_on_from_a_checkpoint_with_the_same_bits(sma
     for a, b in zip(vars(whole.state).values(), vars(second.state).values(), strict=True):
         assert_array_equal(a, b)
     assert np.ptp(one.wall_offset, axis=0)[[LEFT, TOP]].min() > 0.0
-    for changes in ({"walls": made.planes}, {"held": made.held[1:]}):
+    for changes in ({"walls": system.planes}, {"held": system.held[1:]}):
         with pytest.raises(dem.InputError, match="another scene"):
-            dem.Simulation(replace(made, **changes), start).restore(whole.checkpoint())
+            dem.Simulation(replace(system, **changes), start).restore(whole.checkpoint())
 
 
 def test_a_bed_without_friction_moves_as_in_the_limit_of_little(small_bed, ledger=False):
     """Discs that nothing turns have a kernel of their own. Walls, solids and held granules that move
     push them alike; that they do the same work is tested at night."""
-    made, start = everything(small_bed)
+    system, start = everything(small_bed)
     runs = [
         dem.Simulation(
-            replace(made, friction=each, gravity=(0.0, -9.81)),
+            replace(system, friction=friction, gravity=(0.0, -9.81)),
             start,
             time_step=4e-8,
             ledger=ledger,
         )
-        for each in (None, SMOOTH)
+        for friction in (None, SMOOTH)
     ]
     records = [run.record(100 * 4e-8, 5) for run in runs]
-    moved = np.abs(runs[0].state.position - start.position).max()
+    displacement = np.abs(runs[0].state.position - start.position).max()
     fast = np.abs(runs[0].state.velocity).max()
-    assert moved > 1e-5
-    assert_allclose(*(run.state.position for run in runs), rtol=0.0, atol=1e-9 * moved)
+    assert displacement > 1e-5
+    assert_allclose(*(run.state.position for run in runs), rtol=0.0, atol=1e-9 * displacement)
     assert_allclose(*(run.state.velocity for run in runs), rtol=0.0, atol=1e-9 * fast)
-    for on in ("wall_force", "normal_force", "held_force"):
-        one, other = (getattr(record, on) for record in records)
+    for name in ("wall_force", "normal_force", "held_force"):
+        one, other = (getattr(record, name) for record in records)
         assert np.abs(other).max() > 0.0
         assert_allclose(one, other, rtol=0.0, atol=1e-8 * np.abs(other).max())
     if ledger:
@@ -554,24 +554,24 @@ def test_motion_in_moving_boundaries_does_not_depend_on_the_skin(small_bed):
         dem.Simulation(*everything(small_bed), time_step=4e-8, skin=skin) for skin in (0.004, 0.5)
     ]
     records = [run.record(100 * 4e-8, 5) for run in runs]
-    moved = np.abs(runs[0].state.position - everything(small_bed)[1].position).max()
-    assert moved > 1e-5
-    assert_allclose(*(run.state.position for run in runs), rtol=0.0, atol=1e-7 * moved)
-    assert_allclose(*(record.wall_offset for record in records), rtol=0.0, atol=1e-7 * moved)
+    displacement = np.abs(runs[0].state.position - everything(small_bed)[1].position).max()
+    assert displacement > 1e-5
+    assert_allclose(*(run.state.position for run in runs), rtol=0.0, atol=1e-7 * displacement)
+    assert_allclose(*(record.wall_offset for record in records), rtol=0.0, atol=1e-7 * displacement)
 
 
 def test_frames_show_walls_where_they_were():
     """The contacts of a frame are those with the wall at that time, and it is drawn there."""
     r = 1e-3
-    made, start = some([r], [[2 * r, 5e-3]], motions={LEFT: (1.0, 0.0)})
-    result = dem.simulate(made, start, 1.1e-3, frames=11)
+    system, start = some([r], [[2 * r, 5e-3]], motions={LEFT: (1.0, 0.0)})
+    result = dem.simulate(system, start, 1.1e-3, frames=11)
     touch = [(-2 in result.contacts(frame).partner) for frame in (5, 11)]
     assert touch == [False, True] or result.position[-1, 0, 0] > 2 * r
     assert_allclose(result.walls[:, LEFT, 2], -result.time, rtol=1e-9)
     assert not touch[0]
-    drawn = dem.plot.bed(result, color="speed").axes[0].collections
-    lines = [c.get_segments() for c in drawn if isinstance(c, LineCollection)]
-    assert min(line[:, 0].max() for each in lines for line in each) == pytest.approx(
+    collections = dem.plot.bed(result, color="speed").axes[0].collections
+    lines = [c.get_segments() for c in collections if isinstance(c, LineCollection)]
+    assert min(line[:, 0].max() for segments in lines for line in segments) == pytest.approx(
         1e3 * result.time[-1]
     )
     assert {"solid_torque", "held_force", "wall_offset"} <= set(result.to_dataset())
@@ -648,8 +648,8 @@ def test_motion_that_cannot_be_is_refused_in_one_sentence(sentence):
 def test_the_velocity_of_a_solid_on_a_path_cannot_be_set():
     """The path would take it back; the run goes on as before."""
     path = dem.PrescribedMotion([0.0], [[0.0, 0.0]])
-    made, start = some([1e-3], [[0.25 * FAR, 0.25 * FAR]], solids=replace(AWAY, velocity=path))
-    run = dem.Simulation(made, start)
+    system, start = some([1e-3], [[0.25 * FAR, 0.25 * FAR]], solids=replace(AWAY, velocity=path))
+    run = dem.Simulation(system, start)
     words = r"solids\[0\] follows a PrescribedMotion or a Drive"
     with pytest.raises(dem.InputError, match=words):
         run.set_velocity((1.0, 0.0))

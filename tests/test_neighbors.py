@@ -49,7 +49,7 @@ def test_pairs_are_those_of_an_all_pairs_search(bed, kind):
     shape, owner = owned(kind, n)
     first, part, other = near_pairs(shape, rows, radius, skin, (0.0, 0.0))
     assert_array_equal(part, np.repeat(np.arange(n), np.diff(first)))
-    listed = [(i, j) for i in range(n) for j in other[first[i] : first[i + 1]]]
+    pairs = [(i, j) for i in range(n) for j in other[first[i] : first[i + 1]]]
     distance = np.hypot(*(rows[:, None, :2] - rows[None, :, :2]).transpose(2, 0, 1))
     expected = [
         (i, j)
@@ -57,20 +57,20 @@ def test_pairs_are_those_of_an_all_pairs_search(bed, kind):
         for j in range(i + 1, n)
         if owner[i] != owner[j] and distance[i, j] < radius[i] + radius[j] + skin
     ]
-    assert listed == expected
+    assert pairs == expected
 
 
 def beyond(points, corners):
     """Distances (n,) from a convex polygon to points, zero inside."""
     edges = np.roll(corners, -1, axis=0) - corners
-    away = points[:, None] - corners
-    along = (away * edges).sum(axis=-1) / (edges**2).sum(axis=-1)
-    distance = np.linalg.norm(away - np.clip(along, 0.0, 1.0)[..., None] * edges, axis=-1)
-    inside = (edges[:, 0] * away[..., 1] > edges[:, 1] * away[..., 0]).all(axis=1)
+    offset = points[:, None] - corners
+    along = (offset * edges).sum(axis=-1) / (edges**2).sum(axis=-1)
+    distance = np.linalg.norm(offset - np.clip(along, 0.0, 1.0)[..., None] * edges, axis=-1)
+    inside = (edges[:, 0] * offset[..., 1] > edges[:, 1] * offset[..., 0]).all(axis=1)
     return np.where(inside, 0.0, distance.min(axis=1))
 
 
-def solid(form, place, angle, size):
+def solid(form, position, angle, size):
     """Surface and boundaries of one solid of a size: a circle, what is in one, or a polygon."""
     polygon = Polygon(size * np.array([[-0.5, -0.6], [1.0, -0.5], [0.2, 0.9]]), 0.3 * size)
     faces = Faces(np.array([0, 3]), polygon.faces, np.array([polygon.radius]))
@@ -80,16 +80,16 @@ def solid(form, place, angle, size):
         radius=np.array([size]) if form == "circle" else None,
         faces=faces if form == "polygon" else None,
     )
-    motion, c, s = np.append(place, np.zeros(6)), np.cos(angle), np.sin(angle)
+    motion, c, s = np.append(position, np.zeros(6)), np.cos(angle), np.sin(angle)
     boundaries = SimpleNamespace(
         motion=motion[None], orientation=np.array([[c, s]]), reach=np.array([size])
     )
 
-    def gaps(away):
+    def gaps(offset):
         """From the solid to points relative to its place."""
         if form == "polygon":
-            return beyond(away @ [[c, -s], [s, c]], polygon.corners) - polygon.radius
-        return np.hypot(*away.T) - size
+            return beyond(offset @ [[c, -s], [s, c]], polygon.corners) - polygon.radius
+        return np.hypot(*offset.T) - size
 
     return surface, boundaries, gaps
 
@@ -101,16 +101,16 @@ FORMS = "circle", "outline", "polygon"
 def test_walls_and_solids_list_every_part_near_them(bed, angle, size, form):
     """The lists of walls and solids hold the parts within the skin, and no other."""
     rows, radius, skin = bed
-    here = rows[:, :2]
+    centres = rows[:, :2]
     planes = np.array([[np.cos(angle), np.sin(angle), 1.0], [0.0, -1.0, -3.0]])
-    gaps = planes[:, 2] - here @ planes[:, :2].T - radius[:, None]
+    gaps = planes[:, 2] - centres @ planes[:, :2].T - radius[:, None]
     walls = SimpleNamespace(planes=planes, boundary=np.arange(2), radius=None, faces=None)
-    still = SimpleNamespace(motion=np.zeros((2, 8)))
-    part, wall = near_surface(walls, still, rows, radius, skin, (0.0, 0.0))
+    resting = SimpleNamespace(motion=np.zeros((2, 8)))
+    part, wall = near_surface(walls, resting, rows, radius, skin, (0.0, 0.0))
     assert list(zip(part, wall, strict=True)) == [tuple(row) for row in np.argwhere(gaps < skin)]
-    surface, boundaries, gaps = solid(form, here[0] + 0.5, angle, size)
+    surface, boundaries, gaps = solid(form, centres[0] + 0.5, angle, size)
     part, other = near_surface(surface, boundaries, rows, radius, skin, (0.0, 0.0))
-    near = gaps(here - here[0] - 0.5) - radius < skin
+    near = gaps(centres - centres[0] - 0.5) - radius < skin
     assert list(part) == list(np.flatnonzero(near)) and not other.any()
 
 
@@ -126,20 +126,20 @@ def test_a_patch_knows_the_lowest_patch_whose_pairs_push_it(kind, per):
     pairs = np.sort(rng.choice(patches * size, (400, 2), replace=False), axis=1)
     pairs = pairs[(pairs[:, 0] // size > 1) | (pairs[:, 1] // size < 4)]
     one, other = pairs[np.lexsort(pairs.T[::-1])].astype(np.uint32).T
-    row, found = shared_out(kind(np.ones(patches * PATCH)), one, other, patches * PATCH)
+    row, exchange = shared_out(kind(np.ones(patches * PATCH)), one, other, patches * PATCH)
     expected = [min(one[other // size == patch] // size, default=patch) for patch in range(patches)]
     assert (
-        found.lowest.tolist()
+        exchange.lowest.tolist()
         == np.minimum(expected, np.arange(patches)).tolist()
         == [0, 0, 0, 0, 2]
     )
     across = one // size != other // size
     assert_array_equal(row[~across], other[~across])
-    assert_array_equal(found.target, other[across])
+    assert_array_equal(exchange.target, other[across])
     assert sorted(row[across] - patches * size) == list(range(across.sum()))
     for patch in range(patches):  # what it is pushed by, in the order of the list
-        mine = found.incoming[found.first[patch] : found.first[patch + 1]]
-        assert_array_equal(mine, np.flatnonzero(other[across] // size == patch))
+        incoming = exchange.incoming[exchange.first[patch] : exchange.first[patch + 1]]
+        assert_array_equal(incoming, np.flatnonzero(other[across] // size == patch))
 
 
 def memories(world):
@@ -161,14 +161,14 @@ def test_contact_memory_survives_a_new_neighbor_list(small_bed, kind, fraction):
     small = small_bed(kind, fraction=fraction)
     run = Simulation(small.scene(), small.state)
     run.advance(3e-5)
-    before = memories(run.world)
-    assert all(len(springs) > 2 for springs in before)
+    old = memories(run.world)
+    assert all(len(springs) > 2 for springs in old)
     for skin in (1.0, 0.01):
         run.engine.table = granule_table(run.scene, skin)
         run.engine.run(Schedule(initialise=True))  # as at the start of a run, in no time
-        for now, springs in zip(memories(run.world), before, strict=True):
-            assert now.keys() == springs.keys()
-            spring, root = np.transpose([now[pair] for pair in springs])
+        for new, springs in zip(memories(run.world), old, strict=True):
+            assert new.keys() == springs.keys()
+            spring, root = np.transpose([new[pair] for pair in springs])
             old_spring, old_root = np.transpose(list(springs.values()))
             assert_allclose(root, old_root, rtol=1e-4)
             # those that slide are cut again to Coulomb's limit, whose dashpot saw a step before
@@ -182,6 +182,6 @@ def test_motion_does_not_depend_on_the_skin(small_bed, kind):
     runs = [Simulation(small.scene(), small.state, 3e-8, skin=skin) for skin in (0.004, 0.5)]
     for run in runs:
         run.advance(800 * 3e-8)
-    moved = np.abs(runs[0].state.position - small.state.position).max()
-    assert moved > 0.02 * small.diameters.mean()
-    assert_allclose(runs[0].state.position, runs[1].state.position, rtol=0.0, atol=1e-9 * moved)
+    shift = np.abs(runs[0].state.position - small.state.position).max()
+    assert shift > 0.02 * small.diameters.mean()
+    assert_allclose(runs[0].state.position, runs[1].state.position, rtol=0.0, atol=1e-9 * shift)

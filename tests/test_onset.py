@@ -9,15 +9,12 @@ import xarray as xr
 from dem.analysis.onset import LEAST, limits
 from dem.base.errors import InputError
 from dem.dynamics.contact_list import ContactList
-from dem.experiment.bed import diameters
-from dem.experiment.box import height_of_box
+from dem.experiment.bed import room_of
 from dem.experiment.config import parse
 from dem.experiment.kinds import jamming, onset
 from dem.figures.catalogue import FIGURES
 from dem.figures.onset import plot
 from dem.packing.compaction import Press
-from dem.packing.random import Room
-from dem.shapes import KINDS
 from dem.sweep.config import load
 
 ROOT = Path(__file__).parent.parent
@@ -38,32 +35,34 @@ def bed(ratio=1.0, granules=40, seed=1, **changes):
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_discs_jam_with_as_many_contacts_as_degrees_of_freedom(seed):
     """Two a disc; two less because the whole may move, one more because the bed bears a load."""
-    found = onset.run(bed(1.0, seed=seed))
-    discs = 40 - found["onset_rattlers"]
-    assert found["onset_contacts"] == 2 * discs - 1
-    assert 0.80 < found["onset_fraction"] < 0.87
+    result = onset.run(bed(1.0, seed=seed))
+    discs = 40 - result["onset_rattlers"]
+    assert result["onset_contacts"] == 2 * discs - 1
+    assert 0.80 < result["onset_fraction"] < 0.87
 
 
 @pytest.mark.parametrize("ratio", [1.1, 1.5])
 def test_ellipses_jam_with_fewer_contacts_than_degrees_of_freedom(ratio):
     """Yet with more than discs, which do not feel that they turn."""
-    found = onset.run(bed(ratio))
-    ellipses = 40 - found["onset_rattlers"]
-    assert 2 * ellipses - 1 < found["onset_contacts"] < 3 * ellipses - 1
+    result = onset.run(bed(ratio))
+    ellipses = 40 - result["onset_rattlers"]
+    assert 2 * ellipses - 1 < result["onset_contacts"] < 3 * ellipses - 1
 
 
-def test_a_bed_bears_no_load_below_the_onset_and_that_of_hertz_above():
-    """The load goes as the distance from the onset to the power of 3/2."""
-    replicate = bed(1.3)
-    sizes, own = diameters(replicate), replicate.configuration
-    shape = KINDS["ellipse"].shape.of_size(sizes, 1.3)
-    press = Press(shape, Room(own.box_width, height_of_box(own, sizes), (), 1, "xy"))
-    at = onset.run(replicate)["onset_fraction"]
-    while press.fraction < at + 1e-3:  # as the onset was found
-        press.press(press.fraction + onset.STEP, onset.GROWN, onset.PATIENCE)
-    far, near = (press.press(at + gap, 1e-10, onset.PATIENCE) for gap in (4e-4, 1e-4))
-    assert far / near == pytest.approx(8.0, rel=0.1)
-    assert press.press(at - 1e-4, 1e-12, onset.PATIENCE) < 1e-3 * near
+LINEAR = {"contact.law": "linear", "periodic": "x"}  # discs between a floor and a lid
+
+
+@pytest.mark.parametrize(("ratio", "changes", "power"), [(1.3, {}, 1.5), (1.0, LINEAR, 1.0)])
+def test_a_bed_bears_no_load_below_the_onset_and_that_of_its_law_above(ratio, changes, power):
+    """The load goes as the distance from the onset to the power of 3/2 under Hertz's law, in proportion to it
+    under a linear one."""
+    replicate, soft = bed(ratio, **changes), onset.JAMMED ** (power / 1.5 - 1.0)
+    press, fraction = Press(*room_of(replicate)), onset.run(replicate)["onset_fraction"]
+    while press.fraction < fraction + 1e-3:  # as the onset was found
+        press.press(press.fraction + onset.STEP, onset.GROWN * soft, onset.PATIENCE)
+    far, near = (press.press(fraction + gap, 1e-10, onset.PATIENCE) for gap in (4e-4, 1e-4))
+    assert far / near == pytest.approx(4.0**power, rel=0.1)
+    assert press.press(fraction - 1e-4, 1e-12, onset.PATIENCE) < 1e-3 * near
 
 
 def test_the_onset_is_just_below_where_the_line_of_greater_loads_meets_zero():
@@ -86,8 +85,8 @@ def test_granules_that_too_few_contacts_hold_are_rattlers():
     chain = (3, 4), (4, 5), (5, 6), (5, 2), (5, 1), (6, 4)
     assert onset.backbone(contacts(*square), 8).tolist() == [True] * 4 + [False] * 4
     assert onset.backbone(contacts(*square, (3, 4), (4, 5), (5, 6), (5, 3)), 8)[4:].sum() == 0
-    held = onset.backbone(contacts(*square, *chain, (6, 0), (4, -1)), 8)
-    assert held[4:].tolist() == [True, True, True, False]
+    backbone = onset.backbone(contacts(*square, *chain, (6, 0), (4, -1)), 8)
+    assert backbone[4:].tolist() == [True, True, True, False]
 
 
 # Configuration
@@ -137,18 +136,18 @@ def swept(fraction, contact, granules=(50, 100, 200), beds=4, noise=1e-3, seed=1
 
 
 def test_lines_find_what_beds_without_end_have():
-    found = limits(swept(lambda n: 0.84 - 0.05 * n**-0.5, lambda n: 4.0 - 2.0 / n, noise=0.0))
-    for fraction, contact in zip(found.fraction, found.coordination, strict=True):
+    result = limits(swept(lambda n: 0.84 - 0.05 * n**-0.5, lambda n: 4.0 - 2.0 / n, noise=0.0))
+    for fraction, contact in zip(result.fraction, result.coordination, strict=True):
         assert fraction == pytest.approx((0.84, 0.84, 0.84))
         assert contact == pytest.approx((4.0, 4.0, 4.0))
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
-    held = []
+    hits = []
     for seed in range(100):
-        found = limits(swept(lambda n: 0.84 - 0.05 * n**-0.5, lambda n: 4.0 - 2.0 / n, seed=seed))
-        held += [each.low < 0.84 < each.high for each in found.fraction]
-    assert 0.88 <= np.mean(held) <= 0.99
+        result = limits(swept(lambda n: 0.84 - 0.05 * n**-0.5, lambda n: 4.0 - 2.0 / n, seed=seed))
+        hits += [interval.low < 0.84 < interval.high for interval in result.fraction]
+    assert 0.88 <= np.mean(hits) <= 0.99
 
 
 def test_rattlers_count_neither_as_granules_nor_for_contacts():
@@ -164,8 +163,8 @@ def test_rattlers_count_neither_as_granules_nor_for_contacts():
 @pytest.mark.parametrize(
     ("granules", "beds", "words"),
     [
-        ((50, 100), 4, "number of granules; a line takes 3"),
-        ((50, 100, 200), 2, "2 beds of each size"),
+        ((50, 100), 4, "it has 2 and 4"),
+        ((50, 100, 200), 2, "it has 3 and 2"),
     ],
 )
 def test_too_few_beds_for_a_line_are_refused(granules, beds, words):

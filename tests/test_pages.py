@@ -23,7 +23,7 @@ BUILT = "_build", "_generated", "jupyter_execute", "data"
 # as they are read, and as they are written: the template of a page instead of the page
 PAGES = sorted(path for path in DOCS.rglob("*.md") if path.relative_to(DOCS).parts[0] not in BUILT)
 PAGES += [ROOT / "README.md", *sorted(ROOT.glob("studies/*/README.md"))]
-WRITTEN = [path if not (by := path.with_suffix(".md.in")).exists() else by for path in PAGES]
+WRITTEN = [path if not (page := path.with_suffix(".md.in")).exists() else page for path in PAGES]
 FRONT_MATTER = re.compile(r"\A---\n(.*?)\n---\n", re.S)
 NO_PROSE = re.compile(
     r"^(?P<fence>`{3,}|~{3,})(?!\{(?!code)).*?^(?P=fence)[`~]*\s*$"  # code; {note} and the like are prose
@@ -54,8 +54,8 @@ write = load(DOCS / "write_pages.py")
 findings = sys.modules["findings"]
 # pages quote the findings of all studies
 whole = needs_study(*(path.parent.name for path in write.TEMPLATES if "studies" in path.parts))
-RELEASED = [each for each in findings.FILES if each.path.is_file()]
-MEASURED = [each for each in findings.MEASURED if each.path.is_file()]
+RELEASED = [file for file in findings.FILES if file.path.is_file()]
+MEASURED = [file for file in findings.MEASURED if file.path.is_file()]
 # Numbers that no command copies: each has one hash of the kernels, or one for each entry.
 KERNELS = {
     ".yaml": lambda path: yaml.safe_load(path.read_text(encoding="utf-8")).get("kernels"),
@@ -72,10 +72,10 @@ def results_typed(text):
     but for the level of intervals and those that its front matter gives with a reason; and what it
     gives in vain, or without one."""
     matter = FRONT_MATTER.match(text)
-    given = (yaml.safe_load(matter[1]) or {}).get("given", {}) if matter else {}
+    constants = (yaml.safe_load(matter[1]) or {}).get("given", {}) if matter else {}
     prose = NO_PROSE.sub(" ", text[matter.end() :] if matter else text)
-    vain = [number for number, reason in given.items() if number not in prose or not reason]
-    for number in sorted((*given, "95 %"), key=len, reverse=True):
+    vain = [number for number, reason in constants.items() if number not in prose or not reason]
+    for number in sorted((*constants, "95 %"), key=len, reverse=True):
         prose = re.sub(rf"(?<![\d.,]){re.escape(number)}", " ", prose)
     return RESULT.findall(prose), vain
 
@@ -127,7 +127,7 @@ def test_an_input_passes(text):
     assert results_typed(text) == ([], [])
 
 
-@pytest.mark.parametrize("file", RELEASED, ids=lambda each: each.name)
+@pytest.mark.parametrize("file", RELEASED, ids=lambda file: file.name)
 def test_a_released_file_names_what_made_it(file):
     attrs = file.dataset.attrs
     assert attrs["made_with"] == file.command
@@ -149,21 +149,21 @@ ARGUED = UNCHANGED["kernels"] == digest()  # whether it is about the code of tod
 
 def holds(name, *hashes):
     """Whether the code of today made the numbers of a file, or docs/data/unchanged.yaml says why they hold for it."""
-    reasons = [each["why"] for each in UNCHANGED["reasons"] if name in each.get("of", [name])]
+    reasons = [reason["why"] for reason in UNCHANGED["reasons"] if name in reason.get("of", [name])]
     return {*hashes} == {digest()} or (ARGUED and all(reasons) and reasons)
 
 
 @pytest.mark.parametrize("path", list(by_hand()), ids=lambda path: path.name)
 def test_numbers_written_by_hand_are_of_todays_kernels(path):
     """What is written by hand has what `python docs/data/kernels.py` prints."""
-    said = KERNELS[path.suffix](path)
-    hashes = said.values() if isinstance(said, dict) else [said]
+    digests = KERNELS[path.suffix](path)
+    hashes = digests.values() if isinstance(digests, dict) else [digests]
     assert holds(path.name, *hashes), (
         f"{path.name} is stale; docs/data/README.md says how it is made."
     )
 
 
-@pytest.mark.parametrize("file", [*RELEASED, *MEASURED], ids=lambda each: each.name)
+@pytest.mark.parametrize("file", [*RELEASED, *MEASURED], ids=lambda file: file.name)
 def test_a_released_file_is_of_todays_kernels(file):
     assert holds(file.name, file.dataset.attrs["kernels"]), (
         f"{file.place} is stale: the code that decides how granules move has changed since {file.revision}. "
@@ -174,8 +174,8 @@ def test_a_released_file_is_of_todays_kernels(file):
 
 def test_every_released_file_can_be_renewed():
     """docs/data holds nothing that no script writes."""
-    known = {each.path.name for each in (*findings.FILES, *findings.MEASURED)}
-    assert {path.name for path in (DOCS / "data").glob("*.nc")} <= known
+    paths = {file.path.name for file in (*findings.FILES, *findings.MEASURED)}
+    assert {path.name for path in (DOCS / "data").glob("*.nc")} <= paths
 
 
 def test_timings_name_what_made_them():
@@ -183,7 +183,7 @@ def test_timings_name_what_made_them():
     assert (
         re.fullmatch(r"[0-9a-f]{7,}", str(about["revision"])) and about["date"] and about["machine"]
     )
-    assert all({"what", "command", "seconds"} == set(each) for each in about["timed"].values())
+    assert all({"what", "command", "seconds"} == set(timing) for timing in about["timed"].values())
 
 
 LINK = re.compile(r"\]\(([^)#\s]*)[^)\s]*\)")
@@ -194,9 +194,9 @@ LINK = re.compile(r"\]\(([^)#\s]*)[^)\s]*\)")
 def test_the_links_of_a_page_lead_somewhere_in_a_checkout(page):
     """To no template, either. What the build makes is linked by a role ({doc}`...`) or shown by a
     directive."""
-    links = [each for each in LINK.findall(page.read_text(encoding="utf-8")) if "://" not in each]
-    assert [each for each in links if not (page.parent / each).exists()] == []
-    assert [each for each in links if each.endswith(".in")] == []
+    links = [link for link in LINK.findall(page.read_text(encoding="utf-8")) if "://" not in link]
+    assert [link for link in links if not (page.parent / link).exists()] == []
+    assert [link for link in links if link.endswith(".in")] == []
 
 
 @whole
@@ -251,23 +251,23 @@ def test_the_sweeps_of_a_page_can_be_run(extended, page):
     """Whole files, named in their first line, and fragments, with where they belong."""
     text = page.read_text(encoding="utf-8")
     sweeps = {name: block for kind, name, block in FILE.findall(text) if kind == "yaml"}
-    for n, (where, block) in enumerate(FRAGMENT.findall(text)):
-        below = block if where == "in place of" else "sweep:\n" + textwrap.indent(block, "  ")
+    for n, (role, block) in enumerate(FRAGMENT.findall(text)):
+        below = block if role == "in place of" else "sweep:\n" + textwrap.indent(block, "  ")
         if "shape:" not in below:
             below += "  shape: [c1]\n"
         sweeps[f"fragment{n}.yaml"] = f"extends: config/paper.yaml\nresults: results/f{n}\n{below}"
     assert len(sweeps) == text.count("```yaml\n")  # no piece that is neither
     data = {name: block for kind, name, block in FILE.findall(text) if kind == "text"}
-    for name, each in (sweeps | data).items():
-        (extended / name).write_text(each, encoding="utf-8")
-    ran = subprocess.run(
+    for name, content in (sweeps | data).items():
+        (extended / name).write_text(content, encoding="utf-8")
+    process = subprocess.run(
         [sys.executable, "-P", "-c", DRY_RUNS, *sweeps],
         cwd=extended,
         env=os.environ | {"PYTHONPATH": str(extended)},
         text=True,
         capture_output=True,
     )
-    assert (ran.returncode, ran.stdout) == (0, ""), ran.stdout + ran.stderr
+    assert (process.returncode, process.stdout) == (0, ""), process.stdout + process.stderr
 
 
 @posix
@@ -280,11 +280,11 @@ def test_a_figure_and_an_experiment_are_one_file_each(extended):
     environment = os.environ | {"PYTHONPATH": str(extended)}
     for words in (["figure", "scatter", drag, "-o", "drawn"], ["sweep", "rest.yaml", "-j", "1"]):
         command = [sys.executable, "-P", "-m", "dem", *map(str, words)]
-        ran = subprocess.run(command, cwd=extended, env=environment, text=True, capture_output=True)
-        assert ran.returncode == 0, ran.stderr
+        run = subprocess.run(command, cwd=extended, env=environment, text=True, capture_output=True)
+        assert run.returncode == 0, run.stderr
     assert (extended / "drawn/scatter.svg").is_file()
-    with xr.open_dataset(extended / "results/rest/rest.nc") as made:
-        assert dict(made["rest_load"].sizes) == {"shape": 2, "rest_margin": 2, "seed": 2}
+    with xr.open_dataset(extended / "results/rest/rest.nc") as dataset:
+        assert dict(dataset["rest_load"].sizes) == {"shape": 2, "rest_margin": 2, "seed": 2}
 
 
 @whole
@@ -303,8 +303,8 @@ def test_a_picture_is_of_the_released_file_and_of_its_code(path):
 
 
 def test_no_picture_is_left_that_no_page_shows():
-    there = {*DOCS.glob("images/*.png"), *ROOT.glob("studies/*/images/*")}
-    assert there == set(write.pictures())
+    pictures = {*DOCS.glob("images/*.png"), *ROOT.glob("studies/*/images/*")}
+    assert pictures == set(write.pictures())
 
 
 def test_a_sentence_that_the_data_contradicts_ends_the_build():
@@ -318,7 +318,7 @@ def sentences():
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.JoinedStr):
                 words = (
-                    each.value if isinstance(each, ast.Constant) else "…" for each in node.values
+                    part.value if isinstance(part, ast.Constant) else "…" for part in node.values
                 )
                 yield re.sub(
                     r"\{.*?\}", "…", "".join(words)
@@ -333,7 +333,7 @@ def test_the_messages_of_the_page_of_faults_are_those_of_the_package():
     messages = re.findall(r"^\| `(.*?)` \|", table, re.M)
     printed = list(sentences())
     assert len(messages) > 5
-    assert [each for each in messages if not any(each in words for words in printed)] == []
+    assert [message for message in messages if not any(message in words for words in printed)] == []
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())

@@ -49,11 +49,11 @@ def crowd(kind):
     """Granules on a grid that press on each other across the sides, shaken, around a cylinder, in a box
     that repeats itself along x and y."""
     rng, side = np.random.default_rng(1), 7
-    place = PITCH * np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2)
+    position = PITCH * np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2)
     periodic = 2 * (side * PITCH,)
-    away = np.hypot(*least_image(place - CYLINDER.position, periodic).T)
-    place = place[away > CYLINDER.radius + 0.4 * PITCH]
-    n = len(place)
+    distance = np.hypot(*least_image(position - CYLINDER.position, periodic).T)
+    position = position[distance > CYLINDER.radius + 0.4 * PITCH]
+    n = len(position)
     ratio = KINDS[kind].aspect_ratio or 1.4
     scene = dem.Scene(
         KINDS[kind].shape.of_size(rng.uniform(1.0, 1.1, n) * PITCH, ratio),
@@ -64,7 +64,7 @@ def crowd(kind):
         periodic=periodic,
     )
     angle, spin = rng.uniform(0.0, np.pi, n), 500.0 * rng.normal(size=n)
-    return scene, dem.State(place, 0.5 * rng.normal(size=(n, 2)), angle, spin)
+    return scene, dem.State(position, 0.5 * rng.normal(size=(n, 2)), angle, spin)
 
 
 def lids(rows):
@@ -79,55 +79,55 @@ def gas(side=6, periodic=(True, True), **scene):
     n, period = side * side, side * PITCH
     grid = np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2) + 0.5
     walls = dem.box(period, period)[np.repeat(~np.array(periodic), 2)]
-    usual = {
+    defaults = {
         "material": SOFT,
         "friction": dem.Friction(),
         "thickness": PITCH,
         "walls": lids(walls),
         "solids": dem.Cylinder(
-            0.4 * PITCH, tuple(0.0 if each else PITCH for each in periodic), (0.3, 0.2)
+            0.4 * PITCH, tuple(0.0 if repeats else PITCH for repeats in periodic), (0.3, 0.2)
         ),
-        "periodic": [period if each else None for each in periodic],
+        "periodic": [period if repeats else None for repeats in periodic],
     }
     shape = dem.Disc(rng.uniform(0.25, 0.4, n) * PITCH)
     state = dem.State(
         PITCH * grid, 3.0 * rng.normal(size=(n, 2)), angular_velocity=900.0 * rng.normal(size=n)
     )
-    return dem.Scene(shape, **usual | scene), state
+    return dem.Scene(shape, **defaults | scene), state
 
 
-def moved(state, by, velocity=(0.0, 0.0)):
+def moved(state, shift, velocity=(0.0, 0.0)):
     """The state at other places (m), all granules faster by a velocity (m/s)."""
     fast = state.velocity + velocity
-    return dem.State(state.position + by, fast, state.angle, state.angular_velocity)
+    return dem.State(state.position + shift, fast, state.angle, state.angular_velocity)
 
 
-def least_image(away, periodic):
+def least_image(separation, periodic):
     """Vectors (..., 2) in m to the nearest image."""
-    period = np.array([np.inf if each is None else each for each in periodic])
+    period = np.array([np.inf if length is None else length for length in periodic])
     whole = np.where(np.isfinite(period), period, 0.0)
-    return away - whole * np.rint(away / period)
+    return separation - whole * np.rint(separation / period)
 
 
 def deep(run):
     """Pairs of discs that overlap, and discs that overlap with the cylinder, found by brute force."""
     scene, state = run.scene, run.state
     radius, periodic = scene.shape.radius, scene.periodic
-    away = least_image(state.position[:, None] - state.position, periodic)
-    gap = np.hypot(*np.moveaxis(away, -1, 0)) - radius[:, None] - radius
+    separation = least_image(state.position[:, None] - state.position, periodic)
+    gap = np.hypot(*np.moveaxis(separation, -1, 0)) - radius[:, None] - radius
     pairs = {tuple(map(int, pair)) for pair in np.argwhere(np.triu(gap < 0.0, 1))}
     (axis,) = run.world.boundaries.motion[len(scene.walls) :, :2]
-    away = least_image(state.position - axis, periodic)
-    gap = np.hypot(*away.T) - radius - scene.solids[0].radius
+    separation = least_image(state.position - axis, periodic)
+    gap = np.hypot(*separation.T) - radius - scene.solids[0].radius
     return pairs, set(np.flatnonzero(gap < 0.0).tolist())
 
 
-def seen(run):
+def contacts_of(run):
     """The same of the contacts that the simulation has."""
-    found = run.contacts()
-    pairs = np.sort(np.column_stack([found.granule, found.partner]), axis=1)
-    between, cylinder = found.partner >= 0, found.partner == -1
-    return set(map(tuple, pairs[between].tolist())), set(found.granule[cylinder].tolist())
+    contacts = run.contacts()
+    pairs = np.sort(np.column_stack([contacts.granule, contacts.partner]), axis=1)
+    between, cylinder = contacts.partner >= 0, contacts.partner == -1
+    return set(map(tuple, pairs[between].tolist())), set(contacts.granule[cylinder].tolist())
 
 
 @st.composite
@@ -145,10 +145,10 @@ def test_pairs_are_those_of_an_all_images_search(bed, kind):
     rows, radius, skin, period = bed
     n = len(rows)
     shape, owner = owned(kind, n)
-    sides = tuple(each or 0.0 for each in period)
+    sides = tuple(length or 0.0 for length in period)
     first, part, other = near_pairs(shape, rows, radius, skin, sides)
-    away = np.array(least_image(rows[:, None, :2] - rows[None, :, :2], period))
-    distance = np.hypot(*away.transpose(2, 0, 1))
+    separation = np.array(least_image(rows[:, None, :2] - rows[None, :, :2], period))
+    distance = np.hypot(*separation.transpose(2, 0, 1))
     expected = [
         (i, j)
         for i in range(n)
@@ -162,11 +162,11 @@ def test_pairs_are_those_of_an_all_images_search(bed, kind):
 @given(repeated(), st.floats(0.01, 3.0), st.sampled_from(FORMS))
 def test_a_solid_lists_every_part_near_one_of_its_images(bed, size, form):
     rows, radius, skin, period = bed
-    there = rows[0, :2] + 0.5
-    surface, boundaries, gaps = solid(form, there, 0.4, size)
-    sides = tuple(each or 0.0 for each in period)
+    position = rows[0, :2] + 0.5
+    surface, boundaries, gaps = solid(form, position, 0.4, size)
+    sides = tuple(length or 0.0 for length in period)
     part, other = near_surface(surface, boundaries, rows, radius, skin, sides)
-    near = gaps(least_image(rows[:, :2] - there, period)) - radius < skin
+    near = gaps(least_image(rows[:, :2] - position, period)) - radius < skin
     assert list(part) == list(np.flatnonzero(near)) and not other.any()
 
 
@@ -174,25 +174,25 @@ def test_a_solid_lists_every_part_near_one_of_its_images(bed, size, form):
 def test_where_the_box_begins_changes_no_motion(kind):
     """A bed moves alike wherever the sides of the box cut it, whichever image of a granule is given."""
     scene, state = crowd(kind)
-    period = np.array([each or 0.0 for each in scene.periodic])
+    period = np.array([length or 0.0 for length in scene.periodic])
     images = np.random.default_rng(2).integers(-3, 4, state.position.shape)
     runs = []
-    for by, axis in (
+    for shift, axis in (
         (0.0, 0.0),
         (0.37 * period, 0.37 * period),
         (images * period, [2, -1] * period),
     ):
-        there = replace(CYLINDER, position=tuple(axis + np.array(CYLINDER.position)))
-        cut = replace(scene, solids=there)
-        runs.append(dem.Simulation(cut, moved(state, by), STEP))
-    ways = []
+        cylinder = replace(CYLINDER, position=tuple(axis + np.array(CYLINDER.position)))
+        cut = replace(scene, solids=cylinder)
+        runs.append(dem.Simulation(cut, moved(state, shift), STEP))
+    results = []
     for run in runs:
-        before = run.state.position
+        start = run.state.position
         run.advance(100 * STEP)
-        ways.append((run.state.position - before, run.state.velocity, run.world.force[:, :3]))
-    assert np.abs(ways[0][0]).max() > 5e-3 * PITCH
-    for other in ways[1:]:
-        for one, two in zip(ways[0], other, strict=True):
+        results.append((run.state.position - start, run.state.velocity, run.world.force[:, :3]))
+    assert np.abs(results[0][0]).max() > 5e-3 * PITCH
+    for other in results[1:]:
+        for one, two in zip(results[0], other, strict=True):
             assert_allclose(two, one, rtol=0.0, atol=1e-9 * np.abs(one).max())
 
 
@@ -204,16 +204,16 @@ def test_a_polygon_across_the_sides_is_met_as_one_in_the_middle():
     period = np.array(scene.periodic)
     images = np.random.default_rng(2).integers(-3, 4, state.position.shape)
     beds = []
-    for by, image in ((0.0, 0.0), (0.5 * period, 0.0), (0.0, images * period)):
-        solid = replace(wedge, position=tuple(by + np.array(CYLINDER.position)))
+    for shift, image in ((0.0, 0.0), (0.5 * period, 0.0), (0.0, images * period)):
+        solid = replace(wedge, position=tuple(shift + np.array(CYLINDER.position)))
         cut = replace(scene, solids=solid)
         table = granule_table(cut, 0.3)
-        world = assemble(cut, moved(state, by + image).checked(cut.granules), table)
+        world = assemble(cut, moved(state, shift + image).checked(cut.granules), table)
         world = rebuild_neighbor_list(world, table)
         forces(world, STEP, np.inf)
-        listed = list_contacts(world, np.arange(cut.granules))
-        on_solid = listed.partner == -1
-        beds.append((world.force, world.boundaries.contact_forces, listed.overlap, listed.branch))
+        touch = list_contacts(world, np.arange(cut.granules))
+        on_solid = touch.partner == -1
+        beds.append((world.force, world.boundaries.contact_forces, touch.overlap, touch.branch))
         assert on_solid.sum() > 3 and np.abs(world.boundaries.contact_forces).min() > 0.0
     for other in beds[1:]:
         for one, two in zip(beds[0], other, strict=True):
@@ -225,17 +225,17 @@ def test_a_bed_that_travels_through_the_sides_moves_as_one_at_rest(kind):
     """Galilei's law: springs of friction and the normals of contacts last when granules cross a side."""
     scene, state = crowd(kind)
     velocity, time = np.array([12.0, -8.0]), 600 * STEP
-    still = dem.Simulation(scene, state, 0.5 * STEP)
+    resting = dem.Simulation(scene, state, 0.5 * STEP)
     fast = replace(scene, solids=replace(CYLINDER, velocity=tuple(velocity)))
     travels = dem.Simulation(fast, moved(state, 0.0, velocity), 0.5 * STEP)
-    records = [run.record(time / 4.0, 4) for run in (still, travels)]
-    way = still.state.position - state.position
+    records = [run.record(time / 4.0, 4) for run in (resting, travels)]
+    displacement = resting.state.position - state.position
     assert np.abs(records[0].tangential_force).max() > 0.0
     assert_allclose(
         travels.state.position - state.position - velocity * time,
-        way,
+        displacement,
         rtol=0.0,
-        atol=1e-6 * np.abs(way).max(),
+        atol=1e-6 * np.abs(displacement).max(),
     )
     for name in ("normal_force", "tangential_force"):
         one, two = (getattr(record, name) for record in records)
@@ -249,23 +249,23 @@ def test_momentum_is_kept_across_the_sides(kind):
     run, mass = dem.Simulation(scene, state, STEP), scene.mass[:, None]
     run.advance(1000 * STEP)
     run.collect_impulses()
-    before = run.state.velocity
+    velocity = run.state.velocity
     run.advance(1000 * STEP)
-    taken = run.collect_impulses()[0].sum(axis=(0, 1))
-    change = mass * (run.state.velocity - before)
-    assert np.abs(taken).max() > 1e-3 * np.abs(change).sum()
-    assert_allclose(change.sum(axis=0) + taken, 0.0, atol=1e-13 * np.abs(change).sum())
+    impulse = run.collect_impulses()[0].sum(axis=(0, 1))
+    change = mass * (run.state.velocity - velocity)
+    assert np.abs(impulse).max() > 1e-3 * np.abs(change).sum()
+    assert_allclose(change.sum(axis=0) + impulse, 0.0, atol=1e-13 * np.abs(change).sum())
 
 
 def test_energy_is_kept_across_the_sides():
     """Without friction and damping nothing is lost, whichever image of a granule is met."""
-    still = dem.Cylinder(0.4 * PITCH, (0.0, 0.0))
-    scene, state = gas(material=ELASTIC, friction=SMOOTH, solids=still)
+    cylinder = dem.Cylinder(0.4 * PITCH, (0.0, 0.0))
+    scene, state = gas(material=ELASTIC, friction=SMOOTH, solids=cylinder)
     run = dem.Simulation(scene, state, step_fraction=0.05)
-    before = sum(balance(run.world))
+    initial = sum(balance(run.world))
     run.advance(5e-4)
-    assert sum(balance(run.world)) == pytest.approx(before, rel=1e-4)
-    assert np.abs(run.state.velocity - state.velocity).max() > 1.0 and before > 0.0
+    assert sum(balance(run.world)) == pytest.approx(initial, rel=1e-4)
+    assert np.abs(run.state.velocity - state.velocity).max() > 1.0 and initial > 0.0
 
 
 @pytest.mark.parametrize(
@@ -277,9 +277,9 @@ def test_nothing_passes_a_granule_unseen(side, periodic):
     run, count = dem.Simulation(scene, state), np.zeros(2)
     for _ in range(300):
         run.advance(5e-6)
-        assert seen(run) == deep(run)
-        count += [len(each) for each in deep(run)]
-    sides = [axis for axis, each in enumerate(periodic) if each]
+        assert contacts_of(run) == deep(run)
+        count += [len(contacts) for contacts in deep(run)]
+    sides = [axis for axis, repeats in enumerate(periodic) if repeats]
     assert np.abs(run.state.position - state.position)[:, sides].max() > 1.5 * PITCH
     assert count[0] > 20 and count[1] > 5
 
@@ -328,7 +328,7 @@ def test_a_large_bed_is_listed_by_where_granules_are_in_the_box():
     scene, state = gas(36)
     images = np.random.default_rng(2).integers(-3, 4, state.position.shape)
     states = state, moved(state, images * scene.periodic)
-    one, other = (order_of(scene, each.checked(scene.granules)) for each in states)
+    one, other = (order_of(scene, image.checked(scene.granules)) for image in states)
     assert_array_equal(one, other)
     assert np.ptp(np.diff(one)) > 1
 
@@ -349,9 +349,9 @@ REFUSED = {
 @pytest.mark.parametrize("sentence", REFUSED)
 def test_a_period_that_cannot_be_is_refused_in_a_sentence(sentence):
     walls = dem.box(1e-2, 1e-2) if "walls" in sentence else None
-    with pytest.raises(dem.InputError) as told:
+    with pytest.raises(dem.InputError) as error:
         dem.Scene(dem.Disc([0.5e-3, 0.4e-3]), walls=walls, periodic=REFUSED[sentence])
-    assert str(told.value).startswith(sentence) and str(told.value).count(".\n") == 0
+    assert str(error.value).startswith(sentence) and str(error.value).count(".\n") == 0
 
 
 def test_the_least_period_is_enough():
@@ -368,14 +368,14 @@ def test_the_least_period_is_enough():
     run = dem.Simulation(scene, state, skin=5.0)
     for _ in range(100):
         run.advance(1e-5)
-        assert seen(run) == deep(run)
+        assert contacts_of(run) == deep(run)
 
 
 def test_a_result_tells_its_periods():
     scene, state = gas(periodic=(True, False))
-    found = dem.simulate(scene, state, 1e-5).to_dataset()
-    assert_array_equal(found["period"], [6.0 * PITCH, np.nan])
-    assert found["period"].attrs["units"] == "m"
+    dataset = dem.simulate(scene, state, 1e-5).to_dataset()
+    assert_array_equal(dataset["period"], [6.0 * PITCH, np.nan])
+    assert dataset["period"].attrs["units"] == "m"
     assert dem.Scene(dem.Disc([1e-3]), periodic=(None, None)).periodic is None
 
 
@@ -412,15 +412,15 @@ def test_the_pressure_of_a_bed_is_the_energy_that_its_box_gives():
     soft = replace(UNIT, restitution=0.5)
 
     def energy(factor):
-        there = replace(AWAY, position=tuple(factor * np.array(AWAY.position)))
+        cylinder = replace(AWAY, position=tuple(factor * np.array(AWAY.position)))
         scene = dem.Scene(
-            shape, soft, SMOOTH, None, there, thickness=1.0, periodic=tuple(factor * size)
+            shape, soft, SMOOTH, None, cylinder, thickness=1.0, periodic=tuple(factor * size)
         )
         return balance(dem.Simulation(scene, dem.State(bed.position * factor)).world)[1]
 
-    gained = (energy(1.0 - small) - energy(1.0 + small)) / (2.0 * small)
+    gain = (energy(1.0 - small) - energy(1.0 + small)) / (2.0 * small)
     modulus = 0.5  # E* of two granules of unit modulus
-    assert_allclose(bed.pressure * modulus * 2.0 * size.prod(), gained, rtol=1e-4)
+    assert_allclose(bed.pressure * modulus * 2.0 * size.prod(), gain, rtol=1e-4)
 
 
 def test_a_bed_that_is_pressed_with_friction_is_looser_in_contacts_and_at_rest():
@@ -436,19 +436,19 @@ def test_a_bed_that_is_pressed_with_friction_is_looser_in_contacts_and_at_rest()
 def test_measures_of_flow_do_not_depend_on_where_the_box_begins(measure):
     rng, period = np.random.default_rng(1), (8e-3, 8e-3)
     grid = PITCH * np.stack(np.meshgrid(*2 * [np.arange(8.0)]), -1).reshape(-1, 2)
-    before = grid + rng.normal(scale=1e-4, size=grid.shape)
-    after = before + rng.normal(scale=1e-4, size=grid.shape)
+    start = grid + rng.normal(scale=1e-4, size=grid.shape)
+    end = start + rng.normal(scale=1e-4, size=grid.shape)
     layers = measures.layers_of(grid, 8e-3)
 
-    def found(by):
-        here = before + by, after + by
+    def values(shift):
+        positions = start + shift, end + shift
         if measure == "mixing":
-            return measures.mixing(layers, here[1], PITCH, period)
-        return getattr(measures, measure)(*here, PITCH, period)
+            return measures.mixing(layers, positions[1], PITCH, period)
+        return getattr(measures, measure)(*positions, PITCH, period)
 
     turns = rng.integers(-3, 4, grid.shape) * period
-    assert np.isfinite(found(0.0)).all() and np.ptp(np.append(found(0.0), 0.0)) > 0.0
-    assert_allclose(found(turns + [3.3e-3, 1e-4]), found(0.0), rtol=1e-6)
+    assert np.isfinite(values(0.0)).all() and np.ptp(np.append(values(0.0), 0.0)) > 0.0
+    assert_allclose(values(turns + [3.3e-3, 1e-4]), values(0.0), rtol=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -466,16 +466,17 @@ def test_a_bed_is_drawn_with_its_images_one_period_away(periodic, count):
 def test_a_picture_is_the_same_whichever_image_is_given():
     scene, state = gas(periodic=(True, False))
     turn = np.random.default_rng(1).integers(-2, 3, len(state.position))[:, None] * [6e-3, 0.0]
-    drawn = []
-    for by in (0.0, turn):
-        result = dem.simulate(scene, moved(state, by), 1e-5)
+    images = []
+    for shift in (0.0, turn):
+        result = dem.simulate(scene, moved(state, shift), 1e-5)
         figure = dem.plot.bed(result, color="speed", forces=True)
         axes = figure.axes[0]
-        rings = axes.collections[0].get_paths()
-        drawn.append(sorted(tuple(np.round(ring.vertices.mean(axis=0), 6)) for ring in rings))
-        assert len(axes.collections[2].get_paths()) >= 2  # the cylinder
+        granules, cylinders = (axes.collections[first::4] for first in (0, 2))  # by image
+        rings = [ring for image in granules for ring in image.get_paths()]
+        images.append(sorted(tuple(np.round(ring.vertices.mean(axis=0), 6)) for ring in rings))
+        assert len(cylinders) == 3 and all(len(image.get_paths()) == 1 for image in cylinders)
         assert_allclose(axes.get_xlim(), [0.0, 6.0])
-    assert len(drawn[0]) >= scene.granules and drawn[0] == drawn[1]
+    assert len(images[0]) >= scene.granules and images[0] == images[1]
 
 
 VALUES = {"extends": "config/smoke.yaml", "shape": "c1", "seed": 1, "record": {"snapshots": 3}}
@@ -485,26 +486,26 @@ VALUES = {"extends": "config/smoke.yaml", "shape": "c1", "seed": 1, "record": {"
 def test_a_run_of_the_experiment_takes_periodic_sides(periodic):
     """Its walls are those that remain, and the cylinder may leave through the top."""
     lid = {"packing": {"fraction": None, "pressure": 60e6}}  # its kernels are there
-    more = {"cylinder": {"start": 0.9}} if periodic == "xy" else lid
+    changes = {"cylinder": {"start": 0.9}} if periodic == "xy" else lid
     record = VALUES["record"] | {"observables": ["drag", "snapshots", "flow", "alignment"]}
-    found = dem.run_experiment(VALUES | more | {"record": record, "periodic": periodic})
-    stands = np.isfinite(found["wall_force"].values).all(axis=1)
-    assert stands.tolist() == [False, False, *2 * [periodic == "x"]]
-    assert np.isnan(found["wall_force"].values[~stands]).all()
-    assert found["drag"].mean() > 0.0 and found["packing_pressure"] > 0.0
-    assert np.isfinite(found["non_affine"].values[1:]).all()
+    result = dem.run_experiment(VALUES | changes | {"record": record, "periodic": periodic})
+    present = np.isfinite(result["wall_force"].values).all(axis=1)
+    assert present.tolist() == [False, False, *2 * [periodic == "x"]]
+    assert np.isnan(result["wall_force"].values[~present]).all()
+    assert result["drag"].mean() > 0.0 and result["packing_pressure"] > 0.0
+    assert np.isfinite(result["non_affine"].values[1:]).all()
 
 
 def test_periodic_sides_are_part_of_what_a_run_is():
-    """Runs, beds and machine code differ; the default, written or not, is the same."""
+    """Runs and beds differ; the default, written or not, is the same."""
     values = next(iter(dem.load_sweep("config/smoke.yaml")))
     one, same, other = (
-        of_values(values | more) for more in ({}, {"periodic": "none"}, {"periodic": "x"})
+        of_values(values | changes) for changes in ({}, {"periodic": "none"}, {"periodic": "x"})
     )
-    for of in ("run_key", "bed_key"):
-        assert getattr(one, of)() == getattr(same, of)() != getattr(other, of)()
-    assert one.variant != other.variant and one.bed_family != other.bed_family
-    data = {key: each for key, each in values.items() if key not in ("shape", "density", "seed")}
+    for name in ("run_key", "bed_key"):
+        assert getattr(one, name)() == getattr(same, name)() != getattr(other, name)()
+    assert one.bed_family != other.bed_family
+    data = {key: value for key, value in values.items() if key not in ("shape", "density", "seed")}
     for wrong, words in (("z", "periodic is 'z'"), (True, "periodic is True")):
         with pytest.raises(dem.InputError, match=words):
             parse(data | {"periodic": wrong})

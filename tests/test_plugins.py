@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from forked import snakemake
+from workflows import snakemake
 
 import dem
 from conftest import posix
@@ -50,7 +50,7 @@ def write(folder: Path, shape: str = SHAPE, sweep: str = SWEEP) -> Path:
 def run(*words, cwd, path=(), status=0):
     """A command of Python; what it says."""
     folders = os.pathsep.join(map(str, (*path, ROOT)))
-    ran = subprocess.run(
+    process = subprocess.run(
         [sys.executable, *map(str, words)],
         cwd=cwd,
         env=os.environ | {"PYTHONPATH": folders},
@@ -58,8 +58,8 @@ def run(*words, cwd, path=(), status=0):
         capture_output=True,
         timeout=600,
     )
-    assert ran.returncode == status, ran.stderr + ran.stdout
-    return ran.stdout + ran.stderr
+    assert process.returncode == status, process.stderr + process.stdout
+    return process.stdout + process.stderr
 
 
 @pytest.fixture(scope="module")
@@ -111,14 +111,14 @@ def test_the_next_process_compiles_nothing(swept, tmp_path):
 
 
 def known_by(*folders: Path) -> list[str]:
-    """What the runs of sweeps and their machine code are known by, in a process of its own."""
+    """What the runs of sweeps are known by, in a process of its own."""
     words = (
-        "import sys; from dem.sweep.config import load; from dem.sweep.grouping import kernel_key\n"
+        "import sys; from dem.sweep.config import load\n"
         "for path in sys.argv[1:]:\n"
         "    run = next(load(path).block('drag').unique())\n"
-        "    print(run.id, run.bed_id, kernel_key(run))"
+        "    print(run.id, run.bed_id)"
     )
-    return run("-c", words, *(each / "sweep.yaml" for each in folders), cwd=ROOT).splitlines()
+    return run("-c", words, *(folder / "sweep.yaml" for folder in folders), cwd=ROOT).splitlines()
 
 
 EDITS = {  # file, what is there, what is put instead; whether runs are made again
@@ -148,9 +148,9 @@ def test_runs_are_known_by_the_code_of_their_shape_and_not_by_its_folder(tmp_pat
         text = (first / name).read_text()
         assert old in text, edit
         (tmp_path / edit / name).write_text(text.replace(old, new))
-    before, *after = known_by(first, *(tmp_path / edit for edit in EDITS))
-    assert {edit: each != before for edit, each in zip(EDITS, after, strict=True)} == {
-        edit: again for edit, (*_, again) in EDITS.items()
+    reference, *keys = known_by(first, *(tmp_path / edit for edit in EDITS))
+    assert {edit: key != reference for edit, key in zip(EDITS, keys, strict=True)} == {
+        edit: changed for edit, (*_, changed) in EDITS.items()
     }
 
 
@@ -158,8 +158,8 @@ def test_a_folder_that_is_moved_makes_nothing_again(swept):
     shutil.copytree(swept / "mine", swept / "moved")
     sweep = swept / "moved/sweep.yaml"
     sweep.write_text(sweep.read_text().replace("results/pebbles", "results/moved"))
-    said = run("-m", "dem", "sweep", "moved/sweep.yaml", "-n", cwd=swept)
-    assert "2 finished" in said
+    output = run("-m", "dem", "sweep", "moved/sweep.yaml", "-n", cwd=swept)
+    assert "2 finished" in output
 
 
 def test_a_plan_finds_shapes_that_were_moved_since(tmp_path, monkeypatch):
@@ -204,8 +204,8 @@ def test_readers_run_no_code_that_a_sweep_names(swept):
             cwd=swept,
         )
         picture = "-m", "dem", "draw", results / "drag.nc", "seed=1", "-o"
-        said = run(*picture, "plain.png", cwd=swept, status=2)
-        assert "--shapes on the command line" in said and not (swept / "plain.png").exists()
+        output = run(*picture, "plain.png", cwd=swept, status=2)
+        assert "--shapes on the command line" in output and not (swept / "plain.png").exists()
         assert not (folder / "ran").exists() and not (swept / "mine/ran").exists()
         run(*picture, "true.png", "--shapes", "telling", cwd=swept)
         assert (folder / "ran").exists() and not (swept / "mine/ran").exists()
@@ -234,22 +234,22 @@ def test_a_kind_that_is_none_gets_one_sentence(tmp_path, kind):
     (tmp_path / "mine/broken.py").write_text("def\n")
     with pytest.raises(dem.InputError) as error:
         load(tmp_path / "mine/sweep.yaml")
-    said = str(error.value)
-    assert f"shapes.pebble.kind is '{kind}'; " in said and WRONG[kind] in said
-    assert said.endswith(".") and "\n" not in said
+    message = str(error.value)
+    assert f"shapes.pebble.kind is '{kind}'; " in message and WRONG[kind] in message
+    assert message.endswith(".") and "\n" not in message
     assert not (tmp_path / "mine/ran").exists()
 
 
 def test_what_is_wrong_with_a_file_of_a_shape_ends_with_status_2(tmp_path):
     write(tmp_path / "mine", SHAPE + "\n1 / 0\n")
-    said = run("-m", "dem", "sweep", "mine/sweep.yaml", cwd=tmp_path, status=2)
-    assert said.splitlines()[-1] == (
+    output = run("-m", "dem", "sweep", "mine/sweep.yaml", cwd=tmp_path, status=2)
+    assert output.splitlines()[-1] == (
         f"shapes.pebble (pebbles.Pebble): {tmp_path / 'mine/pebbles.py'}: it cannot be imported "
         "(ZeroDivisionError: division by zero)."
     )
     write(tmp_path / "other", SHAPE.replace("@smooth(support)\n", ""))
-    said = run("-m", "dem", "sweep", "sweep.yaml", cwd=tmp_path / "other", status=2)
-    assert "Pebble is no shape; decorate it with smooth" in said and "Traceback" not in said
+    output = run("-m", "dem", "sweep", "sweep.yaml", cwd=tmp_path / "other", status=2)
+    assert "Pebble is no shape; decorate it with smooth" in output and "Traceback" not in output
 
 
 RESTING = """
@@ -267,7 +267,7 @@ WRONG_FILES = {  # what a sweep says: which file is there, and what is told
     "experiment: drag.py": ("", "drag is a name of this package"),
     "record: {observables: [drag, rest.py]}": (
         "VARIABLES = {'drag': ((), 'N', 'force')}\ndef look(it):\n    pass\n",
-        "record.observables has 'rest.py'; runs have a variable drag without it",
+        "drag has two meanings in files of its runs; rename yours.",
     ),
     "experiment: rest.py  # labels": (
         "VARIABLES = {'density': ((), '1', 'words')}\ndef run(it):\n    pass\n",
@@ -317,7 +317,7 @@ WRONG_FILES = {  # what a sweep says: which file is there, and what is told
 @pytest.mark.parametrize("words", WRONG_FILES)
 def test_what_is_wrong_with_a_file_of_an_experiment_is_one_sentence(tmp_path, words):
     """Which comes without running it."""
-    text, told = WRONG_FILES[words]
+    text, reason = WRONG_FILES[words]
     for name in ("rest.py", "drag.py", "title.py"):
         (tmp_path / name).write_text(TELLING + text)
     (tmp_path / "sweep.yaml").write_text(
@@ -326,8 +326,8 @@ def test_what_is_wrong_with_a_file_of_an_experiment_is_one_sentence(tmp_path, wo
     )
     with pytest.raises(dem.InputError) as error:
         load(tmp_path / "sweep.yaml")
-    said = str(error.value)
-    assert told in said and said.endswith(".") and "\n" not in said
+    message = str(error.value)
+    assert reason in message and message.endswith(".") and "\n" not in message
     assert not (tmp_path / "ran").exists()
 
 
@@ -358,19 +358,19 @@ def test_an_experiment_in_a_file_of_ones_own_is_swept(tmp_path):
     assert not (folder / "ran").exists()
     (folder / "rest.py").write_text(FILES["rest.py"])
     run("-m", "dem", "sweep", "mine/rest.yaml", cwd=tmp_path)
-    with xr.open_dataset(tmp_path / "results/rest/rest.nc") as made:
+    with xr.open_dataset(tmp_path / "results/rest/rest.nc") as dataset:
         runs = {"shape": 2, "rest_margin": 2, "seed": 2}
-        assert dict(made["rest_load"].sizes) == runs
-        assert dict(made["rest_granules"].sizes) == runs | {"layer": 3}
-        granules = made["rest_granules"].sum("layer")
-        assert (granules == made["granules"]).all()
-        assert made["layer"].values == pytest.approx([1 / 6, 1 / 2, 5 / 6])
-        assert made["rest_margin"].attrs["units"] == "m"
+        assert dict(dataset["rest_load"].sizes) == runs
+        assert dict(dataset["rest_granules"].sizes) == runs | {"layer": 3}
+        granules = dataset["rest_granules"].sum("layer")
+        assert (granules == dataset["granules"]).all()
+        assert dataset["layer"].values == pytest.approx([1 / 6, 1 / 2, 5 / 6])
+        assert dataset["rest_margin"].attrs["units"] == "m"
         # at rest each contact between granules is one of the list, and walls have the others
         everywhere, above = (
-            made["rest_force"].sel(rest_margin=margin).count("contact") for margin in (0.0, 1e-3)
+            dataset["rest_force"].sel(rest_margin=margin).count("contact") for margin in (0.0, 1e-3)
         )
-        assert (everywhere >= 0.5 * (made["rest_contacts"] * made["granules"])).all()
+        assert (everywhere >= 0.5 * (dataset["rest_contacts"] * dataset["granules"])).all()
         assert (above < everywhere).all()
     data = tmp_path / "results/rest/rest.nc"
     draw("sweep", data, data.parent / "figures", of="rest_force")
@@ -431,15 +431,15 @@ def test_an_observable_gives_grids_and_lists_of_any_length(tmp_path, length):
     if length == 3:
         with pytest.raises(
             dem.RunError,
-            match=r"the variable contact_force has the shape \(5, \d+\); it may have 5 along snapshot and 3",
+            match=r"contact_force is an array of float64 with shape \(\d+,\); it must be numbers, at most 3",
         ):
             dem.run_experiment(values)
         return
-    found = dem.run_experiment(values)
-    assert (found["contact_force"].count("contact") == found["contact_number"]).all()
-    assert len(np.unique(found["contact_number"])) > 1
-    assert found["sector"].attrs["units"] == "rad"
-    assert found["sector_granules"].sum() == found["granules"]
+    result = dem.run_experiment(values)
+    assert (result["contact_force"].count("contact") == result["contact_number"]).all()
+    assert len(np.unique(result["contact_number"])) > 1
+    assert result["sector"].attrs["units"] == "rad"
+    assert result["sector_granules"].sum() == result["granules"]
 
 
 def test_an_experiment_gives_all_that_it_says(tmp_path):
@@ -467,9 +467,9 @@ def test_values_of_ones_own_are_read_where_the_file_is_away(tmp_path):
     )
     one, two = load(tmp_path / "sweep.yaml").block("drag").unique()
     assert one.id != two.id
-    away = of_values(two.values(beside=False))
-    assert away.configuration.rest.margin == two.configuration.rest.margin == 1e-3
-    assert away.with_shapes(tmp_path).id == two.id
+    away = {name: value for name, value in two.values().items() if name != "beside"}
+    assert of_values(away).configuration.rest.margin == two.configuration.rest.margin == 1e-3
+    assert of_values(away | {"beside": str(tmp_path)}).id == two.id
 
 
 def test_beside_names_another_folder(tmp_path):
@@ -490,18 +490,18 @@ def test_a_shape_in_a_file_of_ones_own_is_swept_by_the_workflow(swept, tmp_path)
         shutil.copy(ROOT / name, tmp_path / name)
     write(tmp_path / "mine")
     targets = "all", "results/pebbles/rotation.nc"
-    ran = snakemake(tmp_path, *targets, "-c2", configfile="mine/sweep.yaml")
-    assert ran.returncode == 0, ran.stderr
+    process = snakemake(tmp_path, *targets, "-c2", configfile="mine/sweep.yaml")
+    assert process.returncode == 0, process.stderr
     for name in ("drag.nc", "rotation.nc"):
         assert (tmp_path / "results/pebbles" / name).is_file()
     plans = [
-        sorted(each.name for each in (place / "results/store/batches").glob("*.nc"))
-        for place in (swept, tmp_path)
+        sorted(path.name for path in (folder / "results/store/batches").glob("*.nc"))
+        for folder in (swept, tmp_path)
     ]
     assert plans[0] == plans[1]
     shutil.move(tmp_path / "mine", tmp_path / "elsewhere")
-    again = snakemake(tmp_path, *targets, "-n", configfile="elsewhere/sweep.yaml")
-    assert "Nothing to be done" in again.stdout + again.stderr
+    rerun = snakemake(tmp_path, *targets, "-n", configfile="elsewhere/sweep.yaml")
+    assert "Nothing to be done" in rerun.stdout + rerun.stderr
 
 
 def test_a_shape_in_the_package_is_one_file(tmp_path):

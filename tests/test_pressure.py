@@ -6,25 +6,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
-from dem.analysis.one_run import snapshots_of
 from dem.base.errors import InputError, PackingError
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import diameters, make_bed, solids
-from dem.experiment.box import height_of_box
+from dem.experiment.bed import make_bed, solids
+from dem.experiment.box import diameters_of, height_of_box
 from dem.experiment.config import parse
 from dem.experiment.kinds import drag
 from dem.experiment.scene import make_scene
-from dem.figures.film import Scene
+from dem.experiment.snapshots import snapshots_of
+from dem.figures.bed import draw, view_of
 from dem.figures.frames import of_motion
-from dem.figures.style import styled
 from dem.sweep.config import load
 
 CONFIG = Path(__file__).parent.parent / "config"
 PRESSURE, HIGH = 60e6, 150e6  # Pa
 
 
-def asked(pressure=PRESSURE, **changes):
+def replicate(pressure=PRESSURE, **changes):
     """A run of the small bed of discs under a pressure."""
     values = {
         "packing.fraction": None,
@@ -38,13 +38,13 @@ def asked(pressure=PRESSURE, **changes):
 
 @cache
 def bed_under(pressure=PRESSURE, periodic="x"):
-    return make_bed(asked(pressure, periodic=periodic))
+    return make_bed(replicate(pressure, periodic=periodic))
 
 
 @cache
 def drawn():
     """What the run records."""
-    return drag.run(asked(), bed_under())
+    return drag.run(replicate(), bed_under())
 
 
 def area_of(run):
@@ -55,17 +55,17 @@ def area_of(run):
 @pytest.mark.parametrize("pressure", [5e6, PRESSURE])
 def test_the_top_wall_bears_the_pressure_asked_for(pressure):
     """By the forces of the run's own granules, before anything has moved."""
-    run, bed = asked(pressure), bed_under(pressure)
+    run, bed = replicate(pressure), bed_under(pressure)
     force = Simulation(make_scene(run, bed), bed.state).record(1e-10, 1).wall_force[0]
     assert force[-1] / area_of(run) == pytest.approx(pressure, rel=5e-3)
 
 
 def test_floor_and_top_wall_bear_the_same_where_the_cylinder_bears_none():
     """Between side walls too; what the cylinder at rest takes is the difference (Newton's third law)."""
-    run, bed = asked(periodic="none"), bed_under(periodic="none")
+    run, bed = replicate(periodic="none"), bed_under(periodic="none")
     scene = make_scene(run, bed)
-    still = replace(scene.solids[0], velocity=(0.0, 0.0))
-    scene = replace(scene, solids=still, walls=scene.planes)
+    cylinder = replace(scene.solids[0], velocity=(0.0, 0.0))
+    scene = replace(scene, solids=cylinder, walls=scene.planes)
     record = Simulation(scene, bed.state).record(1e-10, 1)
     left, right, bottom, top = record.wall_force[0]
     (on_cylinder,) = record.normal_force[0]
@@ -77,38 +77,37 @@ def test_floor_and_top_wall_bear_the_same_where_the_cylinder_bears_none():
 def test_the_top_wall_holds_the_pressure_while_the_cylinder_moves():
     """Its mean force is the pressure to within 3 %, though the cylinder pushes the bed against it; a
     wall that does not yield bears much more."""
-    run, values = asked(), drawn()
-    held = values["wall_force"][3] / area_of(run)
-    assert held.mean() == pytest.approx(PRESSURE, rel=0.03)
+    run, values = replicate(), drawn()
+    pressure = values["wall_force"][3] / area_of(run)
+    assert pressure.mean() == pytest.approx(PRESSURE, rel=0.03)
     assert values["drag"].mean() > 0.0
     assert values["top_height"][-1] != values["top_height"][0]
 
 
-@styled
 def test_a_snapshot_shows_the_top_wall_where_it_is():
     """What touches it there pushes it with the pressure, and no granule is drawn beyond it by more
     than its overlap; it is not where it began."""
-    run = asked()
-    motion = snapshots_of("drawn", run, drawn() | drag.axes(run.configuration))
-    found = motion.contacts(-1)
-    on_top = found.partner == -3  # after the cylinder and the bottom
-    assert found.force[on_top].sum() / area_of(run) == pytest.approx(PRESSURE, rel=0.1)
+    run = replicate()
+    motion = snapshots_of(run, drawn() | drag.axes(run.configuration))
+    contacts = motion.contacts(-1)
+    on_top = contacts.partner == -3  # after the cylinder and the bottom
+    assert contacts.force[on_top].sum() / area_of(run) == pytest.approx(PRESSURE, rel=0.1)
     frames = of_motion(motion)
-    scene = Scene(frames, "speed", forces=False)
-    scene.show(len(frames.position) - 1)
-    top = max(line[:, 1].min() for line in scene.bed.walls.get_segments())
-    outlines = [path.vertices for path in scene.bed.granules.get_paths()]
-    beyond = max(outline[:, 1].max() for outline in outlines) - top
-    assert 0.0 < beyond < 1.1e3 * found.overlap[on_top].max()
+    axes = Figure().subplots()
+    draw(axes, frames, -1, view_of(frames))
+    outlines = [path.vertices for path in axes.collections[0].get_paths()]
+    beyond = max(outline[:, 1].max() for outline in outlines) - 1e3 * motion.height[-1]
+    assert axes.patches[0].get_xy()[:, 1].max() == pytest.approx(1e3 * motion.height[-1])
+    assert 0.0 < beyond < 1.1e3 * contacts.overlap[on_top].max()
     assert abs(motion.height[-1] / motion.height[0] - 1.0) > 1e-3
 
 
 def test_the_packing_fraction_follows_the_top_wall():
     """Granules keep their area: fraction times free area is the same in all bins."""
-    run, values = asked(), drawn()
-    own = run.configuration
-    hole = 0.25 * np.pi * own.cylinder.diameter**2
-    area = values["bed_fraction"] * (own.box_width * values["top_height"] - hole)
+    run, values = replicate(), drawn()
+    configuration = run.configuration
+    hole = 0.25 * np.pi * configuration.cylinder.diameter**2
+    area = values["bed_fraction"] * (configuration.box_width * values["top_height"] - hole)
     np.testing.assert_allclose(area, area[0], rtol=1e-12)
     assert 0.7 < values["bed_fraction"].min() < values["bed_fraction"].max() < 0.95
 
@@ -117,24 +116,24 @@ def test_more_pressure_makes_a_lower_box_around_the_same_cylinder():
     """The cylinder is where it is before the height is known."""
     beds = {pressure: bed_under(pressure) for pressure in (5e6, PRESSURE)}
     assert beds[5e6].height > beds[PRESSURE].height
-    places = {solids(asked(p), bed.height)[0].position for p, bed in beds.items()}
+    places = {solids(replicate(p), bed.height)[0].position for p, bed in beds.items()}
     assert len(places) == 1
 
 
 def test_the_same_values_give_the_same_bed():
-    bed, again = bed_under(), make_bed(asked())
-    assert (again.position == bed.position).all() and again.height == bed.height
+    bed, repeat = bed_under(), make_bed(replicate())
+    assert (repeat.position == bed.position).all() and repeat.height == bed.height
 
 
 def test_a_box_too_low_for_the_stroke_is_refused():
     """Of the box at a packing fraction of 0.84 the stroke leaves a micrometre; the bed is lower."""
-    run, bed = asked(HIGH), bed_under(HIGH)
-    nominal = height_of_box(run.configuration, diameters(run))
+    run, bed = replicate(HIGH), bed_under(HIGH)
+    nominal = height_of_box(run.configuration, diameters_of(run))
     (at,) = solids(run, bed.height)
     stroke = nominal - at.position[1] - at.radius - 1e-6
     assert bed.height < nominal
     with pytest.raises(PackingError, match="would leave it during its stroke; at most"):
-        make_bed(asked(HIGH, **{"cylinder.stroke": stroke}))
+        make_bed(replicate(HIGH, **{"cylinder.stroke": stroke}))
 
 
 @pytest.mark.parametrize(
@@ -156,7 +155,7 @@ def test_a_box_too_low_for_the_stroke_is_refused():
 )
 def test_a_pressure_that_cannot_be_is_refused(changes, words):
     with pytest.raises(InputError) as error:
-        asked(**changes)
+        replicate(**changes)
     assert words in str(error.value) and str(error.value).count("\n") == 0
 
 

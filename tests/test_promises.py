@@ -15,11 +15,11 @@ from pathlib import Path
 import matplotlib
 import pytest
 import yaml
-from forked import snakemake
-from made import of_file
 from markdown_it import MarkdownIt
+from sweeps import of_file
 from typer.main import get_command
 from typer.testing import CliRunner
+from workflows import snakemake
 
 import dem
 from conftest import CONFIG, posix
@@ -71,12 +71,12 @@ def lines():
     for path in PAGES:
         for language, content in blocks(path.read_text(encoding="utf-8")):
             if language in ("", "bash", "sh", "console"):
-                shown = (
+                listing = (
                     re.findall(r"^\$ (.*)", content, re.M)
                     if language == "console"
                     else content.splitlines()
                 )
-                yield from ((path, line) for line in shown)
+                yield from ((path, line) for line in listing)
     for path in (*RULES, *SOURCES):
         for text in docstrings(path):
             for _, content in blocks(text):
@@ -89,14 +89,14 @@ def lines():
 
 def commands():
     """Each command that is shown, as words, and where it is shown first."""
-    found = {}
+    places = {}
     for path, line in lines():
         for part in re.split(r" && |; (?=\w+ )", line.strip()):
             with suppress(ValueError):  # no line of a shell
                 words = tuple(shlex.split(part, comments=True))
                 if words[:1] and words[0] in PROGRAMS:
-                    found.setdefault(words, path)
-    return found
+                    places.setdefault(words, path)
+    return places
 
 
 # Whose commands are not ours: their words are checked as far as they name something of ours.
@@ -131,9 +131,9 @@ def smallest(sweep):
 
 
 @pytest.fixture(scope="module")
-def place(copy, tmp_path_factory):
+def small_checkout(copy, tmp_path_factory):
     """A checkout in which the paper is small, with its results, the sweeps of the pages and the files of studies."""
-    folder = tmp_path_factory.mktemp("place") / "copy"
+    folder = tmp_path_factory.mktemp("small") / "copy"
     shutil.copytree(copy, folder)
     (folder / "docs/data").mkdir()
     small, paper = (
@@ -158,10 +158,10 @@ def place(copy, tmp_path_factory):
     with chdir(folder):
         for name in ("config/paper.yaml", "config/smoke.yaml", "friction.yaml"):
             of_file(Path(name))
-        for each in findings.FILES:
-            if not (target := Path("results") / each.source).exists():
+        for file in findings.FILES:
+            if not (target := Path("results") / file.source).exists():
                 target.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy(each.path, target)
+                shutil.copy(file.path, target)
         Path("results/rough").mkdir()  # of no sweep
         shutil.copy("results/friction/drag.nc", "results/rough/drag.nc")
         shutil.copy("results/drag.nc", "docs/data/drag.nc")
@@ -184,9 +184,9 @@ VERBS = [words for words in SHOWN if words[0] == "dem" or words[:3] == ("python"
 
 @pytest.mark.parametrize("words", VERBS, ids=shlex.join)
 @posix
-def test_a_verb_runs_as_it_is_shown(place, monkeypatch, words):
+def test_a_verb_runs_as_it_is_shown(small_checkout, monkeypatch, words):
     """But for what needs a cluster or never ends; of a sweep the plan."""
-    monkeypatch.chdir(place)
+    monkeypatch.chdir(small_checkout)
     if reason := next(
         (NOT_RUN[name] for name in NOT_RUN if shlex.join(words).startswith(name)), None
     ):
@@ -243,9 +243,9 @@ def test_verbs_and_options_within_sentences_exist():
         command = get_command(app)
         while rest and hasattr(command, "commands") and rest[0] in command.commands:
             command = command.commands[rest.pop(0)]
-        known = {"--help", *(name for each in command.params for name in each.opts)}
+        names = {"--help", *(name for parameter in command.params for name in parameter.opts)}
         options = {re.sub(r"^(-\w).+", r"\1", word) for word in rest if word.startswith("-")}
-        if not options <= known or hasattr(command, "commands"):
+        if not options <= names or hasattr(command, "commands"):
             wrong.append(f"{path}: {shlex.join(words)}")
     assert wrong == []
 
@@ -259,9 +259,9 @@ def options_of(words):
 @posix
 def test_every_target_can_be_planned(copy):
     """All that Snakemake lists, at once; those that pages and rules show are among them."""
-    listed = snakemake(copy, "--list-target-rules", configfile=None)
+    process = snakemake(copy, "--list-target-rules", configfile=None)
     targets, shown = (
-        set(listed.stdout.split()),
+        set(process.stdout.split()),
         [options_of(words) for words in SHOWN if words[0] == "snakemake"],
     )
     assert len(targets) > 8 and set(chain(*shown)) <= targets
@@ -274,10 +274,10 @@ CONFIGURED = [words for words in SHOWN if words[0] == "snakemake" and "--configf
 
 @posix
 @pytest.mark.parametrize("words", CONFIGURED, ids=shlex.join)
-def test_a_sweep_that_is_shown_can_be_planned(copy, place, monkeypatch, words):
+def test_a_sweep_that_is_shown_can_be_planned(copy, small_checkout, monkeypatch, words):
     """By what plans the runs for Snakemake."""
     file = Path(words[words.index("--configfile") + 1])
-    monkeypatch.chdir(copy if file.parts[0] == "studies" else place)
+    monkeypatch.chdir(copy if file.parts[0] == "studies" else small_checkout)
     work = SweepState.of(file)
     work.check()
     assert all(work.batches(name) for name in work.sweep.blocks if work.is_known(name))
@@ -298,12 +298,12 @@ PYTHON = [
 
 @pytest.mark.parametrize(
     ("path", "pieces"),
-    [pytest.param(*each, id=str(each[0].relative_to(ROOT))) for each in PYTHON if each[1]],
+    [pytest.param(*page, id=str(page[0].relative_to(ROOT))) for page in PYTHON if page[1]],
 )
-def test_python_of_a_page_runs_as_it_is_shown(place, monkeypatch, path, pieces):
+def test_python_of_a_page_runs_as_it_is_shown(small_checkout, monkeypatch, path, pieces):
     """One piece after another; a file that it names first is written."""
-    monkeypatch.chdir(place)
-    monkeypatch.syspath_prepend(place)
+    monkeypatch.chdir(small_checkout)
+    monkeypatch.syspath_prepend(small_checkout)
     names = {"__name__": "page", "dem": dem}  # which the cells of a notebook import
     with matplotlib.rc_context({"backend": "agg"}):
         for piece in pieces:
@@ -320,7 +320,7 @@ def test_what_is_a_notebook_runs_in_the_build_of_the_pages():
     cells = [
         path
         for path in PAGES
-        if any("{code-cell}" in each for each, _ in blocks(path.read_text(encoding="utf-8")))
+        if any("{code-cell}" in kind for kind, _ in blocks(path.read_text(encoding="utf-8")))
     ]
     assert cells and all(
         "file_format: mystnb" in path.read_text(encoding="utf-8")[:200] for path in cells
@@ -343,7 +343,7 @@ def test_what_other_programs_are_asked_for_is_there(words):
         case ["pip", "install", wanted] if wanted.startswith("granular-drag["):
             assert wanted[14:-1] in EXTRAS
         case ["make", *goals]:
-            known = re.findall(r"^([\w./]+):", (ROOT / "Makefile").read_text(), re.M)
-            assert set(without(goals, (), 0)) - {g for g in goals if "=" in g} <= set(known)
+            targets = re.findall(r"^([\w./]+):", (ROOT / "Makefile").read_text(), re.M)
+            assert set(without(goals, (), 0)) - {g for g in goals if "=" in g} <= set(targets)
         case [_, script, *_] if script.endswith((".py", ".sh")):
             assert (ROOT / script).is_file()

@@ -13,27 +13,27 @@ TUTORIAL = "docs/tutorials/library.md"
 
 def code(document):
     """Pieces of Python in a document, by the heading above them."""
-    found, heading = {}, ""
+    pieces, heading = {}, ""
     for title, block in re.findall(
         r"^##? (.*?)$|^```(?:python|\{code-cell\} python)\n(.*?)^```",
         (ROOT / document).read_text(),
         re.S | re.M,
     ):
         heading = title or heading
-        found[heading] = found.get(heading, "") + block
-    return found
+        pieces[heading] = pieces.get(heading, "") + block
+    return pieces
 
 
 @pytest.fixture(scope="module")
 def tutorial(tmp_path_factory):
     """Names after each section of the tutorial, by its heading."""
-    names, found = {}, {}
+    names, namespaces = {}, {}
     with pytest.MonkeyPatch.context() as patch, matplotlib.rc_context({"backend": "agg"}):
         patch.chdir(tmp_path_factory.mktemp("tutorial"))
         for heading, block in code(TUTORIAL).items():
             exec(compile(block, TUTORIAL, "exec"), names)
-            found[heading] = dict(names)
-    return found
+            namespaces[heading] = dict(names)
+    return namespaces
 
 
 def test_discs_part_with_the_coefficient_of_restitution(tutorial):
@@ -74,4 +74,4 @@ HOWTO = [f"docs/howto/{page}.md" for page in ("sweep", "shape", "cluster", "reco
 def test_the_files_that_a_document_names_exist(name):
     text = (ROOT / name).read_text()
     named = re.findall(r"\b(?:dem|tests|rules|config|docs(?!/_build))/[\w/.]*\w", text)
-    assert [each for each in named if not (ROOT / each).exists()] == []
+    assert [path for path in named if not (ROOT / path).exists()] == []

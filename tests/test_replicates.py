@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from forked import snakemake
-from made import of_file
 from scipy import stats
+from sweeps import of_file
 from test_means import text_of
+from workflows import snakemake
 
 import dem
 from conftest import posix
@@ -89,27 +89,27 @@ def sweep(tmp_path, monkeypatch):
 
 
 def result() -> xr.Dataset:
-    with dem.open_results("results/drawn/drawn.nc") as found:
-        return found.load()
+    with dem.open_results("results/drawn/drawn.nc") as dataset:
+        return dataset.load()
 
 
-def said(state) -> str:
+def table(state) -> str:
     """The table of a sweep's status as text."""
     return text_of(status(state))
 
 
 def test_replicates_are_added_until_the_mean_is_as_well_known_as_asked(sweep):
     of_file(sweep())
-    found = result()
-    sample, count = found["force"], found["replicates"]
+    dataset = result()
+    sample, count = dataset["force"], dataset["replicates"]
     assert (count >= 10).all() and (count < 120).all()
     assert (half_interval(sample) <= 0.1 * abs(sample.mean("seed"))).all()
     # seeds without gaps, and nothing where a point has no replicate
     for case in "ab":
-        there = found["run_id"].sel(case=case).values != ""
-        assert there.tolist() == (np.arange(len(there)) < int(count.sel(case=case))).tolist()
-        assert (sample.sel(case=case).notnull().values == there).all()
-    assert found["seed"].values.tolist() == list(range(1, int(count.max()) + 1))
+        present = dataset["run_id"].sel(case=case).values != ""
+        assert present.tolist() == (np.arange(len(present)) < int(count.sel(case=case))).tolist()
+        assert (sample.sel(case=case).notnull().values == present).all()
+    assert dataset["seed"].values.tolist() == list(range(1, int(count.max()) + 1))
 
 
 def test_a_round_at_most_doubles_the_replicates(sweep):
@@ -117,8 +117,8 @@ def test_a_round_at_most_doubles_the_replicates(sweep):
     state = of_file(sweep("{until: 3 %, of: force, most: 500}"))
     counts = [state.block("drag", k).counts for k in state.rounds("drag")]
     assert counts[0] == {(0,): 10, (1,): 10} and len(counts) > 3
-    for before, after in pairwise(counts):
-        assert all(before[point] <= after[point] <= 2 * before[point] for point in before)
+    for old, new in pairwise(counts):
+        assert all(old[point] <= new[point] <= 2 * old[point] for point in old)
 
 
 def test_the_interval_that_is_printed_is_that_of_the_runs(sweep):
@@ -148,11 +148,11 @@ def test_a_stopped_sweep_goes_on_to_the_same_runs(sweep, tmp_path):
         Path("left").write_text(str(runs))
         with pytest.raises(KeyboardInterrupt):
             of_file(sweep(seed))
-    done = of_file(sweep(seed))
+    old = of_file(sweep(seed))
     xr.testing.assert_equal(result().drop_attrs(), whole)
     # Snakemake asks for each round by its number, and would make a round again that is another one now
-    again = SweepState.of(Path("sweep.yaml"))
-    rounds = [[each.block("drag", k).counts for k in each.rounds("drag")] for each in (done, again)]
+    fresh = SweepState.of(Path("sweep.yaml"))
+    rounds = [[work.block("drag", k).counts for k in work.rounds("drag")] for work in (old, fresh)]
     assert rounds[0] == rounds[1] and len(rounds[0]) > 2
     of_file(sweep("1 to 300"))
     of_file(sweep(seed))
@@ -170,10 +170,10 @@ def test_snakemake_makes_the_same_replicates_and_adds_those_of_a_finer_precision
     counts, target = [], "results/drawn/drawn.nc"
     for seed, option in ((coarse, "-j2"), (fine, "-j2"), (fine, "-n")):
         words = "-s", str(ROOT / "Snakefile"), option, target
-        ran = snakemake(Path.cwd(), *words, configfile=str(sweep(seed)))
-        assert ran.returncode == 0, ran.stderr
+        process = snakemake(Path.cwd(), *words, configfile=str(sweep(seed)))
+        assert process.returncode == 0, process.stderr
         counts.append(int(result()["replicates"].sum()))
-    assert "Nothing to be done" in ran.stdout + ran.stderr
+    assert "Nothing to be done" in process.stdout + process.stderr
     assert counts[1] > 1.5 * counts[0]
     xr.testing.assert_equal(result().drop_attrs(), whole)
 
@@ -201,9 +201,9 @@ def test_blocks_that_share_runs_are_made(sweep):
     assert state.counts()[0] == len(state.runs())
 
 
-def test_a_point_that_stops_at_the_cap_is_said(sweep):
-    state = of_file(sweep("{until: 1 %, of: force, most: 12}"))
-    (sentence,) = state.notes
+def test_a_point_that_stops_at_the_cap_is_said(sweep, capsys):
+    of_file(sweep("{until: 1 %, of: force, most: 12}"))
+    (sentence,) = capsys.readouterr().err.splitlines()
     assert (
         "2 of 2 points are not as well known as asked for" in sentence
         and "after 12 replicates" in sentence
@@ -213,22 +213,22 @@ def test_a_point_that_stops_at_the_cap_is_said(sweep):
 
 def test_a_failed_run_counts_and_is_not_replaced(sweep):
     state = of_file(sweep(SEED, "[a, c]", "failures: 0.1\n"))
-    found = result().sel(case="c")
-    there = found["run_id"].values != ""
-    assert there.sum() == int(found["replicates"]) == found["force"].count() + 1
-    assert np.isnan(found["force"].sel(seed=7)) and "1 failed: this one fails" in said(state)
-    seen = state.values(state.block("drag"))[1,]
-    np.testing.assert_array_equal(seen, found["force"].values[there])
+    dataset = result().sel(case="c")
+    present = dataset["run_id"].values != ""
+    assert present.sum() == int(dataset["replicates"]) == dataset["force"].count() + 1
+    assert np.isnan(dataset["force"].sel(seed=7)) and "1 failed: this one fails" in table(state)
+    values = state.values(state.block("drag"))[1,]
+    np.testing.assert_array_equal(values, dataset["force"].values[present])
 
 
-def test_a_point_whose_first_runs_fail_gets_more_and_one_whose_all_fail_is_said(sweep):
+def test_a_point_whose_first_runs_fail_gets_more_and_one_whose_all_fail_is_said(sweep, capsys):
     cases = "[b, d]\n  friction.granule: [0.2, 0.5]"
-    state = of_file(sweep("{until: 20 %, of: force, most: 40}", cases, "failures: 0.9\n"))
-    found = result().sel(case="d")
-    assert found["replicates"].values.tolist()[1] == 40
-    known = found["force"].sel(friction_granule=0.2).dropna("seed")
-    assert known.size >= 10 and float(half_interval(known)) <= 0.2 * float(known.mean())
-    (sentence,) = state.notes
+    of_file(sweep("{until: 20 %, of: force, most: 40}", cases, "failures: 0.9\n"))
+    dataset = result().sel(case="d")
+    assert dataset["replicates"].values.tolist()[1] == 40
+    sample = dataset["force"].sel(friction_granule=0.2).dropna("seed")
+    assert sample.size >= 10 and float(half_interval(sample)) <= 0.2 * float(sample.mean())
+    (sentence,) = capsys.readouterr().err.splitlines()
     assert "1 of 4 points" in sentence and "case d, friction_granule 0.5" in sentence
     assert "is not known after 40 replicates" in sentence
 
@@ -251,8 +251,8 @@ def test_a_share_of_a_mean_that_may_be_zero_is_refused_and_the_runs_are_kept(swe
 def test_both_parts_of_a_ratio_get_replicates(sweep):
     state = of_file(sweep("{until: 10 %, of: force / a, most: 200}"))
     block = state.block("drag")
-    (found,) = precision.estimates(block.until, state.values(block), block.partners).values()
-    assert precision.excess(found, block.until) <= 1.0
+    (estimate,) = precision.estimates(block.until, state.values(block), block.partners).values()
+    assert precision.excess(estimate, block.until) <= 1.0
     assert block.counts[0,] > 10 and block.counts[1,] > 10
     # of one mean alone fewer would have been enough
     assert block.counts[1,] > of_file(sweep()).block("drag").counts[1,]
@@ -262,15 +262,15 @@ def test_fieller_s_interval_is_where_the_difference_is_significant():
     """At its ends r, t of `mean - r reference` is Student's quantile (Fieller 1954)."""
     rng = np.random.default_rng(3)
     above, below = rng.normal(3.0, 0.6, 12), rng.normal(1.0, 0.2, 30)
-    found = ratio_interval(above, below, 0.9)
+    interval = ratio_interval(above, below, 0.9)
     ratio = above.mean() / below.mean()
     variances = above.var(ddof=1) / 12, ratio**2 * below.var(ddof=1) / 30
     freedom = sum(variances) ** 2 / (variances[0] ** 2 / 11 + variances[1] ** 2 / 29)
-    for end in (found.low, found.high):
+    for end in (interval.low, interval.high):
         spread = np.sqrt(above.var(ddof=1) / 12 + end**2 * below.var(ddof=1) / 30)
         t = abs(above.mean() - end * below.mean()) / spread
         assert stats.t(freedom).cdf(t) == pytest.approx(0.95, abs=1e-12)
-    assert found.low < ratio < found.high
+    assert interval.low < ratio < interval.high
     # a reference that may be zero leaves the ratio open
     assert ratio_interval(above, below - below.mean(), 0.9).half == np.inf
 
@@ -322,18 +322,18 @@ def test_replicates_of_a_derived_block_are_listed(sweep):
 
 def test_status_tells_what_is_done_waits_and_failed_and_changes_nothing(sweep):
     file = sweep(SEED, "[a, c]", "failures: 0.1\nbatch: 4\n")
-    assert "waiting: 20." in said(SweepState.of(file)) and not Path("results").exists()
+    assert "waiting: 20." in table(SweepState.of(file)) and not Path("results").exists()
     Path("left").write_text("15")
     with pytest.raises(KeyboardInterrupt):
         of_file(file)
-    before = sorted((p, p.stat().st_mtime_ns) for p in Path("results").rglob("*"))
-    text = said(SweepState.of(file))
+    files = sorted((p, p.stat().st_mtime_ns) for p in Path("results").rglob("*"))
+    text = table(SweepState.of(file))
     (names,) = (line.split() for line in text.splitlines() if line.startswith("case "))
     lines = (line.split() for line in text.splitlines() if line.startswith(("a ", "c ")))
     rows = {line[0]: dict(zip(names, line, strict=False)) for line in lines}
     assert sum(int(row["done"]) for row in rows.values()) == 15 and rows["c"]["failed"] == "1", text
     assert "under way: 0, waiting: 4." in text
-    assert before == sorted((p, p.stat().st_mtime_ns) for p in Path("results").rglob("*"))
+    assert files == sorted((p, p.stat().st_mtime_ns) for p in Path("results").rglob("*"))
 
 
 @posix
@@ -342,8 +342,8 @@ def test_status_tells_which_run_a_process_is_at(sweep):
     state.begin("drag")
     run = next(state.block("drag").unique())
     with state.store.locked(state.store.run_of(run.id, ".lock")):
-        assert "under way: 1, waiting: 19." in said(SweepState.of(Path("sweep.yaml")))
-    assert "under way: 0, waiting: 20." in said(
+        assert "under way: 1, waiting: 19." in table(SweepState.of(Path("sweep.yaml")))
+    assert "under way: 0, waiting: 20." in table(
         SweepState.of(Path("sweep.yaml"))
     )  # a lock that is left
 
@@ -354,8 +354,6 @@ def test_a_partial_file_holds_what_is_there_and_says_so(sweep):
     with pytest.raises(KeyboardInterrupt):
         of_file(file)
     state = SweepState.of(file)
-    with pytest.raises(InputError, match="name another file for a part"):
-        combine_block(state, "drag", "drawn", Path("results/drawn/drawn.nc"), partial=True)
     combine_block(state, "drag", "drawn", Path("part.nc"), partial=True)
     with dem.open_results("part.nc") as part:
         assert part.attrs["partial"] == "12 of 20 runs"

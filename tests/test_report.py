@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from made import made
+from sweeps import make_sweep
 from test_means import text_of
 
 from conftest import assert_alone, assert_not_blank, places_shown
@@ -61,7 +61,7 @@ SWEEPS = {
 def page(tmp_path_factory):
     """The report of two cases and two seeds of the smoke sweep."""
     folder = tmp_path_factory.mktemp("report")
-    made(folder, beds=True, sweep={"case": ["c1", "e3"], "seed": [1, 2]})
+    make_sweep(folder, beds=True, sweep={"case": ["c1", "e3"], "seed": [1, 2]})
     folder = folder / "results"
     (folder / "stability.nc").touch()
     (folder / "stability.txt").write_text("a table of <b>stability</b>")
@@ -73,7 +73,7 @@ def page(tmp_path_factory):
 def swept(request, tmp_path_factory):
     """Name and results of sweeps over other values than cases."""
     folder = tmp_path_factory.mktemp(request.param)
-    made(folder, sweep=SWEEPS[request.param], record={"observables": ["drag"]})
+    make_sweep(folder, sweep=SWEEPS[request.param], record={"observables": ["drag"]})
     return request.param, folder / "results"
 
 
@@ -120,27 +120,26 @@ def panels(page, name):
 
 def test_bars_are_the_means_and_marks_the_runs(page):
     """Of figure 13: the top of each bar and each mark follow from drag.nc."""
-    (shown,), data = panels(page, "figure13")
+    (axes,), data = panels(page, "figure13")
     inside = data["drag"].sel(displacement=slice(data.window_start, data.window_stop))
     runs = inside.mean("displacement")
-    for wanted in [*runs.values.ravel(), *runs.mean("seed").values]:
-        assert np.isclose(shown[:, 1], wanted, rtol=1e-9).any()
+    for expected in [*runs.values.ravel(), *runs.mean("seed").values]:
+        assert np.isclose(axes[:, 1], expected, rtol=1e-9).any()
 
 
-def test_curves_are_the_work_of_the_drag_over_a_fifth_of_a_millimetre(page):
-    """Of figure 7: at each displacement the mean over the seeds of the work about it, over that way."""
+def test_curves_are_running_means_over_a_fifth_of_a_millimetre(page):
+    """Of figure 7: at each displacement the mean over the bins about it, as many as that holds."""
     shown, data = panels(page, "figure07")
     assert len(shown) == data.sizes["case"]
-    edges = np.append(data["displacement_bounds"][:, 0], data["displacement_bounds"][-1, 1])
     middle = data["displacement"].values
-    ends = np.clip([middle - 1e-4, middle + 1e-4], edges[0], edges[-1])
+    width = middle[1] - middle[0]
+    reach = (round(1e-4 / width) + 0.5) * width
+    near = abs(middle[:, None] - middle) < reach
     for panel, case in zip(shown, data["case"].values, strict=True):
         drag = data["drag"].sel(case=case).mean("seed").values
-        work = np.append(0.0, np.cumsum(drag * np.diff(edges)))
-        wanted = np.diff(np.interp(ends, edges, work), axis=0)[0] / np.diff(ends, axis=0)[0]
-        place = np.column_stack([1e3 * middle, wanted])
+        place = np.column_stack([1e3 * middle, near @ drag / near.sum(axis=1)])
         apart = np.abs(panel[:, None] - place).max(axis=2).min(axis=0)
-        assert apart.max() < 1e-6 * wanted.max()
+        assert apart.max() < 1e-6 * drag.max()
 
 
 @cache
@@ -156,7 +155,7 @@ def drawable(folder):
     names = []
     for data in folder.glob("*.nc"):
         with open_lazily(data) as dataset:
-            names += drawable_from(data, dataset)
+            names += drawable_from(dataset)
     return names
 
 
@@ -165,14 +164,14 @@ def test_every_mean_of_a_sweep_is_drawn(swept):
     name, folder = swept
     assert drawable(folder) == ["sweep"]
     assert_not_blank(folder / "figures/sweep.png")
-    figure, _, found = figure_of(folder / "drag.nc")
-    shown = np.concatenate([places_shown(axes)[:, 1] for axes in figure.axes])
-    wanted = found["mean"]
+    figure, _, statistics = figure_of(folder / "drag.nc")
+    values = np.concatenate([places_shown(axes)[:, 1] for axes in figure.axes])
+    expected = statistics["mean"]
     if name == "many":  # 4 x 2 x 3 x 2: restitution along x, friction by lines, two by panels
         left_out = re.search(r"averaged over (\w+)", figure.get_suptitle())
-        wanted = wanted.mean(left_out[1]) if left_out else wanted
-    for value in wanted.values.ravel():
-        assert np.isclose(shown, value, rtol=1e-9).any()
+        expected = expected.mean(left_out[1]) if left_out else expected
+    for value in expected.values.ravel():
+        assert np.isclose(values, value, rtol=1e-9).any()
     assert len(figure.axes) <= 12
 
 
@@ -181,7 +180,7 @@ def test_axes_of_a_sweep_have_names_and_units(swept):
     figure, _, _ = figure_of(folder / "drag.nc")
     assert "(N)" in figure.axes[0].get_ylabel() and "0.4 mm to 1 mm" in figure.axes[0].get_ylabel()
     labels = {" ".join(axes.get_xlabel().split()) for axes in figure.axes} - {""}
-    wanted = {
+    expected = {
         "grid": {"Friction between granules (1)"},
         "names": {"Box"},
         "many": {"Coefficient of restitution (1)"},
@@ -192,7 +191,7 @@ def test_axes_of_a_sweep_have_names_and_units(swept):
             "Young's modulus (Pa)",
         },
     }
-    assert labels == wanted[name]
+    assert labels == expected[name]
     if name not in ("point", "many"):
         assert [text.get_text() for text in figure.legends[0].get_texts()] == [
             "shape: c1",
@@ -230,8 +229,8 @@ def test_a_list_over_more_than_the_fivefold_has_a_logarithmic_axis(values, logar
 
 def test_intervals_are_drawn_whole(swept):
     """Also those of two runs, which can be many times the mean, and end below zero."""
-    figure, _, found = figure_of(swept[1] / "drag.nc")
-    means, half = found["mean"].values, found["half_interval"].fillna(0.0).values
+    figure, _, statistics = figure_of(swept[1] / "drag.nc")
+    means, half = statistics["mean"].values, statistics["half_interval"].fillna(0.0).values
     if swept[0] != "many":  # others are averaged
         for axes in figure.axes:
             low, high = axes.get_ylim()
@@ -241,9 +240,9 @@ def test_intervals_are_drawn_whole(swept):
 def test_info_and_report_have_a_row_a_place(swept):
     """With its values, mean and runs; of a file of runs a row a run."""
     _, folder = swept
-    _, _, found = figure_of(folder / "drag.nc")
+    _, _, statistics = figure_of(folder / "drag.nc")
     text = text_of(summary(folder / "drag.nc"))
-    for mean in found["mean"].values.ravel():
+    for mean in statistics["mean"].values.ravel():
         assert re.search(rf"\b{mean:.5g}\b", text)
     with open_combined(folder / "drag.nc") as data:
         ids = {str(run)[:12] for run in data["run_id"].values.ravel()}
@@ -253,7 +252,7 @@ def test_info_and_report_have_a_row_a_place(swept):
     build(folder / "drag.nc", folder / "report.html")
     body = (folder / "report.html").read_text()
     assert 'id="sweep"' in body
-    assert len(pd.read_html(io.StringIO(body))[0]) == found["mean"].size
+    assert len(pd.read_html(io.StringIO(body))[0]) == statistics["mean"].size
 
 
 def test_a_long_table_says_how_much_is_left_out():
@@ -269,7 +268,7 @@ def test_a_figure_of_cases_is_not_drawn_of_other_sweeps(swept):
 
 def test_shapes_and_seeds_are_cases(tmp_path):
     """A sweep over shapes has the figures of the paper, of each shape as a case."""
-    made(tmp_path, beds=True, sweep={"shape": ["c1", "e3"], "seed": [1, 2]})
+    make_sweep(tmp_path, beds=True, sweep={"shape": ["c1", "e3"], "seed": [1, 2]})
     folder = tmp_path / "results"
     assert {"figure07", "figure13", "figure09", "figure12"} <= set(drawable(folder))
     for name in drawable(folder):

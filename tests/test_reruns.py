@@ -9,8 +9,8 @@ import shutil
 from contextlib import ExitStack, contextmanager
 
 import pytest
-from forked import SMOKE, snakemake
 from test_workflow import planned
+from workflows import SMOKE, snakemake
 
 from conftest import needs_study, posix
 
@@ -20,13 +20,13 @@ LINE = "\nEDITED = True\n"
 
 
 @pytest.fixture(scope="module")
-def made(claimed, tmp_path_factory):
+def project(checkout_with_claims, tmp_path_factory):
     """A copy of the sources and of the results of sweep and claims, with a file for each result."""
     folder = tmp_path_factory.mktemp("made") / "copy"
-    shutil.copytree(claimed, folder, symlinks=True)
+    shutil.copytree(checkout_with_claims, folder, symlinks=True)
     for _ in range(2):  # the second finds what is derived
-        listed = snakemake(folder, *TARGETS, "-c2", "--summary").stdout.splitlines()[1:]
-        for name in (line.partition("\t")[0] for line in listed):
+        lines = snakemake(folder, *TARGETS, "-c2", "--summary").stdout.splitlines()[1:]
+        for name in (line.partition("\t")[0] for line in lines):
             path = folder / name
             if not path.exists():
                 path.parent.mkdir(parents=True, exist_ok=True)
@@ -36,7 +36,7 @@ def made(claimed, tmp_path_factory):
     return folder
 
 
-def again(folder, configfile=SMOKE) -> dict[str, int]:
+def jobs_to_run(folder, configfile=SMOKE) -> dict[str, int]:
     """Number of jobs of each rule that would run, without those that only gather files."""
     jobs = planned(folder, *TARGETS, configfile=configfile)
     return {rule: count for rule, count in jobs.items() if rule not in TARGETS}
@@ -68,14 +68,14 @@ EDITS = {
 @contextmanager
 def edited(folder, changes):
     """Files that are changed for a while: (name, what is added, or what is put for what is there)."""
-    with ExitStack() as after:
+    with ExitStack() as stack:
         for name, change in changes:
             path = folder / name
             text, stamp = (path.read_text(), path.stat()) if path.exists() else ("", None)
             new = text.replace(*change) if isinstance(change, tuple) else text + change
             assert new != text, f"{name} has no {change[0]}"
             path.write_text(new)
-            after.callback(restore, path, text, stamp)
+            stack.callback(restore, path, text, stamp)
         yield
 
 
@@ -87,18 +87,18 @@ def restore(path, text, stamp):
         os.utime(path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
 
 
-def test_nothing_is_made_again_for_what_changes_no_result(made):
+def test_nothing_is_made_again_for_what_changes_no_result(project):
     """After edits and values that no number and no picture depends on, all of them at once."""
-    with edited(made, HARMLESS.values()):
-        assert again(made) == {}
-    assert again(made) == {}
+    with edited(project, HARMLESS.values()):
+        assert jobs_to_run(project) == {}
+    assert jobs_to_run(project) == {}
 
 
 @pytest.mark.parametrize("edit", EDITS)
-def test_an_edit_makes_again_what_depends_on_it(made, edit):
+def test_an_edit_makes_again_what_depends_on_it(project, edit):
     name, change, rules = EDITS[edit]
-    with edited(made, [(name, change)]):
-        jobs = again(made)
+    with edited(project, [(name, change)]):
+        jobs = jobs_to_run(project)
     assert set(jobs) == rules and (edit != "one figure" or jobs["figure"] == 1)
 
 
@@ -118,9 +118,9 @@ VALUES = {
 
 
 @pytest.mark.parametrize("value", VALUES)
-def test_a_value_makes_again_what_reads_it(made, value):
+def test_a_value_makes_again_what_reads_it(project, value):
     (name, *change), rules, chunks = VALUES[value]
-    with edited(made, [(name, tuple(change))]):
-        jobs = again(made)
+    with edited(project, [(name, tuple(change))]):
+        jobs = jobs_to_run(project)
     assert set(jobs) == rules
     assert chunks is None or jobs.get("batch", 0) == chunks

@@ -50,18 +50,18 @@ def test_a_disc_stays_on_a_slope_up_to_the_coefficient(share):
     run = dem.simulate(scene, state, 2.0 * time, frames=2)
     lever = 0.5 * (R + state.position[0, 1])
     pull = G * (np.sin(slope) - mu_r * R / lever * np.cos(slope)) / (1.0 + 0.5 * (R / lever) ** 2)
-    before, after = run.velocity[1:, 0, 0]
-    assert after - before == pytest.approx(max(pull, 0.0) * time, rel=1e-3, abs=1e-9)
-    assert (after < 1e-9) == (share < 1.0)
+    first, last = run.velocity[1:, 0, 0]
+    assert last - first == pytest.approx(max(pull, 0.0) * time, rel=1e-3, abs=1e-9)
+    assert (last < 1e-9) == (share < 1.0)
 
 
 @pytest.mark.parametrize("law", [dem.Hertz(), dem.Linear(), dem.Line()])
 def test_a_contact_resists_rolling_as_its_normal_spring_and_its_force_do_under_any_law(law):
     """By 3 (mu_r R)^2 dN/d(delta) a rad, and by mu_r R N at most."""
     constant, overlap, arm = 1e6, 3e-5, 2e-4  # in N and m, arm is mu_r R
-    measured, after = (measure(law, d, 4.0 * R) for d in (overlap, (1.0 + 1e-6) * overlap))
+    measured, second = (measure(law, d, 4.0 * R) for d in (overlap, (1.0 + 1e-6) * overlap))
     normal = force(law, constant, overlap, measured)
-    stiffness = (force(law, constant, (1.0 + 1e-6) * overlap, after) - normal) / (1e-6 * overlap)
+    stiffness = (force(law, constant, (1.0 + 1e-6) * overlap, second) - normal) / (1e-6 * overlap)
     springs = constant, measured, measured, None, 0.0
     moments = []
     for angle in (1e-6, -1.0):
@@ -78,17 +78,17 @@ def test_rolling_resistance_keeps_angular_momentum():
     """Both bodies feel opposite moments: two discs of unequal size that meet spinning."""
     radius = np.array([R, 0.4 * R])
     scene = dem.Scene(dem.Disc(radius), SAND, dem.Friction(), BOX, rolling=dem.Rolling(granule=0.5))
-    place = [[1.0, 0.5], [1.0 + 1.42 * R, 0.5 + 0.1 * R]]
-    state = dem.State(place, [[0.1, 0.0], [-0.3, 0.2]], angular_velocity=[200.0, 50.0])
-    after = dem.simulate(scene, state, 5e-3).state
+    position = [[1.0, 0.5], [1.0 + 1.42 * R, 0.5 + 0.1 * R]]
+    state = dem.State(position, [[0.1, 0.0], [-0.3, 0.2]], angular_velocity=[200.0, 50.0])
+    result = dem.simulate(scene, state, 5e-3).state
 
     def angular(state):
-        (x, y), (vx, vy) = (state.position - place[0]).T, state.velocity.T
+        (x, y), (vx, vy) = (state.position - position[0]).T, state.velocity.T
         return scene.mass * (x * vy - y * vx), scene.inertia * state.angular_velocity
 
-    scale, spun = np.abs(angular(state)).sum(), np.subtract(angular(after), angular(state))[1]
+    scale, spun = np.abs(angular(state)).sum(), np.subtract(angular(result), angular(state))[1]
     assert np.abs(spun).max() > 0.01 * scale
-    assert np.sum(angular(after)) == pytest.approx(np.sum(angular(state)), abs=1e-10 * scale)
+    assert np.sum(angular(result)) == pytest.approx(np.sum(angular(state)), abs=1e-10 * scale)
 
 
 def test_the_critical_step_counts_rolling_springs():
@@ -103,11 +103,11 @@ def swarm(rolling=ROLLING, law=LINE, ledger=True):
     """Twenty discs that fly together within a box."""
     rng = np.random.default_rng(5)
     radius = R * rng.uniform(0.8, 1.2, 20)
-    place = (
+    position = (
         2.5 * R * (np.stack(np.meshgrid(np.arange(5.0), np.arange(4.0)), -1).reshape(-1, 2) + 0.6)
     )
     state = dem.State(
-        place, rng.normal(size=(20, 2)), angular_velocity=rng.normal(scale=300.0, size=20)
+        position, rng.normal(size=(20, 2)), angular_velocity=rng.normal(scale=300.0, size=20)
     )
     scene = dem.Scene(
         dem.Disc(radius), SAND, dem.Friction(), dem.box(15 * R, 12 * R), gravity=(0.0, -G),
@@ -150,7 +150,7 @@ def test_a_simulation_goes_on_with_its_rolling_springs():
 
 
 def test_rolling_resistance_varies_as_others_do_and_leaves_the_bed(tmp_path):
-    """A dimension of a sweep from zero on, whose runs share their beds and kernels."""
+    """A dimension of a sweep from zero on, whose runs share their beds, and all roll."""
     file = tmp_path / "roll.yaml"
     file.write_text(
         f"extends: {CONFIG / 'smoke.yaml'}\nresults: results/roll\n"
@@ -161,7 +161,7 @@ def test_rolling_resistance_varies_as_others_do_and_leaves_the_bed(tmp_path):
     runs, plain = list(block.runs.values()), load(CONFIG / "smoke.yaml").block("drag").first
     assert "rolling_granule" in block.dims and runs[0].id != runs[1].id
     assert runs[0].bed_id == runs[1].bed_id == plain.bed_id
-    assert runs[0].variant == runs[1].variant != plain.variant
+    assert all(run.rolling for run in runs) and not plain.rolling
     assert "rolling" not in plain.run_key()
 
 

@@ -17,7 +17,7 @@ def sobol_indices():
     """The function of the page, as it is printed."""
     page = (ROOT / "docs/howto/sensitivity.md").read_text(encoding="utf-8")
     cells = re.findall(r"^```\{code-cell\} python\n(.*?)^```", page, re.S | re.M)
-    (cell,) = [each for each in cells if "def sobol_indices" in each]
+    (cell,) = [cell for cell in cells if "def sobol_indices" in cell]
     exec(cell, names := {})
     return names["sobol_indices"]
 
@@ -30,9 +30,9 @@ def test_ishigamis_indices_are_those_of_its_integrals(sobol_indices):
     x = points(256)
     angles = np.pi * (2.0 * x - 1.0)
     rest = 7.0 * np.sin(angles[:, 1]) ** 2
-    found = sobol_indices(x, (1.0 + 0.1 * angles[:, 2] ** 4) * np.sin(angles[:, 0]) + rest, NAMES)
-    assert_allclose(found["S1"], [0.314, 0.442, 0.0], atol=0.04)
-    assert_allclose(found["ST"], [0.558, 0.442, 0.244], atol=0.04)
+    indices = sobol_indices(x, (1.0 + 0.1 * angles[:, 2] ** 4) * np.sin(angles[:, 0]) + rest, NAMES)
+    assert_allclose(indices["S1"], [0.314, 0.442, 0.0], atol=0.04)
+    assert_allclose(indices["ST"], [0.558, 0.442, 0.244], atol=0.04)
 
 
 def test_indices_are_of_what_values_cause_and_not_of_the_scatter(sobol_indices):
@@ -40,8 +40,8 @@ def test_indices_are_of_what_values_cause_and_not_of_the_scatter(sobol_indices):
     x, rng = points(128), np.random.default_rng(1)
     for scatter in (0.0, 6.0):
         drag = 1000.0 + x @ [30.0, 20.0, 0.0] + scatter * rng.standard_normal(128)
-        found = sobol_indices(x, drag, NAMES)
-        assert_allclose(found, np.array([[9, 9], [4, 4], [0, 0]]) / 13.0, atol=0.06)
+        indices = sobol_indices(x, drag, NAMES)
+        assert_allclose(indices, np.array([[9, 9], [4, 4], [0, 0]]) / 13.0, atol=0.06)
 
 
 def test_a_drag_that_nothing_predicts_has_no_indices(sobol_indices):
@@ -57,5 +57,5 @@ def test_a_drag_that_nothing_predicts_has_no_indices(sobol_indices):
 
 @pytest.mark.parametrize("noise", [0.0, 1e-10])
 def test_indices_of_a_constant_are_zero(sobol_indices, noise):
-    found = sobol_indices(points(32), 1000.0 + noise * points(32)[:, 0], NAMES)
-    assert (found == 0.0).all(axis=None)
+    indices = sobol_indices(points(32), 1000.0 + noise * points(32)[:, 0], NAMES)
+    assert (indices == 0.0).all(axis=None)

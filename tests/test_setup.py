@@ -33,14 +33,14 @@ def test_uv_looks_where_pip_looks(install, tmp_path, monkeypatch):
     monkeypatch.setenv("PIP_CONFIG_FILE", str(configuration))
     monkeypatch.setenv("PIP_INDEX_URL", "https://d.example/simple")
     monkeypatch.setenv("PIP_CERT", "/own.pem")
-    found = install.uv_environment(install.pip_settings(), {})
-    assert found["UV_DEFAULT_INDEX"] == "https://d.example/simple"
-    assert found["UV_INDEX"] == "https://b.example/simple https://c.example/simple"
-    assert found["UV_FIND_LINKS"] == "/one,/two"
-    assert found["UV_HTTP_TIMEOUT"] == "9"
-    assert found["SSL_CERT_FILE"] == "/own.pem"
-    own = {"UV_DEFAULT_INDEX": "https://own.example/simple"}  # what the user tells uv remains
-    assert install.uv_environment(install.pip_settings(), own)["UV_DEFAULT_INDEX"] in own.values()
+    environment = install.uv_environment(install.pip_settings(), {})
+    assert environment["UV_DEFAULT_INDEX"] == "https://d.example/simple"
+    assert environment["UV_INDEX"] == "https://b.example/simple https://c.example/simple"
+    assert environment["UV_FIND_LINKS"] == "/one,/two"
+    assert environment["UV_HTTP_TIMEOUT"] == "9"
+    assert environment["SSL_CERT_FILE"] == "/own.pem"
+    user = {"UV_DEFAULT_INDEX": "https://own.example/simple"}  # what the user tells uv remains
+    assert install.uv_environment(install.pip_settings(), user)["UV_DEFAULT_INDEX"] in user.values()
 
 
 def test_pip_installs_if_uv_fails(tmp_path):
@@ -48,11 +48,11 @@ def test_pip_installs_if_uv_fails(tmp_path):
     lock = tmp_path / "an empty lock.txt"
     lock.write_text("")
     broken = {"PIP_NO_INDEX": "1", "PIP_FIND_LINKS": "", "UV_INDEX_STRATEGY": "none such"}
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, SCRIPT, lock], env=os.environ | broken, capture_output=True, text=True
     )
-    assert done.returncode == 0, done.stderr
-    assert "pip installs the same versions" in done.stdout
+    assert process.returncode == 0, process.stderr
+    assert "pip installs the same versions" in process.stdout
 
 
 @pytest.mark.parametrize("folder", ["", "setup", "tests", "docs"])

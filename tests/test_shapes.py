@@ -50,8 +50,8 @@ NUMBERS = itertools.count()
 
 def new(function):
     """A class of smooth shapes with a support function (r, ), which kernels are compiled for."""
-    made = NamedTuple(f"Wrong{next(NUMBERS)}", [("radius", np.ndarray)])  # noqa: UP014
-    return smooth.smooth(function)(made)
+    kind = NamedTuple(f"Wrong{next(NUMBERS)}", [("radius", np.ndarray)])  # noqa: UP014
+    return smooth.smooth(function)(kind)
 
 
 @cache
@@ -95,21 +95,21 @@ def stadium(nx, ny, sizes):
 find_contact = inlined(smooth.find_contact)
 
 
-def no_second_lever(shape, dx, dy, own, other, guess):
-    c, converged = find_contact(shape, dx, dy, own, other, guess)
+def no_second_lever(shape, dx, dy, one, other, guess):
+    c, converged = find_contact(shape, dx, dy, one, other, guess)
     none = 0.0 * c.t2
     return protocol.ContactGeometry(c.overlap, c.nx, c.ny, c.n1, c.t1, c.n2, none, None), converged
 
 
-def biased_normal(shape, dx, dy, own, other, guess):
-    c, converged = find_contact(shape, dx, dy, own, other, guess)
+def biased_normal(shape, dx, dy, one, other, guess):
+    c, converged = find_contact(shape, dx, dy, one, other, guess)
     nx, ny = c.nx - 0.05 * c.ny, c.ny + 0.05 * c.nx
     return protocol.ContactGeometry(c.overlap, nx, ny, c.n1, c.t1, c.n2, c.t2, None), converged
 
 
 USUAL = {
-    each.__name__: each
-    for each in (
+    function.__name__: function
+    for function in (
         smooth.outline,
         smooth.circle,
         smooth.support,
@@ -139,8 +139,8 @@ def half(patch, name):
 
 def narrow(patch):
     """The round shape whose of_size takes no account of its aspect ratio."""
-    made = round_shapes()
-    patch.setattr(made, "of_size", lambda size, ratio: made(0.5 * size), raising=False)
+    shape = round_shapes()
+    patch.setattr(shape, "of_size", lambda size, ratio: shape(0.5 * size), raising=False)
     return round_shapes()(SIZES)
 
 
@@ -212,11 +212,11 @@ def one(value, of=MANY):
 def test_a_granule_that_is_not_convex_is_found_among_many():
     """check_shape and Scene name it, whichever it is."""
     shape = LUMPS()(MANY, one(0.2), 0.0 * MANY)
-    for look in (dem.check_shape, dem.Scene):
+    for check in (dem.check_shape, dem.Scene):
         with pytest.raises(
             dem.InputError, match="granule 5 is not convex: its radius of curvature"
         ):
-            look(shape)
+            check(shape)
 
 
 def test_a_granule_off_its_centre_is_found_among_many_and_the_remedy_helps():
@@ -284,8 +284,8 @@ def test_a_superellipse_of_exponent_two_without_rounding_is_an_ellipse():
     angle = np.linspace(0.1, 6.0, 50)
     nx, ny = np.cos(angle), np.sin(angle)
     h = np.sqrt(4.0 * nx**2 + ny**2)
-    found = superellipse.support(nx, ny, (2.0, 1.0, 0.0, 2.0))
-    np.testing.assert_allclose(found, [h, -3.0 * nx * ny / h, 4.0 / h**3], rtol=1e-12, atol=1e-14)
+    values = superellipse.support(nx, ny, (2.0, 1.0, 0.0, 2.0))
+    np.testing.assert_allclose(values, [h, -3.0 * nx * ny / h, 4.0 / h**3], rtol=1e-12, atol=1e-14)
 
 
 BOUNCING = {
@@ -313,23 +313,23 @@ def test_a_granule_turns_about_its_centre_of_mass_wherever_its_outline_is():
     disc, speed, lever = Egg(np.array([1e-3]), 0.0, 0.3), 1.0, 0.3e-3
     scene = dem.Scene(disc, ELASTIC, **LEAST | {"walls": [[0.0, -1.0, 0.0], *APART["walls"][:3]]})
     start = dem.State([[0.0, 1.01e-3]], velocity=[[0.0, -speed]])
-    after = dem.simulate(scene, start, 5e-5).state
+    result = dem.simulate(scene, start, 5e-5).state
     inertia = disc.gyration_squared[0] / lever**2  # over mass and lever squared
     spin = 2.0 * speed / lever / (1.0 + inertia)
-    assert after.velocity[0, 1] == pytest.approx(
+    assert result.velocity[0, 1] == pytest.approx(
         speed * (inertia - 1.0) / (inertia + 1.0), rel=1e-3
     )
-    assert after.angular_velocity[0] == pytest.approx(spin, rel=1e-3)
-    assert abs(after.velocity[0, 0]) < 1e-9 * speed
+    assert result.angular_velocity[0] == pytest.approx(spin, rel=1e-3)
+    assert abs(result.velocity[0, 0]) < 1e-9 * speed
 
 
 def test_granules_without_symmetry_hand_their_momentum_to_walls_and_solids():
     """Of eggs that fly about in a box: what they lose, walls and a cylinder get (Newton's third law)."""
     rng, time = np.random.default_rng(1), 1e-3
-    place = 1e-3 * (np.stack(np.meshgrid(*2 * [np.arange(8)]), -1).reshape(-1, 2) + 0.5)
+    position = 1e-3 * (np.stack(np.meshgrid(*2 * [np.arange(8)]), -1).reshape(-1, 2) + 0.5)
     cylinder = dem.Cylinder(1.5e-3, (4e-3, 2e-3), (0.0, 4.0))
-    place = place[np.hypot(*(place - cylinder.position).T) > 2.0 * cylinder.radius]
-    n = len(place)
+    position = position[np.hypot(*(position - cylinder.position).T) > 2.0 * cylinder.radius]
+    n = len(position)
     friction = dem.Friction(wall=0.0)  # because a Result has only the normal forces of walls
     scene = dem.Scene(
         Egg(1e-3 * rng.uniform(0.4, 0.46, n)),
@@ -338,10 +338,10 @@ def test_granules_without_symmetry_hand_their_momentum_to_walls_and_solids():
         solids=cylinder,
         thickness=1e-3,
     )
-    start = dem.State(place, rng.normal(size=(n, 2)), rng.uniform(0.0, 2.0 * np.pi, n))
+    start = dem.State(position, rng.normal(size=(n, 2)), rng.uniform(0.0, 2.0 * np.pi, n))
     run = dem.simulate(scene, start, time)
     assert run.solid_force[1, 0, 1] < 0.0 and (run.wall_force[1] > 0.0).all()
     assert np.abs(run.angular_velocity[1]).max() > 0.0
-    given = time * (run.solid_force[1, 0] + run.wall_force[1] @ scene.planes[:, :2])
-    gained = scene.mass @ (run.state.velocity - start.velocity)
-    np.testing.assert_allclose(-given, gained, atol=1e-3 * time * run.wall_force[1].sum())
+    impulse = time * (run.solid_force[1, 0] + run.wall_force[1] @ scene.planes[:, :2])
+    gain = scene.mass @ (run.state.velocity - start.velocity)
+    np.testing.assert_allclose(-impulse, gain, atol=1e-3 * time * run.wall_force[1].sum())

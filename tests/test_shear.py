@@ -12,6 +12,7 @@ import xarray as xr
 from conftest import needs_study
 from dem.analysis.shear import AXIS, LEAST, rheology
 from dem.base.errors import InputError, RunError
+from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import make_bed
 from dem.experiment.config import of_values
 from dem.experiment.kinds import shear
@@ -26,7 +27,7 @@ PRESSURE = 1e5  # Pa
 def values(**more):
     """Values of a small bed: 9 diameters long and about 8 high."""
     same = dict.fromkeys(("granule", "wall", "cylinder"), 0.4)
-    asked = {
+    cell = {
         "inertial_number": 0.1,
         "pressure": PRESSURE,
         "settle": 1.0,
@@ -41,7 +42,7 @@ def values(**more):
         "material": {"young_modulus": 5e9, "poisson_ratio": 0.3, "restitution": 0.1},
         "friction": same,
         "shapes": {"disc": {"kind": "disc", "diameter": 1e-3, "granules": 72}},
-        "shear": asked,
+        "shear": cell,
         "shape": "disc",
         "density": 2500.0,
         "seed": 1,
@@ -62,15 +63,15 @@ def test_the_lid_bears_the_pressure_that_is_asked_for():
 @pytest.mark.parametrize("stress", ["shear_stress", "normal_stress"])
 def test_stress_in_the_middle_is_that_on_the_lid(stress):
     """Momentum that goes in at the lid goes through every height."""
-    found = sheared()
-    assert found[stress].mean() == pytest.approx(found[f"lid_{stress}"].mean(), rel=0.1)
+    result = sheared()
+    assert result[stress].mean() == pytest.approx(result[f"lid_{stress}"].mean(), rel=0.1)
 
 
 def test_rough_walls_drag_the_bed_with_them():
     """The rate of shear in the middle is that of the walls, but for what slips next to them."""
-    own = of_values(values())
-    asked = shear.rate_of(own)
-    assert 0.6 < sheared()["shear_rate"].mean() / asked < 1.2
+    replicate = of_values(values())
+    rate = shear.rate_of(replicate)
+    assert 0.6 < sheared()["shear_rate"].mean() / rate < 1.2
 
 
 def test_the_packing_fraction_of_a_slice_counts_the_discs_that_stick_out_of_it():
@@ -93,21 +94,21 @@ def test_the_inertial_number_is_a_ratio_of_two_times():
 
 def test_both_walls_go_all_the_way_along_the_bed():
     """No gap between held discs is wide enough for another disc."""
-    own = of_values(values())
-    cell = shear.make_cell(own, make_bed(own))
-    for group in cell.scene.held:
-        x = np.sort(cell.state.position[group.granules, 0] % 9e-3)
+    replicate = of_values(values())
+    scene, state = shear.make_cell(replicate, make_bed(replicate))
+    for group in scene.held:
+        x = np.sort(state.position[group.granules, 0] % 9e-3)
         gaps = np.diff(np.append(x, x[0] + 9e-3))
         assert gaps.max() < 2.0e-3
 
 
 def test_a_granule_that_gets_out_is_told():
-    own = of_values(values())
-    cell = shear.make_cell(own, make_bed(own))
-    free = int(np.flatnonzero(~cell.scene.is_held)[0])
-    cell.state.position[free, 1] = cell.state.position[:, 1].max() + 5e-3
+    replicate = of_values(values())
+    scene, state = shear.make_cell(replicate, make_bed(replicate))
+    free = int(np.flatnonzero(~scene.is_held)[0])
+    state.position[free, 1] = state.position[:, 1].max() + 5e-3
     with pytest.raises(RunError, match=f"granule {free} got out through a gap"):
-        shear._sample(shear.start(own, cell), cell, 1e-7)
+        shear._sample(Simulation(scene, state), 1e-7)
 
 
 @pytest.mark.parametrize(
@@ -133,9 +134,9 @@ def test_a_file_that_cannot_be_sheared_is_refused(change, words):
 
 
 def test_values_of_another_experiment_cannot_vary():
-    own = of_values(values()).configuration
+    configuration = of_values(values()).configuration
     with pytest.raises(InputError, match="the experiment shear has no cylinder"):
-        own.changed({"cylinder.velocity": 1.0}, "disc")
+        configuration.changed({"cylinder.velocity": 1.0}, "disc")
 
 
 NUMBERS = np.array([0.01, 0.1])
@@ -153,7 +154,7 @@ def swept(friction, fraction=0.8, noise=0.02, seeds=3, strain=4, seed=0):
         return dims, value * (1.0 + noise * rng.standard_normal(shape))
 
     unit = np.sqrt(2500.0 * 0.25 * np.pi * 1e-6 / PRESSURE)
-    asked = {"pressure": PRESSURE, "strain": float(strain)}
+    cell = {"pressure": PRESSURE, "strain": float(strain)}
     return xr.Dataset(
         {
             "lid_shear_stress": around(PRESSURE * friction[..., None, None]),
@@ -172,27 +173,27 @@ def swept(friction, fraction=0.8, noise=0.02, seeds=3, strain=4, seed=0):
             "density": 2500.0,
             "shear_strain": 0.1 * np.arange(1, samples + 1),
         },
-        {"configuration": json.dumps({"shear": asked})},
+        {"configuration": json.dumps({"shear": cell})},
     )
 
 
 def test_curves_tell_places_apart():
-    found = rheology(swept([[0.1, 0.2], [0.3, 0.5]], noise=1e-9))
-    np.testing.assert_allclose(found[("0",)].friction[:, 0], [0.1, 0.2])
-    np.testing.assert_allclose(found[("1",)].middle[:, 0], [0.3, 0.5])
-    np.testing.assert_allclose(found[("1",)].number, 0.9 * NUMBERS)
+    curves = rheology(swept([[0.1, 0.2], [0.3, 0.5]], noise=1e-9))
+    np.testing.assert_allclose(curves[("0",)].friction[:, 0], [0.1, 0.2])
+    np.testing.assert_allclose(curves[("1",)].middle[:, 0], [0.3, 0.5])
+    np.testing.assert_allclose(curves[("1",)].number, 0.9 * NUMBERS)
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
     """About 95 % do, also where runs differ by more than their samples: in one run, samples share what
     the bed began with."""
-    held, rng = [], np.random.default_rng(7)
+    hits, rng = [], np.random.default_rng(7)
     for seed in range(60):
         runs = swept([[0.3, 0.4]], seeds=4, seed=seed)
         of_a_bed = xr.DataArray(0.02 * rng.standard_normal((2, 4)), dims=(AXIS, "seed"))
         runs["shear_fraction"] = runs["shear_fraction"] + of_a_bed
-        held += [low < 0.8 < high for _, low, high in rheology(runs)[()].fraction]
-    assert 0.9 <= np.mean(held) <= 0.99
+        hits += [low < 0.8 < high for _, low, high in rheology(runs)[()].fraction]
+    assert 0.9 <= np.mean(hits) <= 0.99
 
 
 def test_a_single_run_has_a_mean_and_no_interval():
@@ -217,11 +218,11 @@ def test_numbers_are_of_the_pressure_and_density_that_the_runs_have(name):
     runs = swept([[0.1, 0.2], [0.3, 0.5]], noise=1e-9)
     usual = PRESSURE if name == "shear_pressure" else 2500.0
     faster = 2.0 if name == "shear_pressure" else 0.5
-    found = rheology(runs.assign_coords({name: ("friction", [usual, 4.0 * usual])}))
-    np.testing.assert_allclose(found[("0",)].rate[:, 0], 0.9)
-    np.testing.assert_allclose(found[("1",)].rate[:, 0], 0.9 / faster)
+    curves = rheology(runs.assign_coords({name: ("friction", [usual, 4.0 * usual])}))
+    np.testing.assert_allclose(curves[("0",)].rate[:, 0], 0.9)
+    np.testing.assert_allclose(curves[("1",)].rate[:, 0], 0.9 / faster)
     share = 0.25 if name == "shear_pressure" else 1.0
-    np.testing.assert_allclose(found[("1",)].pressure[:, 0], share)
+    np.testing.assert_allclose(curves[("1",)].pressure[:, 0], share)
 
 
 @needs_study("shear")

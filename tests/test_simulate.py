@@ -19,8 +19,8 @@ NAN = float("nan")
 
 def two_discs(**changes):
     """Two discs of 1 mm, 3 mm apart."""
-    usual = {"shape": dem.Disc(np.full(2, 1e-3)), "friction": dem.Friction(), **APART}
-    return dem.Scene(**usual | changes)
+    defaults = {"shape": dem.Disc(np.full(2, 1e-3)), "friction": dem.Friction(), **APART}
+    return dem.Scene(**defaults | changes)
 
 
 def call(scene=None, position=((0.0, 0.0), (3e-3, 0.0)), duration=1e-6, **options):
@@ -85,11 +85,11 @@ ARRAYS = {
     st.integers(0, 3),
     st.sampled_from(["", "longer", "deeper", "flat"]),
 )
-def test_any_array_is_simulated_or_refused(name, value, place, form):
+def test_any_array_is_simulated_or_refused(name, value, index, form):
     """One bad number, or a wrong shape, in an array of the user: finite motion or an error with a name."""
     arrays = {"position": np.array([[0.0, 0.0], [3e-3, 0.0]]), "radius": np.full(2, 1e-3)}
     array = arrays.setdefault(name, np.zeros(ARRAYS[name]))
-    array.flat[place % array.size] = value
+    array.flat[index % array.size] = value
     arrays[name] = {
         "": array,
         "longer": np.concatenate([array, array]),
@@ -126,10 +126,10 @@ def test_forces_on_boundaries_are_the_change_of_momentum(small_bed, kind, fracti
     scene = small.scene(friction=dem.Friction(0.3, 1e-30, 0.3))  # walls report normal forces only
     duration = 2e-4
     run = dem.simulate(scene, small.state, duration)
-    gained = scene.mass @ run.state.velocity
+    gain = scene.mass @ run.state.velocity
     forces_in_all = run.solid_force[1, 0] + run.wall_force[1] @ scene.planes[:, :2]
     scale = np.abs(run.wall_force[1]).sum() * duration
-    assert_allclose(-forces_in_all * duration, gained, atol=3e-3 * scale)
+    assert_allclose(-forces_in_all * duration, gain, atol=3e-3 * scale)
     assert (run.wall_force[1] >= 0.0).all()
     assert run.solid_force[1, 0, 1] < 0.0  # against the motion of the cylinder
 
@@ -148,8 +148,8 @@ def test_overlap_guard_names_granule_and_step(small_bed, kind):
     """Where granules overlap by more than the limit the run stops, before and during the motion."""
     small = small_bed(kind)
     state = small.state
-    away = np.hypot(*(state.position - state.position[20]).T)
-    near = np.argsort(away)[1]
+    distance = np.hypot(*(state.position - state.position[20]).T)
+    near = np.argsort(distance)[1]
     state.position[20] = state.position[near] + 1e-5
     with pytest.raises(dem.OverlapError, match=rf"granule ({near}|20) .* step 0, .* limit is 0\.9"):
         dem.simulate(small.scene(), state, 1e-6, max_overlap=0.9)
@@ -188,11 +188,11 @@ def test_a_fixed_step_is_refused_from_the_critical_one_on(small_bed):
 def test_a_fixed_step_that_becomes_too_long_ends_the_run(small_bed):
     """Faster collisions are stiffer: the run ends before they come, where a longer step is not allowed."""
     small = small_bed("disc")
-    still = replace(small.cylinder, velocity=(0.0, 0.0))
-    probe = dem.Simulation(small.scene(solids=still), small.state)
+    solid = replace(small.cylinder, velocity=(0.0, 0.0))
+    probe = dem.Simulation(small.scene(solids=solid), small.state)
     step = 0.9 * probe.diagnose().critical_time_step
     for allowed in (False, True):
-        run = dem.Simulation(small.scene(solids=still), small.state, step, allow_unstable=allowed)
+        run = dem.Simulation(small.scene(solids=solid), small.state, step, allow_unstable=allowed)
         run.advance(10 * step)
         run.set_velocity((0.0, 100.0))
         if allowed:
@@ -217,8 +217,8 @@ def test_critical_time_step_does_not_depend_on_how_contacts_are_found():
 def test_critical_time_step_is_a_bound_and_a_close_one(small_bed, kind, fraction):
     """No motion of a frictional, damped bed grows at the critical step, and some do at twice it."""
     small = small_bed(kind, fraction=fraction)
-    still = replace(small.cylinder, velocity=(0.0, 0.0))
-    run = dem.Simulation(small.scene(solids=still), small.state)
+    cylinder = replace(small.cylinder, velocity=(0.0, 0.0))
+    run = dem.Simulation(small.scene(solids=cylinder), small.state)
     critical = run.diagnose().critical_time_step
     linear = pytest.importorskip("studies.stability.linear")
     matrices = linear.matrices(run)
@@ -248,10 +248,10 @@ def test_diagnosing_changes_no_bit_and_runs_repeat(small_bed, kind):
     """A run has the same bits with and without looks in between, and every time."""
     small = small_bed(kind)
 
-    def run(look):
+    def run(diagnose):
         simulation = dem.Simulation(small.scene(), small.state)
         for _ in range(8):
-            if look:
+            if diagnose:
                 simulation.diagnose()
             simulation.advance(5e-6)
         return simulation.state, simulation.collect_impulses()

@@ -48,10 +48,10 @@ def momentum(run, masses, inertias):
     scene, state = run.scene, run.state
     moving = run.world.boundaries.motion[len(scene.walls) :][: len(masses)]
     m = np.append(scene.mass, masses)
-    place = np.vstack([state.position, moving[:, :2]])
+    position = np.vstack([state.position, moving[:, :2]])
     velocity = np.vstack([state.velocity, moving[:, 2:4]])
     spin = scene.inertia @ state.angular_velocity + inertias @ moving[:, 4]
-    orbit = place[:, 0] * velocity[:, 1] - place[:, 1] * velocity[:, 0]
+    orbit = position[:, 0] * velocity[:, 1] - position[:, 1] * velocity[:, 0]
     return m @ velocity, m @ orbit + spin
 
 
@@ -66,13 +66,13 @@ def test_momentum_and_angular_momentum_are_kept_with_two_free_solids_and_a_torqu
     ]
     scene, state = rough(solids, dem.State(lattice, velocity), 36, dem.Material(restitution=0.8))
     run = dem.Simulation(scene, state)
-    before = momentum(run, [mass, mass], [inertia, inertia])
+    start = momentum(run, [mass, mass], [inertia, inertia])
     run.advance(2e-3)
-    after = momentum(run, [mass, mass], [inertia, inertia])
+    end = momentum(run, [mass, mass], [inertia, inertia])
     size = scene.mass @ np.abs(velocity).sum(axis=1)
     assert abs(run.world.boundaries.motion[1, 4]) > 1.0  # friction turns the cylinder
-    assert_allclose(after[0], before[0], rtol=0, atol=1e-13 * size)
-    assert_allclose(after[1], before[1] + torque * 2e-3, rtol=0, atol=1e-11 * abs(before[1]))
+    assert_allclose(end[0], start[0], rtol=0, atol=1e-13 * size)
+    assert_allclose(end[1], start[1] + torque * 2e-3, rtol=0, atol=1e-11 * abs(start[1]))
 
 
 @pytest.mark.parametrize(
@@ -81,14 +81,14 @@ def test_momentum_and_angular_momentum_are_kept_with_two_free_solids_and_a_torqu
 def test_an_elastic_gas_of_smooth_discs_keeps_its_energy_round_a_free_solid(outline):
     box, rng = dem.box(30e-3, 30e-3), np.random.default_rng(2)
     lattice = np.stack(np.meshgrid(np.arange(9), np.arange(9)), axis=-1).reshape(-1, 2) * 3.2e-3
-    place = lattice + 2e-3
-    place = place[np.abs(place - 15e-3).max(axis=1) > 5.5e-3]
-    velocity = rng.normal(size=place.shape)
+    position = lattice + 2e-3
+    position = position[np.abs(position - 15e-3).max(axis=1) > 5.5e-3]
+    velocity = rng.normal(size=position.shape)
     mass, inertia = 4e-4, 2e-9
     solid = dem.Solid(outline, (15e-3, 15e-3), 0.2, dem.Drive((0.0, 0.0), mass), dem.Turn(inertia))
-    shape = dem.Disc(np.full(len(place), R))
+    shape = dem.Disc(np.full(len(position), R))
     scene = dem.Scene(shape, ELASTIC, walls=box, solids=solid)
-    run = dem.Simulation(scene, dem.State(place, velocity))
+    run = dem.Simulation(scene, dem.State(position, velocity))
     energies = []
     for _ in range(4):
         run.advance(5e-3)
@@ -138,8 +138,8 @@ def test_every_layer_under_a_piston_bears_its_force():
     load, width, height = 20.0, 9e-3, 30e-3
     piston = dem.Drive((0.0, -load), mass=2e-4, damping=2.0)
     plate = dem.Solid(dem.plate(width, 0.6e-3), (0.5 * width, 9.5e-3), 0.0, piston)
-    place = np.stack(np.meshgrid(np.arange(4), np.arange(4)), axis=-1).reshape(-1, 2) * 2.15e-3
-    place[:, 0] += 0.3e-3 * (np.arange(16) // 4 % 2)
+    position = np.stack(np.meshgrid(np.arange(4), np.arange(4)), axis=-1).reshape(-1, 2) * 2.15e-3
+    position[:, 0] += 0.3e-3 * (np.arange(16) // 4 % 2)
     above = [
         replace(o, position=(0.5 * width, y)) for o, y in zip(OTHERS, (15e-3, 25e-3), strict=True)
     ]
@@ -150,7 +150,7 @@ def test_every_layer_under_a_piston_bears_its_force():
         dem.box(width, height),
         [plate, *above],
     )
-    run = dem.Simulation(scene, dem.State(place + 1.1e-3))
+    run = dem.Simulation(scene, dem.State(position + 1.1e-3))
     run.advance(0.05)
     area = width * scene.thickness
     layers = run.stress(y=np.linspace(0.3e-3, 5.5e-3, 5)).contact
@@ -231,18 +231,18 @@ def test_the_restitution_of_a_driven_solid_is_that_of_its_material(restitution, 
 
 def test_a_mirrored_bed_moves_as_in_a_mirror():
     rng = np.random.default_rng(3)
-    place = np.stack(np.meshgrid(np.arange(6), np.arange(5)), axis=-1).reshape(-1, 2) * 2.05e-3
-    place += np.array([-5e-3, 3.6e-3])
-    velocity = rng.normal(size=place.shape) - [0.0, 3.0]
+    position = np.stack(np.meshgrid(np.arange(6), np.arange(5)), axis=-1).reshape(-1, 2) * 2.05e-3
+    position += np.array([-5e-3, 3.6e-3])
+    velocity = rng.normal(size=position.shape) - [0.0, 3.0]
 
-    def moved(sign):
+    def run(sign):
         corners = WEDGE.corners * [sign, 1.0]
         wedge = dem.Polygon(corners[:: int(sign)], WEDGE.radius)
         solids = [FAR, dem.Solid(wedge, (sign * 1e-3, 0.0), sign * 0.4, spin=dem.Turn(1e-9))]
-        start = dem.State(place * [sign, 1.0], velocity * [sign, 1.0])
-        return dem.simulate(*rough(solids, start, len(place)), 3e-4)
+        start = dem.State(position * [sign, 1.0], velocity * [sign, 1.0])
+        return dem.simulate(*rough(solids, start, len(position)), 3e-4)
 
-    one, other = moved(1.0), moved(-1.0)
+    one, other = run(1.0), run(-1.0)
     assert np.abs(one.solid_torque[-1, 1]) > 0.0
     assert_allclose(one.position[-1], other.position[-1] * [-1.0, 1.0], rtol=0, atol=1e-10 * R)
     assert_allclose(one.solid_angle[-1], -other.solid_angle[-1], rtol=0, atol=1e-10)
@@ -347,8 +347,8 @@ def test_the_restitution_of_two_materials_is_the_geometric_mean():
     )
     scene = replace(scene, material=[GLASS, STEEL], species=[0, 1])
     result = dem.simulate(scene, state, 2e-4, step_fraction=0.05)
-    after = np.ptp(result.velocity[-1, :, 0])
-    assert_allclose(after, 2.0 * math.sqrt(0.9 * 0.4), rtol=1e-3)
+    speed = np.ptp(result.velocity[-1, :, 0])
+    assert_allclose(speed, 2.0 * math.sqrt(0.9 * 0.4), rtol=1e-3)
     assert_allclose(scene.mass[1] / scene.mass[0], 7800.0 / 2500.0)
 
 

@@ -28,8 +28,8 @@ def test_the_interval_of_a_mean_is_that_of_student():
     """Half of it, for any number of runs; none for a single one."""
     sample = np.random.default_rng(1).normal(size=7)
     low, high = stats.t.interval(0.95, 6, sample.mean(), stats.sem(sample))
-    found = half_interval(xr.DataArray(sample, dims="seed"))
-    assert float(found) == pytest.approx(0.5 * (high - low), rel=1e-12)
+    half = half_interval(xr.DataArray(sample, dims="seed"))
+    assert float(half) == pytest.approx(0.5 * (high - low), rel=1e-12)
     assert np.isnan(half_interval(xr.DataArray(sample[:1], dims="seed")))
     assert half_interval(xr.DataArray(np.ones(3), dims="seed")) == 0.0
 
@@ -40,9 +40,9 @@ def test_the_window_holds_the_bins_whose_middle_is_in_it():
     dataset = runs(drag)
     window = dataset.attrs["window_start"], dataset.attrs["window_stop"]
     assert within(dataset["drag"], *window).sizes["displacement"] == 4
-    found = summarise(dataset)
-    np.testing.assert_allclose(found["run_mean"][0], drag[0, :, 1:-1].mean(axis=-1))
-    assert float(found["mean"][0]) == pytest.approx(drag[0, :, 1:-1].mean())
+    summary = summarise(dataset)
+    np.testing.assert_allclose(summary["run_mean"][0], drag[0, :, 1:-1].mean(axis=-1))
+    assert float(summary["mean"][0]) == pytest.approx(drag[0, :, 1:-1].mean())
 
 
 def paired(sample):
@@ -59,8 +59,8 @@ def test_the_interval_of_an_average_of_means_is_that_of_beds_or_of_welch():
     apart = np.full((2, 45), np.nan)
     apart[0, :5], apart[1, 5:] = few, many
     interval = stats.ttest_ind(few, many, equal_var=False).confidence_interval(0.95)
-    found = half_interval(paired(apart), ["friction"])
-    assert float(found) == pytest.approx(0.25 * (interval.high - interval.low), rel=1e-9)
+    half = half_interval(paired(apart), ["friction"])
+    assert float(half) == pytest.approx(0.25 * (interval.high - interval.low), rel=1e-9)
     apart[0, 1:5] = np.nan  # one run there tells nothing
     assert np.isnan(half_interval(paired(apart), ["friction"]))
 
@@ -78,12 +78,12 @@ def test_a_figure_that_averages_uses_all_runs_and_joins_values_in_their_order():
     window = {"window_start": 1e-3, "window_stop": 5e-3}
     dataset = xr.Dataset({"drag": drag, "run_id": runs}, attrs=window)
     figure = plot(dataset)
-    told = figure.get_suptitle()
-    (averaged,) = re.search(r"averaged over (\w)", told).groups()
-    assert "14 runs each" in told if averaged == "e" else "averaged" in told
-    wanted = drag.mean(["seed", "displacement"]).mean(averaged).values
-    shown = np.concatenate([line.get_ydata() for axes in figure.axes for line in axes.lines])
-    assert all(np.isclose(shown, value, rtol=1e-12).any() for value in wanted.ravel())
+    title = figure.get_suptitle()
+    (averaged,) = re.search(r"averaged over (\w)", title).groups()
+    assert "14 runs each" in title if averaged == "e" else "averaged" in title
+    expected = drag.mean(["seed", "displacement"]).mean(averaged).values
+    values = np.concatenate([line.get_ydata() for axes in figure.axes for line in axes.lines])
+    assert all(np.isclose(values, value, rtol=1e-12).any() for value in expected.ravel())
     for axes in figure.axes:
         assert all((np.diff(line.get_xdata()) > 0.0).all() for line in axes.lines)
 

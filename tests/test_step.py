@@ -25,17 +25,17 @@ def phases(partner, count=100):
     gap = 2e-6 + 2e-6 * np.arange(count) / count  # m; a step is of 1e-7 m to 1e-6 m
     far, sizes = 20.0 * RADIUS * np.arange(count), np.full(2 * count, RADIUS)
     if partner == "wall":
-        place, velocity = np.stack([-RADIUS - gap, far], 1), np.tile([SPEED, 0.0], (count, 1))
+        position, velocity = np.stack([-RADIUS - gap, far], 1), np.tile([SPEED, 0.0], (count, 1))
         wall = {"walls": [[1.0, 0.0, 0.0]], "solids": None}
-        return dem.Disc(sizes[:count]), place, velocity, BEDS | wall
+        return dem.Disc(sizes[:count]), position, velocity, BEDS | wall
     if partner == "cylinder":
         angle, radius = 2.0 * np.pi * np.arange(count) / count, 1.0  # m
         out = np.stack([np.cos(angle), np.sin(angle)], 1)
-        place, still = (
+        position, cylinder = (
             (radius + RADIUS + gap)[:, None] * out,
             dem.Cylinder(2.0 * radius, (0.0, 0.0)),
         )
-        return dem.Disc(sizes[:count]), place, -SPEED * out, BEDS | {"solids": still}
+        return dem.Disc(sizes[:count]), position, -SPEED * out, BEDS | {"solids": cylinder}
     superellipse = dem.Superellipse(0.9 * sizes, 0.7 * sizes, 0.3 * sizes, 3.0)
     shape, reach = {
         "disc": (dem.Disc(sizes), RADIUS),
@@ -44,9 +44,9 @@ def phases(partner, count=100):
         "superellipse": (superellipse, 0.5 * np.ptp(superellipse.polygons()[0, 0, :, 0])),
     }[partner]
     x = reach + 0.5 * gap
-    place = np.concatenate([np.stack([-x, far], 1), np.stack([x, far], 1)])
+    position = np.concatenate([np.stack([-x, far], 1), np.stack([x, far], 1)])
     velocity = np.repeat([[SPEED, 0.0], [-SPEED, 0.0]], count, axis=0)
-    return shape, place, velocity, {} if partner == "disc" else BEDS
+    return shape, position, velocity, {} if partner == "disc" else BEDS
 
 
 @pytest.mark.parametrize(
@@ -58,13 +58,13 @@ def phases(partner, count=100):
 )
 def test_restitution_at_the_default_step(partner, restitution):
     """It is met within 0.3 % in the mean, and within 1 % at whatever phase of a step two bodies touch."""
-    shape, place, velocity, options = phases(partner)
+    shape, position, velocity, options = phases(partner)
     scene = dem.Scene(shape, dem.Material(restitution=restitution), **options)
-    run = dem.Simulation(scene, dem.State(place, velocity))
+    run = dem.Simulation(scene, dem.State(position, velocity))
     run.advance(1e-4)
     assert not len(run.contacts().granule)
-    after = (run.state.velocity * velocity).sum(axis=1)[:100]
-    error = -after / (SPEED**2 * restitution) - 1.0
+    rebound = (run.state.velocity * velocity).sum(axis=1)[:100]
+    error = -rebound / (SPEED**2 * restitution) - 1.0
     assert abs(error.mean()) < 3e-3
     assert np.abs(error).max() < 1e-2
 
@@ -74,31 +74,31 @@ def test_restitution_does_not_depend_on_frames(frames):
     """Nor on whether they are shorter than a collision."""
     scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
     state = dem.State([[0.0, 0.0], [2.1e-3, 0.0]], velocity=[[1.0, 0.0], [-1.0, 0.0]])
-    after = dem.simulate(scene, state, duration=2e-4, frames=frames).state.velocity[:, 0]
-    assert_allclose(after, [-0.5, 0.5], rtol=5e-3)
-    assert_array_equal(after, dem.simulate(scene, state, duration=2e-4).state.velocity[:, 0])
+    velocity = dem.simulate(scene, state, duration=2e-4, frames=frames).state.velocity[:, 0]
+    assert_allclose(velocity, [-0.5, 0.5], rtol=5e-3)
+    assert_array_equal(velocity, dem.simulate(scene, state, duration=2e-4).state.velocity[:, 0])
 
 
 @pytest.mark.parametrize("speed", [1.0, 50.0, 300.0])
 def test_galilean_invariance(speed):
     """A row of discs that travels (m/s) passes a blow on, ten collisions long, as one at rest does, to rounding."""
     sizes = np.linspace(0.5, 1.0, 11) * RADIUS
-    place = np.cumsum(sizes + np.roll(sizes, 1) + 0.05 * RADIUS)
-    place, blow = np.stack([place, 0.0 * place], 1), np.zeros((11, 2))
+    position = np.cumsum(sizes + np.roll(sizes, 1) + 0.05 * RADIUS)
+    position, blow = np.stack([position, 0.0 * position], 1), np.zeros((11, 2))
     blow[0] = 2.0, 0.1
-    still, moves = (
+    resting, moving = (
         dem.simulate(
             dem.Scene(dem.Disc(sizes), dem.Material(restitution=0.9)),
-            dem.State(place, blow + [v, 0.0]),
+            dem.State(position, blow + [v, 0.0]),
             duration=1e-3,
             frames=3,
         )
         for v in (0.0, speed)
     )
-    assert np.abs(still.state.velocity[:, 0]).min() > 1e-4  # all have been hit
-    assert_allclose(moves.state.velocity - [speed, 0.0], still.state.velocity, atol=1e-12)
-    assert_allclose(moves.state.position - [1e-3 * speed, 0.0], still.state.position, atol=1e-14)
-    assert moves.time_step == still.time_step
+    assert np.abs(resting.state.velocity[:, 0]).min() > 1e-4  # all have been hit
+    assert_allclose(moving.state.velocity - [speed, 0.0], resting.state.velocity, atol=1e-12)
+    assert_allclose(moving.state.position - [1e-3 * speed, 0.0], resting.state.position, atol=1e-14)
+    assert moving.time_step == resting.time_step
 
 
 # Energy
@@ -108,13 +108,13 @@ def gas(young_modulus, granules=100, side=30e-3):
     """Elastic discs of one speed in a box, in random directions."""
     rng, columns = np.random.default_rng(1), int(np.ceil(granules**0.5))
     grid = np.stack(np.meshgrid(np.arange(columns), np.arange(columns)), -1).reshape(-1, 2)
-    place = (grid[:granules] + 0.5 + rng.uniform(-0.03, 0.03, (granules, 2))) * side / columns
+    position = (grid[:granules] + 0.5 + rng.uniform(-0.03, 0.03, (granules, 2))) * side / columns
     angle = rng.uniform(0.0, 2.0 * np.pi, granules)
     material = replace(ELASTIC, young_modulus=young_modulus)
     scene = dem.Scene(
         dem.Disc(np.full(granules, RADIUS)), material, LEAST["friction"], dem.box(side, side)
     )
-    return scene, dem.State(place, SPEED * np.stack([np.cos(angle), np.sin(angle)], 1))
+    return scene, dem.State(position, SPEED * np.stack([np.cos(angle), np.sin(angle)], 1))
 
 
 def energy(run):
@@ -128,9 +128,9 @@ def energy(run):
 def test_an_elastic_gas_keeps_its_energy(young_modulus):
     """Over some twenty thousand collisions, at the default step."""
     run = dem.Simulation(*gas(young_modulus))
-    before = energy(run)
+    initial = energy(run)
     run.advance(0.5)
-    assert energy(run) == pytest.approx(before, rel=8e-3)
+    assert energy(run) == pytest.approx(initial, rel=8e-3)
 
 
 def test_the_time_step_is_held_where_the_bound_goes_up_and_down():
@@ -219,14 +219,14 @@ def place_of(run):
 def test_a_solid_takes_another_velocity_at_that_time(bed):
     """Not at the end of the step, also where it takes several within one."""
     run = dem.Simulation(*bed, time_step=5e-8)
-    place, way = place_of(run), np.array([0.0, 1.23e-6])
+    position, distance = place_of(run), np.array([0.0, 1.23e-6])
     run.advance(1.23e-6)
     changes = (0.0, 2.0, 0.55e-6), (1.0, -1.0, 0.02e-6), (0.0, 3.0, 0.03e-6), (0.0, 0.5, 1e-6)
     for *velocity, lasts in changes:
         run.set_velocity(velocity)
         run.advance(lasts)
-        way += np.multiply(velocity, lasts)
-        assert_allclose(place_of(run) - place, way, rtol=0.0, atol=1e-17)
+        distance += np.multiply(velocity, lasts)
+        assert_allclose(place_of(run) - position, distance, rtol=0.0, atol=1e-17)
 
 
 def test_a_corner_and_a_jump_of_a_path_within_a_step(bed):
@@ -243,8 +243,8 @@ def test_a_corner_and_a_jump_of_a_path_within_a_step(bed):
         run.advance(until - run.time)
         at = np.append(time[time < until], until)
         v = np.interp(at, time, speed)
-        way = (0.5 * (v[1:] + v[:-1]) * np.diff(at)).sum()
-        assert_allclose(place_of(run)[1] - start[1], way, rtol=0.0, atol=1e-17)
+        distance = (0.5 * (v[1:] + v[:-1]) * np.diff(at)).sum()
+        assert_allclose(place_of(run)[1] - start[1], distance, rtol=0.0, atol=1e-17)
 
 
 def test_impulses_are_the_change_of_momentum(bed):
@@ -258,15 +258,15 @@ def test_impulses_are_the_change_of_momentum(bed):
     free, normal = np.where(scene.is_held, 0.0, scene.mass)[:, None], scene.planes[:, :2]
     across = np.stack([-normal[:, 1], normal[:, 0]], 1)
     for lasts in (0.77e-4, 1.313e-4):
-        before = run.state.velocity
+        velocity = run.state.velocity
         record = run.record(lasts / 3.0, 3)
-        on = (record.normal_force + record.tangential_force).sum(axis=1)
-        on = on + record.held_force.sum(axis=1)
-        on = on + record.wall_force @ normal + record.wall_tangential_force @ across
-        change = free * (run.state.velocity - before)
+        force = (record.normal_force + record.tangential_force).sum(axis=1)
+        force = force + record.held_force.sum(axis=1)
+        force = force + record.wall_force @ normal + record.wall_tangential_force @ across
+        change = free * (run.state.velocity - velocity)
         assert np.abs(record.held_force).max() > 0.0 and np.abs(record.normal_force).max() > 0.0
-        taken, size = on.sum(axis=0) * lasts / 3.0, np.abs(change).sum()
-        assert_allclose(change.sum(axis=0), -taken, rtol=0.0, atol=1e-12 * size)
+        impulse, size = force.sum(axis=0) * lasts / 3.0, np.abs(change).sum()
+        assert_allclose(change.sum(axis=0), -impulse, rtol=0.0, atol=1e-12 * size)
 
 
 # Stability
@@ -279,11 +279,11 @@ def growth(stiffness, damping):
     """
     n = len(stiffness)
     one, none = np.eye(n), np.zeros((n, n))
-    now = np.hstack([-stiffness, -damping, -damping, 0.5 * damping])
-    velocity = np.hstack([none, one, none, none]) + now
-    place = np.hstack([one, none, none, none]) + velocity
-    before = np.hstack([none, none, one, none])
-    return np.abs(np.linalg.eigvals(np.vstack([place, velocity, now, before]))).max()
+    current = np.hstack([-stiffness, -damping, -damping, 0.5 * damping])
+    velocity = np.hstack([none, one, none, none]) + current
+    position = np.hstack([one, none, none, none]) + velocity
+    previous = np.hstack([none, none, one, none])
+    return np.abs(np.linalg.eigvals(np.vstack([position, velocity, current, previous]))).max()
 
 
 def test_the_bound_on_the_step_of_one_contact_is_exact():

@@ -96,11 +96,11 @@ def test_a_run_goes_on_from_a_checkpoint_with_the_same_bits(tmp_path, monkeypatc
         with pytest.raises(Killed):
             drag.run(replicate, bed, killed_at(share), checkpoint=checkpoint)
         assert checkpoint.is_file()
-    seen = []
-    again = drag.run(replicate, bed, seen.append, checkpoint=checkpoint)
-    assert seen[0] > 0.2
+    progress = []
+    resumed = drag.run(replicate, bed, progress.append, checkpoint=checkpoint)
+    assert progress[0] > 0.2
     for name in whole.keys() - set(CLOCKS):
-        np.testing.assert_array_equal(whole[name], again[name], err_msg=name)
+        np.testing.assert_array_equal(whole[name], resumed[name], err_msg=name)
 
 
 @pytest.mark.parametrize("writes", [True, False])
@@ -146,12 +146,12 @@ def test_a_damaged_checkpoint_is_not_used(tmp_path, monkeypatch, capfd, damage):
     bed = make_bed(replicate)
     checkpoint = stopped(tmp_path, replicate, bed)
     checkpoint.write_bytes(DAMAGE[damage](checkpoint.read_bytes()))
-    seen = []
-    again = drag.run(replicate, bed, seen.append, checkpoint=checkpoint)
-    assert seen[0] == pytest.approx(20 / 120)
-    said = capfd.readouterr().err.splitlines()
-    assert len(said) == 1 and "damaged; the run begins again" in said[0]
-    np.testing.assert_array_equal(again["drag"], drag.run(replicate, bed)["drag"])
+    progress = []
+    resumed = drag.run(replicate, bed, progress.append, checkpoint=checkpoint)
+    assert progress[0] == pytest.approx(20 / 120)
+    lines = capfd.readouterr().err.splitlines()
+    assert len(lines) == 1 and "damaged; the run begins again" in lines[0]
+    np.testing.assert_array_equal(resumed["drag"], drag.run(replicate, bed)["drag"])
 
 
 def other_npz(path):
@@ -166,20 +166,15 @@ FOREIGN = {
 }
 
 
-@pytest.mark.parametrize("other", ["seed", "bed"])
-def test_a_checkpoint_of_another_run_is_refused(tmp_path, monkeypatch, other):
+def test_a_checkpoint_of_another_run_is_refused(tmp_path, monkeypatch):
     """It stays as it is."""
     monkeypatch.setattr(drag, "SAVED_EVERY", 0.0)
     one, two = (smoke().replicate("c1", 3.9e3, seed) for seed in (1, 2))
-    bed = make_bed(one)
-    if other == "seed":
-        checkpoint = stopped(tmp_path, two, make_bed(two))
-    else:
-        checkpoint = stopped(tmp_path, one, bed._replace(angle=bed.angle + 1.0))
-    before = checkpoint.read_bytes()
+    checkpoint = stopped(tmp_path, two, make_bed(two))
+    content = checkpoint.read_bytes()
     with pytest.raises(InputError, match="delete it or name another file"):
-        drag.run(one, bed, checkpoint=checkpoint)
-    assert checkpoint.read_bytes() == before
+        drag.run(one, make_bed(one), checkpoint=checkpoint)
+    assert checkpoint.read_bytes() == content
 
 
 @pytest.mark.parametrize("fault", FOREIGN)
@@ -187,24 +182,24 @@ def test_the_command_deletes_no_file_that_it_did_not_write(tmp_path, fault):
     """Status 2 before any work, whatever the file that is given as checkpoint."""
     checkpoint, output = tmp_path / "run.npz", tmp_path / "run.nc"
     FOREIGN[fault](checkpoint)
-    before = checkpoint.read_bytes()
+    content = checkpoint.read_bytes()
     result = CliRunner().invoke(app, simulate(output, "--checkpoint", checkpoint))
     assert result.exit_code == 2 and "it is no checkpoint" in result.stderr, result.output
-    assert checkpoint.read_bytes() == before and not output.exists()
+    assert checkpoint.read_bytes() == content and not output.exists()
 
 
 @pytest.fixture
-def tried(monkeypatch):
+def attempts(monkeypatch):
     """Seeds and densities of the runs that begin, and the share that is done when they first tell."""
-    found, run = [], drag.run
+    attempts, run = [], drag.run
 
     def running(replicate, bed, progress, *rest, **more):
-        found.append((replicate.seed, replicate.density, told := []))
-        return run(replicate, bed, lambda s: (told.append(s), progress(s)), *rest, **more)
+        attempts.append((replicate.seed, replicate.density, shares := []))
+        return run(replicate, bed, lambda s: (shares.append(s), progress(s)), *rest, **more)
 
     monkeypatch.setattr(drag, "run", running)
     monkeypatch.setattr(drag, "SAVED_EVERY", 0.0)
-    return found
+    return attempts
 
 
 def same(one, two):
@@ -215,29 +210,29 @@ def same(one, two):
         np.testing.assert_array_equal(a[name], b[name], err_msg=name)
 
 
-def test_a_chunk_that_is_stopped_goes_on_with_the_run_under_way(tmp_path, tried):
+def test_a_chunk_that_is_stopped_goes_on_with_the_run_under_way(tmp_path, attempts):
     """Finished runs are kept and the one under way goes on from its checkpoint; bits are the same."""
     sweep = discs([1, 2])  # four runs, of which one and a half are done
     whole, chunk = planned(sweep, tmp_path / "whole")
     making.make(whole.store, chunk)
-    work, again = planned(sweep, tmp_path / "stopped")
-    assert again == chunk
-    tried.clear()
+    work, same_chunk = planned(sweep, tmp_path / "stopped")
+    assert same_chunk == chunk
+    attempts.clear()
     with pytest.raises(Killed):
         making.make(work.store, chunk, progress=killed_at(1.5))
-    first, second = (key for *key, _ in tried)
+    first, second = (key for *key, _ in attempts)
     assert not work.store.file_of(chunk).exists()
-    tried.clear()
+    attempts.clear()
     making.make(work.store, chunk)
-    begun = [key for *key, _ in tried]
+    begun = [key for *key, _ in attempts]
     assert begun[0] == second and first not in begun and len(begun) == 3
-    assert tried[0][2][0] > 0.2  # not from its start
+    assert attempts[0][2][0] > 0.2  # not from its start
     same(whole.store.file_of(chunk), work.store.file_of(chunk))
     left = [path for path in (work.store.folder / "runs").rglob("*") if path.is_file()]
     assert left == []
 
 
-def test_a_chunk_that_cannot_be_written_loses_no_run(tmp_path, tried, monkeypatch):
+def test_a_chunk_that_cannot_be_written_loses_no_run(tmp_path, attempts, monkeypatch):
     """Runs are forgotten after the file that holds them is there, and not before."""
 
     def killed(*_):
@@ -247,32 +242,32 @@ def test_a_chunk_that_cannot_be_written_loses_no_run(tmp_path, tried, monkeypatc
     with monkeypatch.context() as patch, pytest.raises(Killed):
         patch.setattr(making, "write_batch", killed)
         making.make(work.store, chunk)
-    assert len(tried) == 2
+    assert len(attempts) == 2
     making.make(work.store, chunk)
-    assert len(tried) == 2 and work.store.file_of(chunk).is_file()
+    assert len(attempts) == 2 and work.store.file_of(chunk).is_file()
 
 
-def test_a_chunk_that_is_there_is_left_alone(tmp_path, tried):
+def test_a_chunk_that_is_there_is_left_alone(tmp_path, attempts):
     """One that is damaged is made again, and one that is wanted again is."""
     work, chunk = planned(discs([1]), tmp_path)
     path = making.make(work.store, chunk)
     stamp = path.stat().st_mtime_ns
-    tried.clear()
+    attempts.clear()
     making.make(work.store, chunk)
-    assert path.stat().st_mtime_ns == stamp and not tried
+    assert path.stat().st_mtime_ns == stamp and not attempts
     content = path.read_bytes()
     path.write_bytes(content[: len(content) // 2])
     making.make(work.store, chunk)
-    assert len(tried) == 2
+    assert len(attempts) == 2
     read(path, ("drag",))
     path.unlink()
     making.make(work.store, chunk)
-    assert len(tried) == 4
+    assert len(attempts) == 4
 
 
 @pytest.mark.parametrize("damage", DAMAGE)
-@pytest.mark.parametrize("what", ["runs", "beds"])
-def test_a_damaged_file_of_the_store_is_made_again(tmp_path, tried, what, damage):
+@pytest.mark.parametrize("kind", ["runs", "beds"])
+def test_a_damaged_file_of_the_store_is_made_again(tmp_path, attempts, kind, damage):
     """A finished run of a chunk under way, or a bed: the chunk is as if nothing had been damaged."""
     sweep = discs([1])
     whole, chunk = planned(sweep, tmp_path / "whole")
@@ -280,12 +275,12 @@ def test_a_damaged_file_of_the_store_is_made_again(tmp_path, tried, what, damage
     work, _ = planned(sweep, tmp_path / "stopped")
     with pytest.raises(Killed):
         making.make(work.store, chunk, progress=killed_at(1.4))
-    files = (work.store.folder / what).rglob("[!.]*.npz")
+    files = (work.store.folder / kind).rglob("[!.]*.npz")
     (file,) = (path for path in files if "checkpoint" not in path.name)
     file.write_bytes(DAMAGE[damage](file.read_bytes()))
-    tried.clear()
+    attempts.clear()
     making.make(work.store, chunk)
-    assert len(tried) == (2 if what == "runs" else 1)
+    assert len(attempts) == (2 if kind == "runs" else 1)
     same(whole.store.file_of(chunk), work.store.file_of(chunk))
 
 
@@ -339,9 +334,9 @@ def test_memory_of_combining_does_not_grow_with_the_runs(tmp_path):
     for count in (5, 50):
         sweep = discs(f"1 to {count}", batch=10, record=record)
         many = SweepState(sweep, Store(tmp_path / f"store{count}"), root=tmp_path)
-        for each in many.batches("drag"):
-            runs = [run for run in sweep.block("drag").unique() if run.id in each.runs]
-            making.write_batch(many.store.file_of(each.id), runs, [row] * len(runs))
+        for batch in many.batches("drag"):
+            runs = [run for run in sweep.block("drag").unique() if run.id in batch.runs]
+            making.write_batch(many.store.file_of(batch.id), runs, [row] * len(runs))
         tracemalloc.start()
         combined(many, tmp_path)
         peaks.append(tracemalloc.get_traced_memory()[1])
@@ -353,12 +348,12 @@ def test_what_killed_processes_left_is_cleared_away(tmp_path):
     """Half-written files of processes that are no more go, those of living ones stay, and those of
     other computers for a day. What anybody else left is not touched, however old it is."""
     with atomic(tmp_path / "a.nc") as part:
-        mine = tmp_path / part.name
+        part_file = tmp_path / part.name
         part.touch()
     end, dead = f".{os.getpid()}.", f".{2**22 + 1}."
-    gone = tmp_path / mine.name.replace(end, dead)
+    stale = tmp_path / part_file.name.replace(end, dead)
     host = socket.gethostname()
-    other, old = (tmp_path / mine.name.replace(host, name) for name in ("one", f"x{host}.org"))
+    other, old = (tmp_path / part_file.name.replace(host, name) for name in ("one", f"x{host}.org"))
     left = [
         "notes.part",
         ".notes.part",
@@ -371,12 +366,12 @@ def test_what_killed_processes_left_is_cleared_away(tmp_path):
     ]
     (tmp_path / "sub").mkdir()
     left = [tmp_path / name for name in left]
-    for file in (gone, mine, other, old, *left):
+    for file in (stale, part_file, other, old, *left):
         file.touch()
-    for file in (gone, old, *left):
+    for file in (stale, old, *left):
         os.utime(file, (time.time() - 2e5,) * 2)
     assert clear_parts(tmp_path) == 2
-    assert [file.exists() for file in (gone, mine, other, old)] == [False, True, True, False]
+    assert [file.exists() for file in (stale, part_file, other, old)] == [False, True, True, False]
     assert all(file.exists() for file in left)
 
 
@@ -447,13 +442,13 @@ def test_bits_do_not_depend_on_how_often_the_kernel_returns(small_bed, monkeypat
     monkeypatch.setattr(engine, "BRIEF", 0.0)
     monkeypatch.setattr(engine, "LONG", math.inf)
     scene, state, threads, duration = moving(small_bed, bed)
-    found = []
+    results = []
     for budget in (2**60, 1, 7):
         run = dem.Simulation(scene, state, threads=threads)
         run.engine.budget = budget
-        found.append(bits(run, run.record(duration / 3, 3)))
-    for other in found[1:]:
-        for name, values in found[0].items():
+        results.append(bits(run, run.record(duration / 3, 3)))
+    for other in results[1:]:
+        for name, values in results[0].items():
             assert_array_equal(other[name], values, name)
 
 
@@ -480,16 +475,16 @@ def test_a_simulation_goes_on_from_a_checkpoint_on_disk_with_the_same_bits(
 class Alarm:
     """An exception, or what else a handler does, after some time (s)."""
 
-    def __init__(self, after, handler=signal.default_int_handler):
-        self._after, self._handler = after, handler
+    def __init__(self, delay, handler=signal.default_int_handler):
+        self._delay, self._handler = delay, handler
 
     def __enter__(self):
-        self._before = signal.signal(signal.SIGALRM, self._handler)
-        signal.setitimer(signal.ITIMER_REAL, self._after)
+        self._previous = signal.signal(signal.SIGALRM, self._handler)
+        signal.setitimer(signal.ITIMER_REAL, self._delay)
 
     def __exit__(self, *_):
         signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, self._before)
+        signal.signal(signal.SIGALRM, self._previous)
 
 
 ENDLESS = {
@@ -506,7 +501,7 @@ def test_an_interrupt_is_answered_and_leaves_what_was_simulated(call, threads):
     """Time and state agree to the last step, nothing moves on, and the run can go on."""
     scene, state = crowd()
     n = scene.granules
-    place = np.column_stack([3e-3 * np.arange(n), np.zeros(n)])
+    position = np.column_stack([3e-3 * np.arange(n), np.zeros(n)])
     path = dem.PrescribedMotion([0.0, 1.0], [[0.0, 1.0], [0.0, 1.0]])
     scene = replace(
         scene,
@@ -515,7 +510,7 @@ def test_an_interrupt_is_answered_and_leaves_what_was_simulated(call, threads):
         solids=dem.Cylinder(1e-3, (0.0, 1.0), path),
         periodic=(3e-3 * n, None),
     )
-    run = dem.Simulation(scene, dem.State(place), threads=threads, time_step=1e-9)
+    run = dem.Simulation(scene, dem.State(position), threads=threads, time_step=1e-9)
     run.advance(1e-7)
     began = time.monotonic()
     with Alarm(0.5), pytest.raises(KeyboardInterrupt):
@@ -549,9 +544,9 @@ def test_a_bed_that_was_interrupted_keeps_its_contacts(threads):
                 run.advance(1e-4 - run.time)
         calm.advance(run.time - calm.time)
         assert len(run.contacts().granule) == pytest.approx(len(calm.contacts().granule), rel=0.05)
-        seen, wanted = run.diagnose(), calm.diagnose()
-        assert seen.max_overlap == pytest.approx(wanted.max_overlap, rel=0.05)
-        assert seen.kinetic_energy == pytest.approx(wanted.kinetic_energy, rel=1e-3)
+        result, expected = run.diagnose(), calm.diagnose()
+        assert result.max_overlap == pytest.approx(expected.max_overlap, rel=0.05)
+        assert result.kinetic_energy == pytest.approx(expected.kinetic_energy, rel=1e-3)
         assert_allclose(run.state.position, calm.state.position, atol=1e-5)
 
 
@@ -561,20 +556,20 @@ def test_a_look_from_a_signal_handler_changes_no_bit(threads):
     """Also a look between two steps, at what an interrupt would leave."""
     scene, state = crowd()
     calm, run = (dem.Simulation(scene, state, threads=threads) for _ in range(2))
-    for each in (calm, run):
-        each.engine.budget = 3
-    seen = []
+    for simulation in (calm, run):
+        simulation.engine.budget = 3
+    snapshots = []
 
-    def look(*_):
-        seen.append((run.time, len(run.contacts().granule), run.checkpoint()["progress.seen"]))
+    def handler(*_):
+        snapshots.append((run.time, len(run.contacts().granule), run.checkpoint()["progress.seen"]))
         signal.setitimer(signal.ITIMER_REAL, 0.02)
 
-    wanted = calm.record(1e-4, 5)
-    with Alarm(0.02, look):
-        found = run.record(1e-4, 5)
-    assert len(seen) > 1 and all(0.0 <= at == saved <= 5e-4 for at, _, saved in seen)
-    for name, values in bits(calm, wanted).items():
-        assert_array_equal(bits(run, found)[name], values, name)
+    expected = calm.record(1e-4, 5)
+    with Alarm(0.02, handler):
+        record = run.record(1e-4, 5)
+    assert len(snapshots) > 1 and all(0.0 <= at == saved <= 5e-4 for at, _, saved in snapshots)
+    for name, values in bits(calm, expected).items():
+        assert_array_equal(bits(run, record)[name], values, name)
 
 
 @pytest.mark.parametrize("threads", [1, 2])
@@ -583,24 +578,24 @@ def test_a_simulation_is_advanced_by_one_thread_at_a_time(threads):
     scene, state = crowd()
     run = dem.Simulation(scene, state, threads=threads)
     run.advance(1e-9)
-    said = []
+    messages = []
 
     def meddle():
-        while not said:
+        while not messages:
             try:
                 run.advance(1e-9)
             except dem.StateError as error:
-                said.append(str(error))
+                messages.append(str(error))
 
     thread = threading.Thread(target=meddle)
     with suppress(dem.StateError):
         thread.start()
         while thread.is_alive():
             run.advance(1e-6)
-    said.append("")
+    messages.append("")
     thread.join()
     assert np.isfinite(run.state.position).all()
-    assert not said[0] or re.fullmatch(r"the simulation [^\n]*\.", said[0])
+    assert not messages[0] or re.fullmatch(r"the simulation [^\n]*\.", messages[0])
 
 
 @posix
@@ -619,13 +614,13 @@ def test_a_simulation_goes_on_in_a_forked_process():
         os._exit(0)
     os.close(write)
     run.advance(1e-6)
-    with os.fdopen(read, "rb") as told:
-        assert told.read() == hashlib.sha256(run.state.position.tobytes()).digest()
+    with os.fdopen(read, "rb") as pipe:
+        assert pipe.read() == hashlib.sha256(run.state.position.tobytes()).digest()
     assert os.waitpid(child, 0)[1] == 0
 
 
 @pytest.mark.parametrize(
-    "make", [copy.copy, copy.deepcopy, lambda each: pickle.loads(pickle.dumps(each))]
+    "make", [copy.copy, copy.deepcopy, lambda run: pickle.loads(pickle.dumps(run))]
 )
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_copy_of_a_simulation_goes_on_with_the_same_bits(make, threads):
@@ -634,20 +629,20 @@ def test_a_copy_of_a_simulation_goes_on_with_the_same_bits(make, threads):
     run = dem.Simulation(scene, state, threads=threads)
     run.record(1e-5, 1)
     other = make(run)
-    before = other.state.position
-    wanted = bits(run, run.record(1e-5, 2))
-    assert_array_equal(other.state.position, before)
+    position = other.state.position
+    expected = bits(run, run.record(1e-5, 2))
+    assert_array_equal(other.state.position, position)
     for name, values in bits(other, other.record(1e-5, 2)).items():
-        assert_array_equal(values, wanted[name], name)
+        assert_array_equal(values, expected[name], name)
 
 
-@pytest.mark.parametrize("make", [copy.deepcopy, lambda each: pickle.loads(pickle.dumps(each))])
+@pytest.mark.parametrize("make", [copy.deepcopy, lambda run: pickle.loads(pickle.dumps(run))])
 def test_what_cannot_be_written_cannot_be_written_in_a_copy(make):
     """Sizes, walls, paths and groups of a scene: a simulation relies on them."""
     scene = make(crowd()[0])
     solid, wall, group = scene.solids[0], scene.walls[0], scene.held[0]
-    kept = scene.shape.radius, wall.plane, solid.outline.radius, solid.velocity.time, group.granules
-    assert [array.flags.writeable for array in kept] == 5 * [False]
+    data = scene.shape.radius, wall.plane, solid.outline.radius, solid.velocity.time, group.granules
+    assert [array.flags.writeable for array in data] == 5 * [False]
 
 
 def test_an_experiment_is_interrupted_within_seconds(monkeypatch):

@@ -8,8 +8,8 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from made import made
 from numpy.testing import assert_allclose
+from sweeps import make_sweep
 from test_collision import ROUGH
 from test_readme import code
 from test_symmetry import mapped
@@ -30,8 +30,8 @@ CORNER = dem.Cylinder(1e-9, (1e-9, 1e-9))  # it meets nothing
 def volume(run):
     """Of a box without its solids (m3)."""
     width, height = run.scene.planes[1, 2], run.scene.planes[3, 2]
-    taken = sum(solid.area for solid in run.scene.solids)
-    return (width * height - taken) * run.scene.thickness
+    area = sum(solid.area for solid in run.scene.solids)
+    return (width * height - area) * run.scene.thickness
 
 
 def shaken(small):
@@ -49,12 +49,12 @@ def shaken(small):
 def column():
     """Discs with friction that have come to rest under gravity, between smooth sides."""
     rng = np.random.default_rng(2)
-    row, place = np.divmod(np.arange(120), 8)
+    row, x = np.divmod(np.arange(120), 8)
     shape = dem.Disc(0.5e-3 * rng.uniform(0.8, 1.2, 120))
     walls = dem.box(10e-3, 30e-3)
     scene = dem.Scene(shape, SOFT, SMOOTH_SIDES, walls, gravity=(0.0, -G), thickness=THICKNESS)
-    place = 1e-3 + 1.14e-3 * place + 0.1e-3 * (row % 2)
-    run = dem.Simulation(scene, dem.State(np.column_stack([place, 1e-3 + 1.3e-3 * row])))
+    x = 1e-3 + 1.14e-3 * x + 0.1e-3 * (row % 2)
+    run = dem.Simulation(scene, dem.State(np.column_stack([x, 1e-3 + 1.3e-3 * row])))
     run.advance(1.0)
     return run
 
@@ -63,13 +63,13 @@ def column():
 def test_a_bed_at_rest_carries_what_its_boundary_puts_on_it(small_bed, kind, fraction):
     """The moments of the forces of walls and cylinder, at their points, are stress times volume."""
     small = small_bed(kind, fraction=fraction)
-    still = replace(small.cylinder, velocity=(0.0, 0.0))
-    run = dem.Simulation(small.scene(solids=still), small.state)
-    found, contacts = run.stress(), run.contacts()
+    cylinder = replace(small.cylinder, velocity=(0.0, 0.0))
+    run = dem.Simulation(small.scene(solids=cylinder), small.state)
+    stress, contacts = run.stress(), run.contacts()
     edge = contacts.partner < 0
     moment = contacts.total_force[edge].T @ contacts.point[edge]
-    assert_allclose(found.contact * volume(run), moment, atol=1e-6 * np.abs(moment).max())
-    assert found.pressure > 0.0
+    assert_allclose(stress.contact * volume(run), moment, atol=1e-6 * np.abs(moment).max())
+    assert stress.pressure > 0.0
 
 
 def test_the_stress_of_a_bed_at_rest_is_the_pressure_on_its_walls():
@@ -77,13 +77,13 @@ def test_the_stress_of_a_bed_at_rest_is_the_pressure_on_its_walls():
     shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
     bed = dem.pack(shape, 8e-3, 7e-3, CORNER, seed=1)
     run = dem.Simulation(dem.Scene(shape, walls=bed.walls, **USUAL), bed.state)
-    found, contacts = run.stress().contact, run.contacts()
+    stress, contacts = run.stress().contact, run.contacts()
     left, right, bottom, top = (
         contacts.force[contacts.partner == k].sum() for k in range(-1, -5, -1)
     )
     assert_allclose([left, bottom], [right, top], rtol=1e-5)
     pressure = np.array([left / (7e-3 * THICKNESS), bottom / (8e-3 * THICKNESS)])
-    excess, deep = np.diag(found) / pressure - 1.0, contacts.overlap.max() / 7e-3
+    excess, deep = np.diag(stress) / pressure - 1.0, contacts.overlap.max() / 7e-3
     assert (excess > 0.0).all() and (excess < deep).all() and deep < 0.02
 
 
@@ -109,31 +109,31 @@ def test_the_stress_is_symmetric_but_for_torques(small_bed, kind, fraction):
     """What differs across the diagonal is the torque that turns granules faster."""
     run = shaken(small_bed(kind, fraction=fraction))
     run.advance(2e-6)
-    found, torque = run.stress().contact * volume(run), run.world.force[:, TAU]
+    stress, torque = run.stress().contact * volume(run), run.world.force[:, TAU]
     # granules feel the opposite of the forces on their partners
-    assert abs(found[1, 0] - found[0, 1] + torque.sum()) < 0.02 * np.abs(torque).sum()
+    assert abs(stress[1, 0] - stress[0, 1] + torque.sum()) < 0.02 * np.abs(torque).sum()
 
 
 def test_the_stress_of_a_bed_at_rest_with_friction_is_symmetric(column):
     """To the torques that are left."""
-    found = column.stress().contact
+    stress = column.stress().contact
     left = np.abs(column.world.force[:, TAU]).sum() / volume(column)
-    rounding = 1e-12 * found[1, 1]
-    assert abs(found[0, 1] - found[1, 0]) <= left + rounding < 1e-6 * found[1, 1]
+    rounding = 1e-12 * stress[1, 1]
+    assert abs(stress[0, 1] - stress[1, 0]) <= left + rounding < 1e-6 * stress[1, 1]
     assert np.abs(column.contacts().tangential_force).max() > 0.01 * column.contacts().force.max()
 
 
 def test_each_layer_of_a_column_carries_the_weight_above_it(column):
     """Mean of the weights of granules above a line, over all lines of a bin; sides are smooth."""
     edges = np.linspace(0.0, 12e-3, 7)
-    found = column.stress(y=edges).contact[:, 1, 1]
+    stress = column.stress(y=edges).contact[:, 1, 1]
     height, weight = column.state.position[:, 1], G * column.scene.mass
     low, high = edges[:-1, None], edges[1:, None]
     above = np.clip((height - low) / (high - low), 0.0, 1.0) @ weight
-    assert_allclose(found * 10e-3 * THICKNESS, above, rtol=2e-3, atol=1e-4 * weight.sum())
-    assert (np.diff(found) < 0.0).all()
+    assert_allclose(stress * 10e-3 * THICKNESS, above, rtol=2e-3, atol=1e-4 * weight.sum())
+    assert (np.diff(stress) < 0.0).all()
     fraction = column.scene.shape.area.sum() / (10e-3 * height.max())
-    assert_allclose(np.diff(found[:4]), -2500.0 * fraction * G * 2e-3, rtol=0.2)  # rho g h
+    assert_allclose(np.diff(stress[:4]), -2500.0 * fraction * G * 2e-3, rtol=0.2)  # rho g h
 
 
 def test_a_chain_of_discs_between_two_walls_has_the_stress_of_their_force():
@@ -144,16 +144,16 @@ def test_a_chain_of_discs_between_two_walls_has_the_stress_of_their_force():
     x = length * (np.arange(count) + 0.5) / count
     run = dem.Simulation(scene, dem.State(np.column_stack([x, np.full(count, 0.5 * height)])))
     run.advance(0.1)
-    found = run.stress()
+    stress = run.stress()
     on_walls = run.record(1e-4, 1).wall_force[0]
     force = on_walls[0] / (height * THICKNESS)
     assert_allclose(on_walls[1], on_walls[0], rtol=1e-6)
-    assert_allclose(found.contact, [[force, 0.0], [0.0, 0.0]], rtol=2e-4, atol=1e-9 * force)
+    assert_allclose(stress.contact, [[force, 0.0], [0.0, 0.0]], rtol=2e-4, atol=1e-9 * force)
     assert_allclose(run.stress(x=[0.3 * length, 0.7 * length]).contact[0, 0, 0], force, rtol=1e-6)
-    assert_allclose(found.fabric, [[1.0, 0.0], [0.0, 0.0]], atol=1e-12)
-    assert (found.anisotropy, found.fabric_angle, found.angle) == pytest.approx((1.0, 0.0, 0.0))
-    assert found.pressure == pytest.approx(found.shear)
-    assert found.coordination_number == pytest.approx(2.0 * (count - 1) / count)
+    assert_allclose(stress.fabric, [[1.0, 0.0], [0.0, 0.0]], atol=1e-12)
+    assert (stress.anisotropy, stress.fabric_angle, stress.angle) == pytest.approx((1.0, 0.0, 0.0))
+    assert stress.pressure == pytest.approx(stress.shear)
+    assert stress.coordination_number == pytest.approx(2.0 * (count - 1) / count)
 
 
 @settings(max_examples=20)
@@ -162,16 +162,16 @@ def test_the_stress_turns_with_the_bed(small_bed, angle):
     """As a tensor, fabric and motion too, in a box whose walls are askew."""
     run = shaken(small_bed("disc"))
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    before = run.stress()
-    after = dem.Simulation(*mapped(run.scene, run.state, turn)).stress()
+    stress = run.stress()
+    rotated = dem.Simulation(*mapped(run.scene, run.state, turn)).stress()
     for name in ("contact", "kinetic", "fabric"):
-        expected = turn @ getattr(before, name) @ turn.T
+        expected = turn @ getattr(stress, name) @ turn.T
         assert_allclose(
-            getattr(after, name), expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max()
+            getattr(rotated, name), expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max()
         )
-    assert after.pressure == pytest.approx(before.pressure, rel=1e-6)
-    assert after.shear == pytest.approx(before.shear, rel=1e-5)
-    turned = after.fabric_angle - before.fabric_angle - angle
+    assert rotated.pressure == pytest.approx(stress.pressure, rel=1e-6)
+    assert rotated.shear == pytest.approx(stress.shear, rel=1e-5)
+    turned = rotated.fabric_angle - stress.fabric_angle - angle
     assert abs(np.sin(turned)) < 1e-4  # an axis, not an arrow
 
 
@@ -198,10 +198,10 @@ def test_bins_share_the_stress_of_the_whole(small_bed, cuts, along):
 def test_fabric_has_trace_one_and_a_coordination_number(small_bed):
     """And the coordination number is that of `diagnose`."""
     run = shaken(small_bed("ellipse"))
-    found = run.stress()
-    assert np.trace(found.fabric) == pytest.approx(1.0)
-    assert 0.0 < found.anisotropy < 1.0
-    assert found.coordination_number == pytest.approx(run.diagnose().coordination_number)
+    stress = run.stress()
+    assert np.trace(stress.fabric) == pytest.approx(1.0)
+    assert 0.0 < stress.anisotropy < 1.0
+    assert stress.coordination_number == pytest.approx(run.diagnose().coordination_number)
     bins = run.stress(x=np.linspace(0.0, 8e-3, 5))
     assert_allclose(np.trace(bins.fabric, axis1=1, axis2=2), 1.0)
     assert bins.anisotropy.shape == bins.coordination_number.shape == (4,)
@@ -211,19 +211,19 @@ def test_a_gas_has_the_pressure_of_its_energy_and_no_fabric():
     """Pressure times area is the kinetic energy in two dimensions; what does not touch has no fabric."""
     rng = np.random.default_rng(3)
     scene = dem.Scene(dem.Disc(np.full(9, 0.2e-3)), SOFT, walls=dem.box(6e-3, 6e-3), **USUAL)
-    place = 1e-3 + 2e-3 * np.array(np.divmod(np.arange(9), 3)).T
+    position = 1e-3 + 2e-3 * np.array(np.divmod(np.arange(9), 3)).T
     velocity = rng.normal(size=(9, 2))
     velocity -= velocity.mean(axis=0)
-    run = dem.Simulation(scene, dem.State(place, velocity))
-    found = run.stress()
-    assert not found.contact.any() and np.isnan(found.fabric).all()
-    assert found.coordination_number == 0.0
+    run = dem.Simulation(scene, dem.State(position, velocity))
+    stress = run.stress()
+    assert not stress.contact.any() and np.isnan(stress.fabric).all()
+    assert stress.coordination_number == 0.0
     energy = run.diagnose().kinetic_energy
-    assert found.pressure * 36e-6 * scene.thickness == pytest.approx(energy)
-    drifting = dem.Simulation(scene, dem.State(place, velocity + [3.0, 4.0]))
-    assert_allclose(drifting.stress().kinetic, found.kinetic)  # of the motion about the mean
-    sliding = np.column_stack([1e3 * place[:, 1], np.zeros(9)])  # each row at its own speed
-    rows = dem.Simulation(scene, dem.State(place, sliding))
+    assert stress.pressure * 36e-6 * scene.thickness == pytest.approx(energy)
+    drifting = dem.Simulation(scene, dem.State(position, velocity + [3.0, 4.0]))
+    assert_allclose(drifting.stress().kinetic, stress.kinetic)  # of the motion about the mean
+    sliding = np.column_stack([1e3 * position[:, 1], np.zeros(9)])  # each row at its own speed
+    rows = dem.Simulation(scene, dem.State(position, sliding))
     assert rows.stress().pressure > 0.0
     assert_allclose(rows.stress(y=[0.0, 2e-3, 4e-3, 6e-3]).pressure, 0.0, atol=1e-9)
     empty = run.stress(y=[2e-3, 2.5e-3])
@@ -290,16 +290,16 @@ def test_edges_that_are_none_are_refused(small_bed, edges, sentence):
 def test_a_run_records_the_stress_of_its_bed(tmp_path):
     """At the start it is the pressure of the packing; in stress.nc it has units."""
     chosen = {"sweep": {"case": ["c1"], "seed": 1}, "record": {"observables": ["drag", "stress"]}}
-    made(tmp_path, **chosen)
-    with xr.open_dataset(tmp_path / "results/stress.nc") as found:
-        found = found.load().squeeze()
+    make_sweep(tmp_path, **chosen)
+    with xr.open_dataset(tmp_path / "results/stress.nc") as dataset:
+        dataset = dataset.load().squeeze()
     with xr.open_dataset(tmp_path / "results/drag.nc") as drag:
         packed = float(drag["packing_pressure"].squeeze())
-    mean = 0.5 * (found["stress_xx"] + found["stress_yy"])
+    mean = 0.5 * (dataset["stress_xx"] + dataset["stress_yy"])
     assert float(mean[0]) == pytest.approx(packed, rel=0.05)
-    assert_allclose(found["stress_xy"], found["stress_yx"], atol=1e-3 * float(mean[0]))
-    assert (found["kinetic_pressure"] < 1e-3 * mean).all()
-    assert {found[name].attrs["units"] for name in VARIABLES} == {"Pa", "1", "rad"}
+    assert_allclose(dataset["stress_xy"], dataset["stress_yx"], atol=1e-3 * float(mean[0]))
+    assert (dataset["kinetic_pressure"] < 1e-3 * mean).all()
+    assert {dataset[name].attrs["units"] for name in VARIABLES} == {"Pa", "1", "rad"}
 
 
 def test_the_page_on_stress_shows_the_weight_above():
@@ -333,22 +333,22 @@ def endless():
 
 
 @settings(max_examples=10)
-@given(laps=st.lists(st.integers(-3, 3), min_size=50, max_size=50), moved=st.floats(-9e-3, 9e-3))
-def test_laps_and_the_origin_do_not_change_the_stress(endless, laps, moved):
+@given(laps=st.lists(st.integers(-3, 3), min_size=50, max_size=50), shift=st.floats(-9e-3, 9e-3))
+def test_laps_and_the_origin_do_not_change_the_stress(endless, laps, shift):
     """Of a bed that repeats itself: granules may be any number of periods away, and the bed, its
     cylinder and the edges may be moved along."""
     scene, state = endless.scene, endless.state
-    cylinder = replace(scene.solids[0], position=(3e-3 + moved, 3e-3))
-    position = state.position + np.outer(np.array(laps) * 7e-3 + moved, [1.0, 0.0])
+    cylinder = replace(scene.solids[0], position=(3e-3 + shift, 3e-3))
+    position = state.position + np.outer(np.array(laps) * 7e-3 + shift, [1.0, 0.0])
     other = dem.Simulation(replace(scene, solids=cylinder), replace(state, position=position))
     for edges in ({}, {"y": np.linspace(0.0, 7e-3, 8)}, {"x": np.linspace(1e-3, 5e-3, 6)}):
         expected = endless.stress(**edges)
         if "x" in edges:
-            edges = {"x": edges["x"] + moved}
-        found = other.stress(**edges)
+            edges = {"x": edges["x"] + shift}
+        image = other.stress(**edges)
         for name in ("contact", "kinetic", "fabric"):
             value = getattr(expected, name)
-            assert_allclose(getattr(found, name), value, rtol=1e-6, atol=1e-6 * np.abs(value).max())
+            assert_allclose(getattr(image, name), value, rtol=1e-6, atol=1e-6 * np.abs(value).max())
 
 
 def test_a_ring_of_discs_has_the_stress_of_its_contacts():

@@ -5,10 +5,10 @@ import subprocess
 import sys
 
 import pytest
-from forked import snakemake
-from made import assert_shown_and_drawn, of_file
+from sweeps import assert_shown_and_drawn, of_file
 from typer.main import get_command
 from typer.testing import CliRunner
+from workflows import snakemake
 
 import studies
 from conftest import CONFIG, posix

@@ -75,12 +75,12 @@ def test_mirrors_and_quarter_turns(small_bed, kind, matrix):
     """A mirrored or turned scene moves as the mirror image of the scene, forces included."""
     small = small_bed(kind)
     scene, state = start(small)
-    after, on_solids, on_walls = run(scene, state)
-    seen, seen_on_solids, seen_on_walls = run(*mapped(scene, state, matrix))
+    result, on_solids, on_walls = run(scene, state)
+    image, image_on_solids, image_on_walls = run(*mapped(scene, state, matrix))
     hand = np.linalg.det(matrix)
-    agree(seen, map_state(after, np.array(matrix), hand), small.diameters.mean())
-    assert_allclose(seen_on_solids, on_solids @ np.transpose(matrix), rtol=1e-6)
-    assert_allclose(seen_on_walls, on_walls, rtol=1e-6)
+    agree(image, map_state(result, np.array(matrix), hand), small.diameters.mean())
+    assert_allclose(image_on_solids, on_solids @ np.transpose(matrix), rtol=1e-6)
+    assert_allclose(image_on_walls, on_walls, rtol=1e-6)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -88,7 +88,7 @@ def test_the_order_of_granules_does_not_matter(small_bed, kind):
     """Granules listed in another order move as before."""
     small = small_bed(kind)
     scene, state = start(small)
-    after, *_ = run(scene, state)
+    result, *_ = run(scene, state)
     order = np.random.default_rng(5).permutation(len(small.diameters))
     fields = "position", "velocity", "angle", "angular_velocity"
     shuffled = State(**{name: getattr(state, name)[order] for name in fields})
@@ -100,6 +100,6 @@ def test_the_order_of_granules_does_not_matter(small_bed, kind):
         scene.solids,
         thickness=scene.thickness,
     )
-    found, *_ = run(other, shuffled)
-    expected = State(**{name: getattr(after, name)[order] for name in fields})
-    agree(found, expected, small.diameters.mean())
+    reordered, *_ = run(other, shuffled)
+    expected = State(**{name: getattr(result, name)[order] for name in fields})
+    agree(reordered, expected, small.diameters.mean())

@@ -167,18 +167,18 @@ def assert_same(result, expected, close=1e-9):
     """All arrays of a run are those of the twin, to `close` of what they change by."""
     length = 1e-3  # m, of the lever of a torque
     force = max(
-        np.nanmax(np.abs(each), initial=0.0) for name, each in expected.items() if "force" in name
+        np.nanmax(np.abs(load), initial=0.0) for name, load in expected.items() if "force" in name
     )
     for name, values in expected.items():
-        found = getattr(result, name)
-        if found is None:
+        array = getattr(result, name)
+        if array is None:
             assert not values.size or not np.nan_to_num(values).any(), name
             continue
-        assert found.shape == values.shape, name
+        assert array.shape == values.shape, name
         scale = np.nanmax(np.abs(values - values[0]), initial=0.0)
         scale = expected["velocity"].max() / length if name == "angular_velocity" else scale
         scale = force if "force" in name else force * length if "torque" in name else scale
-        np.testing.assert_allclose(found, values, rtol=0.0, atol=close * scale, err_msg=name)
+        np.testing.assert_allclose(array, values, rtol=0.0, atol=close * scale, err_msg=name)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -217,11 +217,11 @@ def test_a_run_of_a_configuration_is_that_of_the_model():
     """The values of a file become the scene that they say, and its forces the columns of drag.nc."""
     material = {"young_modulus": 5e9, "poisson_ratio": 0.3, "restitution": 0.6, "thickness": 1.3e-3}
     friction = {"granule": 0.3, "wall": 0.5, "cylinder": 0.2}
-    dt, bins, every, each = 5e-8, 40, 10, 5  # s; steps a bin
+    dt, bins, every, steps = 5e-8, 40, 10, 5  # s; steps a bin
     values = {
         "extends": str(CONFIG / "smoke.yaml"), "shape": "c1", "density": 2e3, "seed": 4,
         "material": material, "friction": friction, "numerics": {"time_step": dt},
-        "cylinder": {"stroke": 2.0 * bins * each * dt},
+        "cylinder": {"stroke": 2.0 * bins * steps * dt},
         "record": {"bins": bins, "snapshots": 5, "window": [0.0, 1e-5]},
     }  # fmt: skip
     run = dem.run_experiment(values)
@@ -236,7 +236,7 @@ def test_a_run_of_a_configuration_is_that_of_the_model():
     first = run.isel(snapshot=0)
     position = np.column_stack([first.granule_x, first.granule_y])
     expected = twin.simulate(
-        scene, dem.State(position, angle=first.granule_angle), dt, bins * each, bins
+        scene, dem.State(position, angle=first.granule_angle), dt, bins * steps, bins
     )
     assert 0.25 * np.pi * ((2 * radius) ** 2).sum() / (8e-3 * height - np.pi * 0.75e-3**2) == (
         pytest.approx(0.84, rel=1e-9)
@@ -253,6 +253,6 @@ def test_a_run_of_a_configuration_is_that_of_the_model():
         np.testing.assert_allclose(run[name], values, rtol=0.0, atol=1e-9 * force, err_msg=name)
     assert np.abs(expected["solid_force"][1:, 0, 1]).max() > 1e-3 * force
     for axis, name in enumerate(("granule_x", "granule_y")):
-        seen = expected["position"][::every, :, axis]
-        np.testing.assert_allclose(run[name] - seen[0], seen - seen[0], rtol=0.0, atol=1e-15)
+        track = expected["position"][::every, :, axis]
+        np.testing.assert_allclose(run[name] - track[0], track - track[0], rtol=0.0, atol=1e-15)
     np.testing.assert_allclose(run.cylinder_y, expected["solid_position"][::every, 0, 1])

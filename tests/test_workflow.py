@@ -12,9 +12,9 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 import pytest
-from forked import SMOKE, environment, snakemake
-from made import contents, differing
+from sweeps import contents, differing
 from typer.testing import CliRunner
+from workflows import SMOKE, environment, snakemake
 
 import dem
 from conftest import assert_alone, assert_not_blank, posix
@@ -40,20 +40,20 @@ REDRAW = ("--profile", "profiles/figures", "figures")  # and no other option beh
 
 def runs_of(folder):
     """Every run of the store beside a folder of results: its variables, by shape, density and seed."""
-    found = {}
+    runs = {}
     for path in (folder.parent / "store/batches").glob("*.nc"):
         values = contents(path)
         names = list(zip(*(values[n].tolist() for n in ("shape", "density", "seed")), strict=True))
         with netCDF4.Dataset(path) as file:
             of_run = {n for n in values if "run" in file[n].dimensions}
         for row, name in enumerate(names):
-            found[name] = {n: values[n][row] for n in of_run}
-    return found
+            runs[name] = {n: values[n][row] for n in of_run}
+    return runs
 
 
-def test_one_command_makes_all_results(finished):
+def test_one_command_makes_all_results(checkout):
     """One command leaves drag.nc, snapshots.nc, every run once and the figures."""
-    results = finished / "results/smoke"
+    results = checkout / "results/smoke"
     assert len(runs_of(results)) == 5 * 2
     assert (results / "snapshots.nc").is_file()
     for figure in (
@@ -70,16 +70,16 @@ def test_one_command_makes_all_results(finished):
 
 
 @pytest.fixture(scope="module")
-def reported(finished):
+def reported(checkout):
     """The folder of results with Snakemake's own report and the page that links it."""
-    results = finished / "results/smoke"
+    results = checkout / "results/smoke"
     for arguments in (("-j1", "--report", str(results / "provenance.html")), ("-j2", "report")):
-        run = snakemake(finished, *arguments)
+        run = snakemake(checkout, *arguments)
         assert run.returncode == 0, run.stdout + run.stderr
     return results
 
 
-def test_the_report_of_snakemake_says_what_each_figure_shows(finished, reported):
+def test_the_report_of_snakemake_says_what_each_figure_shows(checkout, reported):
     """In the list of figures and beside each, in the words of its own module."""
     page = (reported / "provenance.html").read_text()
     drawn = FIGURES.keys() & {path.stem for path in (reported / "figures").glob("*.svg")}
@@ -89,7 +89,7 @@ def test_the_report_of_snakemake_says_what_each_figure_shows(finished, reported)
         assert f'{{"figure": "{name}", "shows": "{caption}"}}' in page
         assert f"<p>{caption}, drawn from" in page
     assert 'href="provenance.html"' in (reported / "report.html").read_text()
-    assert planned(finished, "report") == {}
+    assert planned(checkout, "report") == {}
 
 
 def test_reports_open_without_a_network(reported, browser):
@@ -99,9 +99,9 @@ def test_reports_open_without_a_network(reported, browser):
         assert_alone(browser)
 
 
-def test_claims_of_small_beds(claimed):
+def test_claims_of_small_beds(checkout_with_claims):
     """The study of claims, from its runs to a table and five figures; nothing is made twice."""
-    results = claimed / "results/smoke"
+    results = checkout_with_claims / "results/smoke"
     table = (results / "claims.txt").read_text()
     assert "dumbbells above discs" in table and "drag relative to c1" in table
     pictures = list((results / "figures").glob("claims_*.png"))
@@ -113,12 +113,12 @@ def test_claims_of_small_beds(claimed):
         assert parts.count("replicates") == 5 * 3 and parts.count("sensitivity") == 2 * 10
         failed = int(np.isnan(np.ma.filled(file["run_drag"][:], np.nan)).sum())
         assert failed <= len(parts) // 4
-    assert planned(claimed, "claims") == {}
+    assert planned(checkout_with_claims, "claims") == {}
 
 
-def test_drag_is_that_of_the_runs(finished):
+def test_drag_is_that_of_the_runs(checkout):
     """drag.nc holds, for each case and seed, the very numbers of the run."""
-    results = finished / "results/smoke"
+    results = checkout / "results/smoke"
     runs = runs_of(results)
     with netCDF4.Dataset(results / "drag.nc") as file:
         assert file["drag"].dimensions == ("case", "seed", "displacement")
@@ -137,7 +137,7 @@ def stamps(paths):
     return {path: path.stat().st_mtime_ns for path in paths if path.is_file()}
 
 
-AGAIN = """
+REORDERED = """
 extends: config/smoke.yaml
 results: results/again
 batch: 1
@@ -145,46 +145,46 @@ sweep: {case: [c12, c1]}
 """
 
 
-def test_what_is_there_is_planned_drawn_and_taken_and_not_made(finished):
+def test_what_is_there_is_planned_drawn_and_taken_and_not_made(checkout):
     """By the same sweep, by none that the command line names, which is the paper, and by another one of
     the same runs, in other batches, another order and another folder."""
-    asked = load(finished / SMOKE)
-    assert load(finished / "results/smoke/config.yaml").dump() == asked.dump()
-    assert planned(finished) == {}
-    paper = SweepState.of(finished / "config/paper.yaml", finished)
-    assert planned(finished, configfile=None)["batch"] == len(paper.batches("drag"))
+    sweep = load(checkout / SMOKE)
+    assert load(checkout / "results/smoke/config.yaml").dump() == sweep.dump()
+    assert planned(checkout) == {}
+    paper = SweepState.of(checkout / "config/paper.yaml", checkout)
+    assert planned(checkout, configfile=None)["batch"] == len(paper.batches("drag"))
     arrows = {}
     for option in ("--dag", "--rulegraph"):  # a box a job, a box a rule
-        drawn = snakemake(finished, "results/smoke/drag.nc", option)
-        assert drawn.returncode == 0 and "digraph" in drawn.stdout, drawn.stderr
-        names = dict(re.findall(r'(\d+)\[label = "(\w+)', drawn.stdout))
+        graph = snakemake(checkout, "results/smoke/drag.nc", option)
+        assert graph.returncode == 0 and "digraph" in graph.stdout, graph.stderr
+        names = dict(re.findall(r'(\d+)\[label = "(\w+)', graph.stdout))
         arrows[option] = [
-            (names[a], names[b]) for a, b in re.findall(r"(\d+) -> (\d+)", drawn.stdout)
+            (names[a], names[b]) for a, b in re.findall(r"(\d+) -> (\d+)", graph.stdout)
         ]
     assert arrows == {"--dag": 3 * [("batch", "combine")], "--rulegraph": [("batch", "combine")]}
-    said = snakemake(finished, "--lint").stderr
-    complaints = re.findall(r"(?m)^ +\* (.*)", said)
-    assert set(complaints) <= {"Specify a conda environment or container for each rule.:"}, said
-    (finished / "config/again.yaml").write_text(AGAIN)
-    batches = stamps((finished / "results/store/batches").iterdir())
-    run = snakemake(finished, "results/again/drag.nc", "-j2", configfile="config/again.yaml")
+    output = snakemake(checkout, "--lint").stderr
+    complaints = re.findall(r"(?m)^ +\* (.*)", output)
+    assert set(complaints) <= {"Specify a conda environment or container for each rule.:"}, output
+    (checkout / "config/again.yaml").write_text(REORDERED)
+    batches = stamps((checkout / "results/store/batches").iterdir())
+    run = snakemake(checkout, "results/again/drag.nc", "-j2", configfile="config/again.yaml")
     assert run.returncode == 0, run.stderr
-    assert batches == stamps((finished / "results/store/batches").iterdir())
-    assert planned(finished) == {}
-    one, two = (contents(finished / f"results/{name}/drag.nc") for name in ("smoke", "again"))
+    assert batches == stamps((checkout / "results/store/batches").iterdir())
+    assert planned(checkout) == {}
+    one, two = (contents(checkout / f"results/{name}/drag.nc") for name in ("smoke", "again"))
     np.testing.assert_array_equal(two["drag"][:, 0], one["drag"][[4, 0], 0])
 
 
-def test_what_is_asked_for_is_made_again_with_the_same_bits(finished, tmp_path):
+def test_what_is_asked_for_is_made_again_with_the_same_bits(checkout, tmp_path):
     """One batch, by the Python of Snakemake, which is called by its path with nothing on PATH and another
     package named dem before this one. All figures, where kernels are newer than the results too, and
     nothing is simulated; then all is up to date."""
     folder = tmp_path / "forced"
-    shutil.copytree(finished, folder, symlinks=True)
+    shutil.copytree(checkout, folder, symlinks=True)
     results, kernel = folder / "results/smoke", folder / "dem/contacts/loops.py"
     batch, *others = SweepState.of(folder / SMOKE, folder).files("drag")
-    combined, there = [results / f"{name}.nc" for name in ("drag", "snapshots")], stamps(others)
-    before = [contents(path) for path in (batch, *combined)]
+    combined, times = [results / f"{name}.nc" for name in ("drag", "snapshots")], stamps(others)
+    original = [contents(path) for path in (batch, *combined)]
     (tmp_path / "dem").mkdir()
     (tmp_path / "dem/__init__.py").write_text("raise SystemExit('another dem')")
     words = "-j1", "-f", str(batch.relative_to(folder)), "--configfile", SMOKE
@@ -199,24 +199,24 @@ def test_what_is_asked_for_is_made_again_with_the_same_bits(finished, tmp_path):
     targets = [str(path.relative_to(folder)) for path in combined]
     assert planned(folder, *targets) == {"combine": 2}
     run = snakemake(folder, "-j1", *targets)
-    assert run.returncode == 0 and there == stamps(others), run.stderr
-    for path, values in zip((batch, *combined), before, strict=True):
+    assert run.returncode == 0 and times == stamps(others), run.stderr
+    for path, values in zip((batch, *combined), original, strict=True):
         assert differing(contents(path), values) == []
     stamp, text = kernel.stat(), kernel.read_text()
     kernel.write_text(text + "\nEDITED = True\n")
     with (folder / "dem/figures/style.py").open("a") as style:
         style.write("\nEDITED = True\n")
-    made, drawn = stamps(results.rglob("*.nc")), stamps((results / "figures").iterdir())
-    assert planned(folder)["batch"] == 3 and len(drawn) >= 16
-    assert planned(folder, *REDRAW) == {"figure": len(drawn) // 2, "figures": 1}
+    data, figures = stamps(results.rglob("*.nc")), stamps((results / "figures").iterdir())
+    assert planned(folder)["batch"] == 3 and len(figures) >= 16
+    assert planned(folder, *REDRAW) == {"figure": len(figures) // 2, "figures": 1}
     # the dry run names them all; to draw a few of them, as if they were all, is enough
     for arguments in (("--batch", "figures=1/8"), ("--touch",)):
         run = snakemake(folder, "-j2", *arguments, *REDRAW)
         assert run.returncode == 0, run.stdout + run.stderr
         if "--batch" in arguments:
-            now = stamps((results / "figures").iterdir())
-            assert 2 <= sum(now[path] > at for path, at in drawn.items()) < len(drawn)
-    assert made == stamps(results.rglob("*.nc"))
+            new = stamps((results / "figures").iterdir())
+            assert 2 <= sum(new[path] > at for path, at in figures.items()) < len(figures)
+    assert data == stamps(results.rglob("*.nc"))
     kernel.write_text(text)
     os.utime(kernel, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
     assert planned(folder, "figures") == {}
@@ -231,17 +231,17 @@ sweep: {case: [c1, d1], seed: [1, 2]}
 """
 
 
-def test_a_workflow_goes_on_after_a_kill_and_a_damaged_batch(finished):
+def test_a_workflow_goes_on_after_a_kill_and_a_damaged_batch(checkout):
     """The same command finishes, with the bits of runs alone. A damaged batch is named, and the next start
-    tries again until it is mended; another sweep of the folder is refused, and writes nothing."""
-    file, target = finished / "config/killed.yaml", "results/killed/drag.nc"
+    tries again until it is mended."""
+    file, target = checkout / "config/killed.yaml", "results/killed/drag.nc"
     words = {"configfile": "config/killed.yaml"}
-    result, runs = finished / target, finished / "results/store/runs"
+    result, runs = checkout / target, checkout / "results/store/runs"
     file.write_text(KILLED)
     victim = subprocess.Popen(
         [sys.executable, "-m", "snakemake", target, "-j2", "--configfile", words["configfile"]],
-        cwd=finished,
-        env=environment(finished),
+        cwd=checkout,
+        env=environment(checkout),
         start_new_session=True,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
@@ -252,32 +252,25 @@ def test_a_workflow_goes_on_after_a_kill_and_a_damaged_batch(finished):
     os.killpg(victim.pid, signal.SIGKILL)
     victim.wait()
     assert not result.exists() and list(runs.rglob("*.npz"))
-    run = snakemake(finished, target, "-j2", **words)
+    run = snakemake(checkout, target, "-j2", **words)
     assert run.returncode == 0, run.stderr
     assert not list(runs.rglob("*.npz"))
-    found = contents(result)
+    dataset = contents(result)
     for point, run in list(load(file).block("drag").runs.items())[::3]:
         alone = dem.run_experiment(run.values())
-        np.testing.assert_array_equal(found["drag"][point], alone["drag"].values)
+        np.testing.assert_array_equal(dataset["drag"][point], alone["drag"].values)
 
-    batch = SweepState.of(file, finished).files("drag")[0]
-    kept = batch.read_bytes()
-    batch.write_bytes(kept[:20000])
+    batch = SweepState.of(file, checkout).files("drag")[0]
+    content = batch.read_bytes()
+    batch.write_bytes(content[:20000])
     file.write_text(KILLED.replace("title: one", "title: changed"))
-    run = snakemake(finished, target, "-j2", **words)
-    assert run.returncode == 1 and "it has no checksum" in run.stderr
-    batch.write_bytes(kept)
-    run = snakemake(finished, target, "-j2", **words)
-    assert run.returncode == 0 and planned(finished, target, **words) == {}, run.stderr
+    run = snakemake(checkout, target, "-j2", **words)
+    assert run.returncode == 1 and "its content cannot be used" in run.stderr
+    batch.write_bytes(content)
+    run = snakemake(checkout, target, "-j2", **words)
+    assert run.returncode == 0 and planned(checkout, target, **words) == {}, run.stderr
     with netCDF4.Dataset(result) as one:
         assert one.title == "changed"
-
-    (finished / "config/other.yaml").write_text(file.read_text().replace("[1, 2]", "1"))
-    before = stamps((finished / "results").rglob("*"))
-    run = snakemake(finished, target, "-n", configfile="config/other.yaml")
-    assert run.returncode == 1
-    assert "has the results of config/killed.yaml" in run.stdout + run.stderr
-    assert before == stamps((finished / "results").rglob("*"))
 
 
 def test_a_wrong_configuration_writes_nothing(copy, monkeypatch):
@@ -314,28 +307,28 @@ rule both:
 """
 
 
-def test_a_workflow_uses_two_sweeps_as_modules(finished, tmp_path):
+def test_a_workflow_uses_two_sweeps_as_modules(checkout, tmp_path):
     """From another working folder, with Snakemake's own defaults; nothing is made twice, and reported."""
-    (tmp_path / "Snakefile").write_text(MODULES.format(finished))
+    (tmp_path / "Snakefile").write_text(MODULES.format(checkout))
     for options, words in (
         (["-j2"], "steps (100%) done"),
         (["-j2"], "Nothing to be done"),
         (["--report", "report.html"], "Report created"),
     ):
-        run = snakemake(tmp_path, *options, configfile=None, sources=finished)
+        run = snakemake(tmp_path, *options, configfile=None, sources=checkout)
         assert run.returncode == 0 and words in run.stdout + run.stderr, run.stdout + run.stderr
     assert FIGURES["figure13"].caption in (tmp_path / "report.html").read_text()
     one, whole = (
         contents(path / "drag.nc")
-        for path in (tmp_path / "a/results/one", finished / "results/smoke")
+        for path in (tmp_path / "a/results/one", checkout / "results/smoke")
     )
     np.testing.assert_array_equal(one["drag"][0], whole["drag"][0])
     assert_not_blank(tmp_path / "b/results/two/figures/figure13.png")
 
 
-def test_files_follow_the_cf_conventions(finished):
+def test_files_follow_the_cf_conventions(checkout):
     """Every kind of netCDF file passes the checker for CF-1.11, in the classic model, which other programs read."""
-    results = finished / "results/smoke"
+    results = checkout / "results/smoke"
     paths = [
         next(results.glob(name)) for name in ("drag.nc", "snapshots.nc", "../store/batches/*.nc")
     ]
@@ -346,6 +339,6 @@ def test_files_follow_the_cf_conventions(finished):
         ["compliance-checker", "--test=cf:1.11", *map(str, paths)],
         text=True,
         capture_output=True,
-        env=environment(finished),
+        env=environment(checkout),
     )
     assert run.returncode == 0, run.stdout

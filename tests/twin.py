@@ -97,8 +97,8 @@ def common_normal(d, one, two):
         s = dot(n, d) - h1 - h2
         return s, dot(turned(n), d) - q1 - q2, -s - rho1 - rho2, (h1, q1, rho1, rho2)
 
-    each = np.arange(len(d))[:, None]
-    angle = DIRECTIONS[gap(DIRECTIONS, d[:, None], one.of(each), two.of(each))[0].argmax(axis=1)]
+    index = np.arange(len(d))[:, None]
+    angle = DIRECTIONS[gap(DIRECTIONS, d[:, None], one.of(index), two.of(index))[0].argmax(axis=1)]
     for _ in range(NEWTON):
         _, slope, bend, _ = gap(angle, d, one, two)
         angle = angle + np.clip(-slope / np.minimum(bend, -1e-300), -0.1, 0.1)
@@ -111,31 +111,31 @@ def chord(d, one, two):
     """Contacts of ellipses as in the paper: the chord between those points of each that are deepest in the
     other; d (m) leads from 1 to 2."""
 
-    def deepest(d, mine, other):
+    def deepest(d, one, other):
         """Least G = (x/a)^2 + (y/b)^2 - 1 of the other on my outline; the point from my centre; rho there."""
 
-        def place(u, d, mine, other):
-            axis, frame = unit(mine.angle), unit(other.angle)
-            along, up = mine.a * np.cos(u), mine.b * np.sin(u)
+        def point(u, d, one, other):
+            axis, frame = unit(one.angle), unit(other.angle)
+            along, up = one.a * np.cos(u), one.b * np.sin(u)
             x = along[..., None] * axis + up[..., None] * turned(axis)
-            dx = -(mine.a * np.sin(u))[..., None] * axis
-            dx = dx + (mine.b * np.cos(u))[..., None] * turned(axis)
+            dx = -(one.a * np.sin(u))[..., None] * axis
+            dx = dx + (one.b * np.cos(u))[..., None] * turned(axis)
 
-            def seen(w):  # in coordinates in which the other is a unit circle
+            def scaled(w):  # in coordinates in which the other is a unit circle
                 return np.stack([dot(frame, w) / other.a, cross(frame, w) / other.b], axis=-1)
 
-            return x, seen(x - d), seen(dx), seen(x)
+            return x, scaled(x - d), scaled(dx), scaled(x)
 
-        each = np.arange(len(d))[:, None]
-        _, r, _, _ = place(DIRECTIONS, d[:, None], mine.of(each), other.of(each))
+        index = np.arange(len(d))[:, None]
+        _, r, _, _ = point(DIRECTIONS, d[:, None], one.of(index), other.of(index))
         u = DIRECTIONS[dot(r, r).argmin(axis=1)]
         for _ in range(NEWTON):
-            _, r, t, p = place(u, d, mine, other)
+            _, r, t, p = point(u, d, one, other)
             bend = np.maximum(dot(t, t) - dot(r, p), 0.1 * dot(t, t))
             u = u - np.clip(dot(r, t) / bend, -0.1, 0.1)
-        x, r, _, _ = place(u, d, mine, other)
-        speed = (mine.a * np.sin(u)) ** 2 + (mine.b * np.cos(u)) ** 2
-        return dot(r, r) - 1.0, x, speed**1.5 / (mine.a * mine.b)
+        x, r, _, _ = point(u, d, one, other)
+        speed = (one.a * np.sin(u)) ** 2 + (one.b * np.cos(u)) ** 2
+        return dot(r, r) - 1.0, x, speed**1.5 / (one.a * one.b)
 
     inside, x1, rho1 = deepest(d, one, two)
     _, x2, rho2 = deepest(-d, two, one)
@@ -286,12 +286,12 @@ class Law:
         self, scene, material, other, friction, stiffness=1.0, turns=True, rolling=(0.0, 0.0)
     ):
         self.elastic, self.thickness = scene.law, scene.thickness
-        meets = [material] if other is None else [material, other]
-        self.young = 1.0 / sum((1.0 - m.poisson_ratio**2) / m.young_modulus for m in meets)
+        pair = [material] if other is None else [material, other]
+        self.young = 1.0 / sum((1.0 - m.poisson_ratio**2) / m.young_modulus for m in pair)
         self.shear = stiffness / sum(
-            2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.young_modulus for m in meets
+            2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.young_modulus for m in pair
         )
-        restitution = np.prod([m.restitution for m in meets]) ** (1.0 / len(meets))
+        restitution = np.prod([m.restitution for m in pair]) ** (1.0 / len(pair))
         self.zeta, self.friction, self.turns = damping_ratio(restitution), friction, turns
         self.share = self.young * (1.0 - material.poisson_ratio**2) / material.young_modulus
         self.rolling, self.rolling_damping = rolling
@@ -335,12 +335,12 @@ class Law:
             root = np.where(near, (late - early) / np.where(near, 2.0 * change, 1.0), root)
         c = 2.0 * self.zeta * np.sqrt(mass * k)
         normal = np.maximum(k * force - c * root * rate[0], 0.0)
-        before = spring_of(self.elastic, last, a)[1]
-        kept = np.minimum(measure / np.where(before > 0.0, before, np.inf), 1.0)
-        kept = np.where(before > 0.0, kept, 1.0)
+        old = spring_of(self.elastic, last, a)[1]
+        scale = np.minimum(measure / np.where(old > 0.0, old, np.inf), 1.0)
+        scale = np.where(old > 0.0, scale, 1.0)
         limit, stiffness = self.friction * normal, 0.5 * ratio * self.shear / self.young * k
-        slid = stiffness * (kept * before + measure) * middle[1] * dt
-        spring = np.clip(kept * spring - slid, -limit, limit)
+        slid = stiffness * (scale * old + measure) * middle[1] * dt
+        spring = np.clip(scale * spring - slid, -limit, limit)
         overlap = np.maximum(overlap, 0.0)
         dashpot = 2.0 * c * np.sqrt(self.shear / self.young) * root * rate[1]
         tangential = np.clip(spring - dashpot, -limit, limit)
@@ -349,7 +349,7 @@ class Law:
         )  # k_n is 3/2 K sqrt(delta), else K times the measure
         arm = self.rolling / (1.0 / radii[0] + 1.0 / radii[1])
         limit, stiffness = arm * normal, 3.0 * arm**2 * k * (1.5 if hertz else 1.0)
-        moment = kept * moment - 0.5 * stiffness * (kept * before + measure) * middle[2] * dt
+        moment = scale * moment - 0.5 * stiffness * (scale * old + measure) * middle[2] * dt
         moment = np.clip(moment, -limit, limit)
         root = root * 2.0 / np.sqrt(5.0) if hertz else root
         dashpot = 2.0 * self.rolling_damping * np.sqrt(stiffness * inertia) * root * rate[2]
@@ -404,11 +404,11 @@ class Boundaries(Bodies):
             if isinstance(path, dem.PrescribedMotion):
                 rows = [path.velocity[:, 0], path.velocity[:, 1]]
                 rows += [] if path.spin is None else [path.spin]
-                now, end = (np.array([np.interp(t, path.time, row) for row in rows])
+                middle, end = (np.array([np.interp(t, path.time, row) for row in rows])
                             for t in (time + 0.5 * dt, time + dt))  # fmt: skip
-                self.velocity[b], self.change[b] = now[:2], (end - now)[:2]
+                self.velocity[b], self.change[b] = middle[:2], (end - middle)[:2]
                 if path.spin is not None:
-                    self.spin[b], self.spin_change[b] = now[2], end[2] - now[2]
+                    self.spin[b], self.spin_change[b] = middle[2], end[2] - middle[2]
 
     def kick(self, time, kick, dt):
         """Velocities for the next step of dt (s), after forces have acted for `kick` (s)."""
@@ -426,23 +426,23 @@ class Boundaries(Bodies):
                     b, 2, self.spin[b], pushed, turn.damping, turn.inertia, kick, dt
                 )
 
-    def yielded(self, b, axis, before, pushed, damping, mass, kick, dt):
+    def yielded(self, b, axis, velocity, pushed, damping, mass, kick, dt):
         """Velocity after a kick, and its change to the end of the step; of translation or rotation."""
         drag = 0.5 * kick * damping  # at the mean velocity of the kick
-        after = (before * (mass - drag) + kick * pushed) / (mass + drag)
-        now = (pushed - damping * 0.5 * (before + after)) / mass
-        change = 0.5 * dt * (2.0 * now - self.last[b, axis])
-        self.last[b, axis] = now
-        return after, change
+        new_velocity = (velocity * (mass - drag) + kick * pushed) / (mass + drag)
+        acceleration = (pushed - damping * 0.5 * (velocity + new_velocity)) / mass
+        change = 0.5 * dt * (2.0 * acceleration - self.last[b, axis])
+        self.last[b, axis] = acceleration
+        return new_velocity, change
 
 
 def lightness_of(motions):
     """Inverse masses (1/kg) of boundaries along x and y: zero along an axis whose velocity is given."""
     driven = [
-        each if isinstance(each, dem.Drive) else dem.Drive((None, None), 1.0) for each in motions
+        drive if isinstance(drive, dem.Drive) else dem.Drive((None, None), 1.0) for drive in motions
     ]
     return np.array(
-        [[0.0 if push is None else 1.0 / each.mass for push in each.force] for each in driven]
+        [[0.0 if push is None else 1.0 / drive.mass for push in drive.force] for drive in driven]
     ).reshape(-1, 2)
 
 
@@ -453,10 +453,10 @@ class Contacts:
     x and y; where nothing yields, that of the granule; inertia (k,): I* (kg m2) about the contact.
     """
 
-    def __init__(self, laws, which, one, two, lightness, mass, inertia):
+    def __init__(self, laws, kind, one, two, lightness, mass, inertia):
         self.one, self.two, self.law = one, two, copy(laws[0])
         for name in CONSTANTS:
-            setattr(self.law, name, np.array([getattr(law, name) for law in laws])[which])
+            setattr(self.law, name, np.array([getattr(law, name) for law in laws])[kind])
         self.lightness = np.where(lightness > 0.0, lightness, 1.0 / mass[:, None])
         self.inertia, self.memory = inertia, np.zeros((3, len(one)))
 
@@ -472,8 +472,8 @@ class Twin:
         )  # fmt: skip
         self.time, self.force, self.torque = 0.0, np.zeros((n, 2)), np.zeros(n)
         self.group = np.full(n, -1)
-        for b, each in enumerate(scene.held):
-            self.group[each.granules] = b
+        for b, group in enumerate(scene.held):
+            self.group[group.granules] = b
         self.held = Boundaries([h.motion for h in scene.held])
         self.start = self.bodies.position.copy()
         self.carry()
@@ -518,10 +518,10 @@ class Twin:
             for a, first in enumerate(materials)
             for b, second in enumerate(materials)
         ]
-        which = len(materials) * species[one] + species[two]
+        kind = len(materials) * species[one] + species[two]
         both = lightness[one] + lightness[two]
         self.pairs = Contacts(
-            laws, which, one, two, both, mass[one], 1.0 / (swing[one] + swing[two])
+            laws, kind, one, two, both, mass[one], 1.0 / (swing[one] + swing[two])
         )
 
         def around(bodies, moving, coefficients, mu_r):
@@ -548,7 +548,7 @@ class Twin:
 
     def nearest(self, d):
         """Vectors d (m) to the nearest image beside periodic sides."""
-        period = [np.inf if each is None else each for each in self.scene.periodic or (None, None)]
+        period = [np.inf if side is None else side for side in self.scene.periodic or (None, None)]
         return d - np.where(np.isfinite(period), period, 0.0) * np.rint(d / period)
 
     def carry(self):
@@ -569,8 +569,8 @@ class Twin:
         def pair(one, two):
             d = self.nearest(centre[two] - centre[one])
             touch = granules.search(d, outline.of(one), outline.of(two))
-            away = d + offset[one] - offset[two]  # of the centre of granule 2 from that of 1
-            return touch, away, (granules.radius[one], granules.radius[two])
+            separation = d + offset[one] - offset[two]  # of the centre of granule 2 from that of 1
+            return touch, separation, (granules.radius[one], granules.radius[two])
 
         def near_pairs(one, two):
             d = self.nearest(centre[two] - centre[one])
@@ -641,9 +641,9 @@ class Twin:
         """Forces of all contacts of a kind on the granules; returns for those that may touch the partner, the
         force (N) and the torque (N m) on it."""
         owner = self.granules.owner
-        may = np.flatnonzero(near(contacts.one, contacts.two))
-        one, two = contacts.one[may], contacts.two[may]
-        if not len(may):
+        index = np.flatnonzero(near(contacts.one, contacts.two))
+        one, two = contacts.one[index], contacts.two[index]
+        if not len(index):
             contacts.memory = np.zeros((3, len(contacts.one)))
             return two, np.zeros((0, 2)), np.zeros(0)
         touch, away, radii = geometry(one, two)
@@ -654,18 +654,18 @@ class Twin:
         offset = self.granules.offsets(self.bodies.angle)[one]
         arm = offset + touch.point  # from the centre of granule 1
         other = arm - away  # from that of body 2
-        mine, theirs = self.bodies.velocity_at(g, arm), partners.velocity_at(h, other)
-        middle, end = theirs[0] - mine[0], theirs[1] - mine[1]
+        first, second = self.bodies.velocity_at(g, arm), partners.velocity_at(h, other)
+        middle, end = second[0] - first[0], second[1] - first[1]
         spin = partners.spin[h] - self.bodies.spin[g]
         spins = spin, spin + partners.spin_change[h] - self.bodies.spin_change[g]
-        memory = [each[may] for each in contacts.memory]
-        mass = 1.0 / (contacts.lightness[may] * n**2).sum(axis=1)  # m*, along the normal
-        normal, tangential, moment, memory = contacts.law.of(may).push(
-            memory, touch.overlap, radii, mass, contacts.inertia[may],
+        memory = [values[index] for values in contacts.memory]
+        mass = 1.0 / (contacts.lightness[index] * n**2).sum(axis=1)  # m*, along the normal
+        normal, tangential, moment, memory = contacts.law.of(index).push(
+            memory, touch.overlap, radii, mass, contacts.inertia[index],
             (dot(middle, n), dot(middle, t), spins[0]), (dot(end, n), dot(end, t), spins[1]), dt,
         )  # fmt: skip
         contacts.memory = np.zeros((3, len(contacts.one)))
-        contacts.memory[:, may] = memory
+        contacts.memory[:, index] = memory
         force = normal[:, None] * n + tangential[:, None] * t
         np.add.at(self.force, g, -force)
         np.add.at(self.torque, g, -cross(arm, force) - moment)
@@ -686,16 +686,16 @@ class Twin:
 
         Dashpots see what they become at the full step, if accelerations go on as from the last to these.
         """
-        bodies, now, last = self.bodies, self.accelerations(), self.last
-        bodies.velocity += kick * now[0]
-        bodies.spin += kick * now[1]
+        bodies, accelerations, last = self.bodies, self.accelerations(), self.last
+        bodies.velocity += kick * accelerations[0]
+        bodies.spin += kick * accelerations[1]
         bodies.change, bodies.spin_change = (
-            0.5 * dt * (2.0 * new - old) for new, old in zip(now, last, strict=True)
+            0.5 * dt * (2.0 * new - old) for new, old in zip(accelerations, last, strict=True)
         )
-        self.last = now
+        self.last = accelerations
         bodies.drift(dt)
-        for name, each in self.loads.items():
-            self.sums[name] = self.sums[name] + kick * each
+        for name, load in self.loads.items():
+            self.sums[name] = self.sums[name] + kick * load
         for boundaries in (self.walls, self.held, self.solids):
             boundaries.kick(self.time, kick, dt)
             boundaries.drift(dt)
@@ -712,10 +712,10 @@ class Twin:
 
     def look(self):
         """A copy with the velocities of now; impulses begin again at zero."""
-        seen = deepcopy(self)
-        seen.kick_and_drift(self.kicked, 0.0)
-        self.sums = {name: each - seen.sums[name] for name, each in self.sums.items()}
-        return seen
+        twin = deepcopy(self)
+        twin.kick_and_drift(self.kicked, 0.0)
+        self.sums = {name: total - twin.sums[name] for name, total in self.sums.items()}
+        return twin
 
 
 def forces_of(scene, state, dt):
@@ -727,18 +727,18 @@ def forces_of(scene, state, dt):
 
 def simulate(scene, state, dt, steps, frames=1):
     """The arrays of a `dem.Result` by name: after `steps` steps of dt (s), in equal intervals."""
-    twin, kept = Twin(scene, state), []
+    twin, rows = Twin(scene, state), []
 
     def keep(twin, forces):
         bodies = twin.bodies
-        now = {"time": twin.time, "position": bodies.position, "velocity": bodies.velocity,
+        arrays = {"time": twin.time, "position": bodies.position, "velocity": bodies.velocity,
                "angle": bodies.angle, "angular_velocity": bodies.spin, "wall_offset": twin.planes[:, 2],
                "solid_position": twin.solids.position, "solid_angle": twin.solids.angle}  # fmt: skip
-        kept.append({name: np.array(each) for name, each in (now | forces).items()})
+        rows.append({name: np.array(array) for name, array in (arrays | forces).items()})
 
-    keep(twin, {name: np.nan * each for name, each in twin.no_sums().items()})
+    keep(twin, {name: np.nan * total for name, total in twin.no_sums().items()})
     for _ in range(frames):
         twin.advance(steps // frames, dt)
-        seen = twin.look()
-        keep(seen, {name: each / (steps // frames * dt) for name, each in seen.sums.items()})
-    return {name: np.array([frame[name] for frame in kept]) for name in kept[0]}
+        view = twin.look()
+        keep(view, {name: total / (steps // frames * dt) for name, total in view.sums.items()})
+    return {name: np.array([frame[name] for frame in rows]) for name in rows[0]}

@@ -6,6 +6,7 @@ may be a file whose variables are read when they are needed.
 """
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from dem.base.errors import InputError
@@ -17,12 +18,7 @@ CHECK = "e0"  # shape label of the ellipse code at aspect ratio 1: a check, not 
 def within(drag: xr.DataArray, start: float, stop: float) -> xr.DataArray:
     """The bins of drag (..., displacement) whose middle is between start and stop (m)."""
     middle = drag["displacement"].values
-    inside = (middle >= start) & (middle <= stop)
-    if not inside.any():
-        raise InputError(
-            f"the window from {start:g} m to {stop:g} m holds no middle of a bin of the drag."
-        )
-    return drag.isel(displacement=inside)
+    return drag.isel(displacement=(middle >= start) & (middle <= stop))
 
 
 def window_text(dataset: xr.Dataset) -> str:
@@ -85,33 +81,11 @@ def change(run_mean: xr.DataArray, before: str, after: str) -> tuple[float, floa
     return float(difference.mean("seed") / base), float(half_interval(difference) / abs(base))
 
 
-def running_mean(dataset: xr.Dataset, length: float) -> xr.DataArray:
-    """Mean of the drag (..., displacement) over `length` (m) about each displacement.
-
-    Near both ends the mean is over what there is of the length.
-    """
-    drag, edges = dataset["drag"], edges_of_bins(dataset)
-    middle = drag["displacement"].values
-    low = np.clip(middle - 0.5 * length, edges[0], edges[-1])
-    high = np.clip(middle + 0.5 * length, edges[0], edges[-1])
-
-    shared = np.minimum(high[:, None], edges[1:]) - np.maximum(low[:, None], edges[:-1])
-    weights = np.clip(shared, 0.0, None) / (high - low)[:, None]
-    along = xr.DataArray(weights, {"displacement": drag["displacement"]}, ("displacement", "bin"))
-    return xr.dot(drag.rename(displacement="bin").drop_vars("bin"), along, dim="bin")
-
-
-def edges_of_bins(dataset: xr.Dataset) -> np.ndarray:
-    """Edges (displacement + 1,) of the bins in m."""
-    bounds = dataset["displacement_bounds"].values
-    return np.append(bounds[:, 0], bounds[-1, 1])
-
-
 def table1(dataset: xr.Dataset) -> list[str]:
     """Labels of the cases to compare by shape: at the density of the first, the check left out;
     raises InputError where there is none."""
-    cases = cases_of(dataset)
-    labels = [c for c, shape, density in cases if density == cases[0][2] and shape != CHECK]
+    shapes = shapes_of(dataset)
+    labels = shapes.index[shapes != CHECK].tolist()
     if not labels:
         raise InputError("there is no case of Table 1 in the data.")
     return labels
@@ -119,23 +93,26 @@ def table1(dataset: xr.Dataset) -> list[str]:
 
 def find(dataset: xr.Dataset, shape: str) -> str | None:
     """Label of the case of this shape at the density of the first case, None if there is none."""
-    cases = cases_of(dataset)
-    return next((c for c, s, density in cases if s == shape and density == cases[0][2]), None)
+    shapes = shapes_of(dataset)
+    return next(iter(shapes.index[shapes == shape]), None)
 
 
 def densities(dataset: xr.Dataset) -> dict[str, list[str]]:
     """Shapes at more than one density: labels of their cases, from the lowest to the highest."""
-    groups = {}
-    for label, shape, density in cases_of(dataset):
-        groups.setdefault(shape, []).append((density, label))
     return {
-        shape: [label for _, label in sorted(group)]
-        for shape, group in groups.items()
+        shape: group.sort_values("density").index.tolist()
+        for shape, group in cases_of(dataset).groupby("shape", sort=False)
         if len(group) > 1
     }
 
 
-def cases_of(dataset) -> list[tuple[str, str, float]]:
-    """Label, shape and density (kg/m3) of every case."""
-    columns = (dataset[name].values.tolist() for name in ("case", "shape", "density"))
-    return list(zip(*columns, strict=True))
+def cases_of(dataset: xr.Dataset) -> pd.DataFrame:
+    """Shape and density (kg/m3) of every case, by label."""
+    columns = {name: dataset[name].values for name in ("shape", "density")}
+    return pd.DataFrame(columns, dataset["case"].values)
+
+
+def shapes_of(dataset: xr.Dataset) -> pd.Series:
+    """Shapes of the cases at the density of the first, by label."""
+    cases = cases_of(dataset)
+    return cases["shape"][cases["density"] == cases["density"].iloc[0]]

@@ -10,11 +10,10 @@ import xarray as xr
 from dem.analysis.drag import over_seeds
 from dem.analysis.values import designs_of
 from dem.base.errors import InputError
-from dem.base.files import atomic
+from dem.base.files import atomic, check_output
 from dem.base.statistics import LEVEL, half_interval, ratio_interval
-from dem.io.checksums import seal
 from dem.io.dataset import FORMAT
-from dem.io.lazily import open_lazily, require
+from dem.io.lazily import open_lazily
 
 WINDOW = ("window_start", "window_stop")
 ALONG = "displacement", "snapshot_displacement"  # of the cylinder, which has a window
@@ -32,20 +31,18 @@ def quantities_of(dataset: xr.Dataset) -> list[str]:
     ]
 
 
-def run_means(dataset: xr.Dataset, path: Path | str, names: list[str] | None = None) -> xr.Dataset:
+def run_means(dataset: xr.Dataset, names: list[str] | None = None) -> xr.Dataset:
     """The mean of each run (..., seed) of all quantities, or of some, within the window where it is
     along the stroke; NaN where it is infinite, as for the rule that adds replicates.
 
     Raises InputError for a quantity that the file has not got.
     """
-    require(dataset, path, {}, ("run_id",))
     known = quantities_of(dataset)
     for name in names or ():
         if name not in known:
             raise InputError(f"it has no {name}; it has {', '.join(known)}.")
     window = dataset[names or known]
     for name in set(ALONG) & set(dataset.variables):
-        require(dataset, path, {}, (), WINDOW)
         start, stop = (dataset.attrs[end] for end in WINDOW)
         inside = (dataset[name] >= start) & (dataset[name] <= stop)
         window = window.isel({inside.dims[0]: inside.values}, missing_dims="ignore")
@@ -56,14 +53,14 @@ def run_means(dataset: xr.Dataset, path: Path | str, names: list[str] | None = N
 def means(path: Path, only: str | None = None) -> xr.Dataset:
     """Means of a file of all quantities, or of one."""
     with open_lazily(path) as dataset:
-        return means_of(dataset, path, [only] if only else None)
+        return means_of(dataset, [only] if only else None)
 
 
-def means_of(dataset: xr.Dataset, path: Path, names: list[str] | None = None) -> xr.Dataset:
+def means_of(dataset: xr.Dataset, names: list[str] | None = None) -> xr.Dataset:
     """Means over the seeds with half their intervals, in SI units, and how many runs each is of; of
     all quantities or of some."""
     result = {}
-    for name, sample in run_means(dataset, path, names).items():
+    for name, sample in run_means(dataset, names).items():
         of, units = f"of the mean of {name}", sample.attrs.get("units", "1")
         half = {"long_name": f"half the {LEVEL:.0%} interval {of}", "units": units}
         runs = {"long_name": f"number of runs {of}", "units": "1"}
@@ -85,9 +82,7 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
     samples, ids = [], []
     for file in (path, other):
         with open_lazily(file) as dataset:
-            samples.append(
-                run_means(dataset, file, [name])[name].drop_vars("seed", errors="ignore")
-            )
+            samples.append(run_means(dataset, [name])[name].drop_vars("seed", errors="ignore"))
             ids.append(over_seeds(dataset["run_id"].load()).drop_vars("seed", errors="ignore"))
     samples[1] = samples[1].where(~ids[1].isin(ids[0])).rename(seed="second_seed")
     axes = [set(sample.dims) - {"seed", "second_seed"} for sample in samples]
@@ -99,8 +94,7 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
     if axes[0] != axes[1] or not both["first"].size or (differ and designs_of(both)):
         varied = (", ".join(sorted(dims)) or "nothing" for dims in axes)
         raise InputError(
-            f"{path} and {other} have no point in common; what varies is "
-            f"{' in the first, and '.join(varied)} in the second."
+            f"{path} and {other} have no point in common: they vary in {' and in '.join(varied)}."
         )
     ratios = xr.apply_ufunc(
         ratio_interval,
@@ -132,11 +126,9 @@ def heading(values: xr.DataArray) -> str:
 def write_means(result: xr.Dataset, output: Path) -> None:
     """Write a table as netCDF, or as CSV with the units in its head; raises InputError for another
     name."""
-    if output.suffix not in (".nc", ".csv"):
-        raise InputError(f"output is {str(output)!r}; it must end in .csv or .nc.")
+    check_output("output", output, (".csv", ".nc"))
     with atomic(output) as part:
         if output.suffix == ".csv":
             table_of(result).to_csv(part, index=False)
         else:
             result.to_netcdf(part, format=FORMAT)
-            seal(part)

@@ -10,31 +10,31 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
+import pandas as pd
+import xarray as xr
 
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
 from dem.experiment.config import of_values
 from dem.experiment.run import Replicate
-from dem.io.dataset import LABELS, content_of
+from dem.io.dataset import LABELS
 from dem.io.lazily import open_lazily
 from dem.sweep.axis import is_written
 from dem.sweep.store import Store
 
 if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
     from dem.experiment.snapshots import Snapshots
 
-PRINTED = 5e-5  # relative tolerance of a number that a table shows with five digits
 SHOWN = 8  # values of an axis that a sentence lists
 
 
-def open_run(path: Path, select: list[str]) -> tuple[Replicate, dict]:
+def open_run(
+    path: Path, select: list[str], shapes: Path | str | None = None
+) -> tuple[Replicate, dict]:
     """One run of a file and its variables by name; raises InputError where there is not just one.
 
     select: words such as "case=c1" and "friction.granule=0.3", as many as single out the run.
+    shapes: as of `read_snapshots`.
     """
     with open_lazily(path) as dataset:
         if "run_id" not in dataset.variables:
@@ -43,7 +43,8 @@ def open_run(path: Path, select: list[str]) -> tuple[Replicate, dict]:
     path = batch_of(path, run) if combined else path
     with open_lazily(path) as dataset:
         row = dataset["run_id"].values.tolist().index(run)
-        replicate, variables = replicate_of(path, dataset, row), dataset.isel(run=row).variables
+        replicate = replicate_of(path, dataset, row, shapes)
+        variables = dataset.isel(run=row).variables
         if int(variables["failure"]):
             reason = str(variables["failure_reason"].values).strip()
             raise InputError(f"{path}: {replicate.words()}, failed: {reason}")
@@ -64,21 +65,14 @@ def batch_of(path: Path, run: str) -> Path:
     )
 
 
-def replicate_of(path: Path, dataset: xr.Dataset, row: int) -> Replicate:
+def replicate_of(path: Path, dataset: xr.Dataset, row: int, shapes=None) -> Replicate:
     """What a run of a batch is."""
-    with content_of(path):
-        try:
-            return of_values(json.loads(dataset.attrs["values"])[row], str(path))
-        except (KeyError, ValueError, IndexError):
-            raise InputError(
-                f"{path}: it does not say what its runs are; is it another file?"
-            ) from None
+    beside = {"beside": str(Path(shapes).resolve())} if shapes else {}
+    return of_values(json.loads(dataset.attrs["values"])[row] | beside, str(path))
 
 
 def values_of_runs(dataset: xr.Dataset) -> pd.DataFrame:
     """What tells the runs apart, axes and labels first: one row a run, by its identity."""
-    import pandas as pd
-
     if "run" not in dataset.dims:
         frame = dataset["run_id"].to_dataframe().reset_index().set_index("run_id")
         return frame[frame.index != ""]  # no run where a point has fewer replicates
@@ -101,14 +95,10 @@ def selected(runs: pd.DataFrame, select: list[str]) -> str:
             varied = ", ".join(name for name in runs if runs[name].nunique() > 1)
             hint = did_you_mean(key.replace(".", "_"), columns, f"; they differ in {varied}")
             raise InputError(f"its runs have no value named {key}{hint}.")
-        exact, near = (
-            rest[[is_written(value, text, tolerance) for value in rest[name]]]
-            for tolerance in (0.0, PRINTED)
-        )
-        if near.empty:
-            listed = ", ".join(rest[name].map(_word).unique()[:SHOWN])
+        listed = ", ".join(rest[name].map(_word).unique()[:SHOWN])
+        rest = rest[[is_written(value, text) for value in rest[name]]]
+        if rest.empty:
             raise InputError(f"there is no run with {word}; {name} is {listed}.")
-        rest = near if exact.empty else exact
     if (count := rest.index.nunique()) == 1:
         return rest.index[0]
     example, words = [], rest.map(_word)
@@ -132,29 +122,12 @@ def read_snapshots(
 
     shapes: folder of the files of shapes of a user's own, which may then run.
     """
-    replicate, values = open_run(path, list(select))
-    return snapshots_of(path, replicate.with_shapes(shapes), values)
+    from dem.experiment.snapshots import snapshots_of  # with the kernels
 
-
-def snapshots_of(path: Path, replicate: Replicate, values: dict) -> Snapshots:
-    """The snapshots of a run from its variables."""
-    from dem.experiment.snapshots import ORIENTATIONS, Snapshots  # with the kernels
-
+    replicate, values = open_run(path, list(select), shapes)
     if "granule_x" not in values:
         raise InputError(
             f"{path}: no snapshots of {replicate.words()} are kept; "
             "add snapshots to record.observables and run again."
         )
-    displacement = values["snapshot_displacement"]
-    return Snapshots(
-        replicate,
-        values.get("top_y", np.full(len(displacement), float(values["box_height"]))),
-        displacement,
-        values["cylinder_y"],
-        np.stack([values["granule_x"], values["granule_y"]], axis=-1),
-        values["granule_angle"],
-        values["granule_diameter"],
-        values.get("displacement"),
-        values.get("drag"),
-        [values.get(name) for name in ORIENTATIONS],
-    )
+    return snapshots_of(replicate, values)

@@ -47,22 +47,22 @@ def limits(dataset: xr.Dataset) -> Limits:
     beds."""
     sizes = dataset["run_id"].sizes
     dataset = dataset.squeeze([dim for dim in sizes if sizes[dim] == 1 and dim != "seed"])
-    if dataset["granules"].ndim != 1 or dataset["granules"].size < LEAST:
-        raise InputError(f"its beds must differ in their number of granules; a line takes {LEAST}.")
     dims = *dataset["aspect_ratio"].dims, *dataset["granules"].dims, "seed"
-    if len(dims) != 3 or set(dims) != set(dataset["run_id"].dims):
-        raise InputError("its beds must differ in aspect ratio, number of granules and seed alone.")
+    counts = dataset["granules"].size, dataset.sizes.get("seed", 1)
+    if len(dims) != 3 or set(dims) != set(dataset["run_id"].dims) or min(counts) < LEAST:
+        raise InputError(
+            "its beds must differ in aspect ratio, number of granules and seed alone, with at least "
+            f"{LEAST} numbers and seeds; it has {counts[0]} and {counts[1]}."
+        )
     dataset = dataset.sortby("granules").transpose(*dims, ...)
     fraction, contacts = dataset["onset_fraction"].values, coordination(dataset).values
     beds, granules = fraction.shape[-1], dataset["granules"].values.astype(float)
-    if beds < LEAST:
-        raise InputError(f"it has {beds} beds of each size; an interval takes {LEAST}.")
     weights = bootstrap_weights(beds, len(granules))
 
-    def found(values, power):
+    def at_infinity(values, power):
         means = np.einsum("rsk,ask->ars", weights, values)
         ends = intercept(granules**power, means, granules)
-        return [bootstrap_interval(each, beds, len(granules)) for each in ends]
+        return [bootstrap_interval(samples, beds, len(granules)) for samples in ends]
 
     rattlers = dataset["onset_rattlers"].values[:, -1].mean(axis=-1) / granules[-1]
     return Limits(
@@ -70,9 +70,9 @@ def limits(dataset: xr.Dataset) -> Limits:
         dataset["granules"].values,
         fraction.mean(axis=-1),
         contacts.mean(axis=-1),
-        found(fraction, -0.5),
-        found(contacts, -1.0),
-        found(fraction, -1.0),
+        at_infinity(fraction, -0.5),
+        at_infinity(contacts, -1.0),
+        at_infinity(fraction, -1.0),
         rattlers,
         beds,
     )

@@ -64,14 +64,14 @@ def rheology(dataset: xr.Dataset) -> dict[tuple, Curves]:
         "pressure": on_lid / pressure,
         "rate": rate,
     }
-    found = {}
+    by_place = {}
     for place in places_beside(dataset, AXIS):
         curves = {}
         for name, values in measured.items():
-            here = values.sel(place)
-            here = here.squeeze([dim for dim in here.dims if dim not in (AXIS, "seed")])
-            mean, half = here.mean("seed"), half_interval(here)
+            runs = values.sel(place)
+            runs = runs.squeeze([dim for dim in runs.dims if dim not in (AXIS, "seed")])
+            mean, half = runs.mean("seed"), half_interval(runs)
             curves[name] = np.stack([mean, mean - half, mean + half], -1)
         number = curves.pop("number")[:, 0]
-        found[tuple(map(str, place.values()))] = Curves(number, **curves)
-    return found
+        by_place[tuple(map(str, place.values()))] = Curves(number, **curves)
+    return by_place

@@ -1,12 +1,9 @@
-"""Tables for the terminal and for pages: no number is cut, however narrow the terminal is."""
+"""Tables for the terminal: no number is cut, however narrow the terminal is."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from rich import box
-from rich.table import Table
 from rich.text import Text
 
 if TYPE_CHECKING:
@@ -36,14 +33,3 @@ class TextTable:
         yield Text(rows.to_string(line_width=width, na_rep="-", float_format=number))
         if (more := len(self.frame) - ROWS) > 0:
             yield Text(f"... and {more} rows more")
-
-
-def numbers(*columns: str, words: int = 1, rows: Iterable[Iterable[str]] = ()) -> Table:
-    """A table of a page with these headings: columns of words first, as many as `words`, then of
-    numbers."""
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    for number, column in enumerate(columns):
-        table.add_column(column, justify="left" if number < words else "right", overflow="fold")
-    for row in rows:
-        table.add_row(*row)
-    return table

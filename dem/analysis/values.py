@@ -16,16 +16,11 @@ from dem.sweep.axis import POINT, name_of
 
 
 def value_of(dataset: xr.Dataset, path: str) -> xr.DataArray:
-    """A number of the runs, such as cylinder.diameter, over the axes along which it varies; raises
-    InputError where the file does not tell it."""
+    """A number of the runs, such as cylinder.diameter, over the axes along which it varies."""
     if (name := name_of(path)) in dataset.variables:
-        value = dataset[name]
-    else:
-        table = pd.json_normalize(json.loads(dataset.attrs["configuration"]))
-        value = xr.DataArray(table[path].iloc[0] if path in table else None)
-    if value.dtype.kind not in "iuf" or not bool(value.notnull().any()):
-        raise InputError(f"it does not tell {path} of its runs, a number.")
-    return value
+        return dataset[name]
+    table = pd.json_normalize(json.loads(dataset.attrs["configuration"]))
+    return xr.DataArray(table[path].iloc[0])
 
 
 def designs_of(runs: xr.DataArray | xr.Dataset) -> list[str]:
@@ -57,7 +52,7 @@ def along(dataset: xr.Dataset, name: str) -> xr.Dataset:
     Raises InputError where the points differ in more than this value. A dataset without the value
     stays as it is.
     """
-    if name not in dataset.variables or name in dataset["run_id"].dims or not dataset[name].ndim:
+    if name not in dataset.variables or name in dataset["run_id"].dims or dataset[name].ndim != 1:
         return dataset
     (dim,) = dataset[name].dims
     others = [

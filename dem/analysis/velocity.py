@@ -33,20 +33,9 @@ class Law(NamedTuple):
     rise: np.ndarray
     exponent: np.ndarray
 
-    def above(self, velocity: float) -> np.ndarray:
-        """How far the drag is above its limit at a velocity (m/s), over the limit."""
-        return self.rise * velocity**self.exponent
-
     def drag(self, velocity: float) -> np.ndarray:
         """Drag (N) at a velocity (m/s)."""
-        return self.limit * (1.0 + self.above(velocity))
-
-    def reaches(self, share: float) -> np.ndarray:
-        """Velocity (m/s) at which the drag is above its limit by a share of it; infinite where it
-        never is."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            velocity = (share / self.rise) ** (1.0 / self.exponent)
-        return np.where(self.rise > 0.0, velocity, np.inf)
+        return self.limit * (1.0 + self.rise * velocity**self.exponent)
 
 
 class Rates(NamedTuple):
@@ -73,17 +62,17 @@ def rates(dataset: xr.Dataset) -> Rates:
     if AXIS not in runs.dims:
         raise InputError("its runs do not differ in cylinder.velocity.")
     runs = runs.dropna("seed").sortby(AXIS)
-    for dim, least in LEAST.items():
-        if runs.sizes[dim] < least:
-            what = "velocities" if dim == AXIS else "beds that were drawn at all velocities"
-            raise InputError(f"it has {runs.sizes[dim]} {what}; a fit takes {least}.")
     velocity, beds = runs[AXIS].values, runs.sizes["seed"]
+    if len(velocity) < LEAST[AXIS] or beds < LEAST["seed"]:
+        raise InputError(
+            f"it has {len(velocity)} velocities, and {beds} beds that were drawn at all of them; a "
+            f"fit takes {LEAST[AXIS]} and {LEAST['seed']}."
+        )
     weights = bootstrap_weights(beds)
     means = {}
     for place in places_beside(dataset, AXIS):
-        here = runs.sel(place)
-        here = here.squeeze([dim for dim in here.dims if dim not in LEAST])
-        means[tuple(map(str, place.values()))] = weights @ here.transpose("seed", AXIS).values
+        drag = runs.sel(place).squeeze([dim for dim in runs.dims if dim not in (*LEAST, *place)])
+        means[tuple(map(str, place.values()))] = weights @ drag.transpose("seed", AXIS).values
     laws = {place: fit(velocity, drag) for place, drag in means.items()}
     return Rates(velocity, means, laws, beds)
 

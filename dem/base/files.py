@@ -4,7 +4,7 @@ import os
 import re
 import shutil
 import socket
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -12,9 +12,7 @@ from typing import Any
 from dem.base.errors import InputError
 
 
-def check_output(
-    name: str, path: Any, suffixes: tuple[str, ...] = (), inputs: Iterable[Path] = ()
-) -> Path:
+def check_output(name: str, path: Any, suffixes: tuple[str, ...] = ("",)) -> Path:
     """The path of a file that can be written, checked before any work is done.
 
     Raises InputError where it must not be written, OSError where it cannot.
@@ -26,23 +24,17 @@ def check_output(
     path : str or Path
         What is to be written.
     suffixes : tuple of str
-        How its name must end, so that no file of another kind is overwritten; anyhow if empty.
-    inputs : iterable of Path
-        The other files of the command, none of which this may replace.
+        How its name must end, so that no file of another kind is overwritten.
     """
     words = f"{name} is {str(path)!r}"
-    if suffixes and not str(path).lower().endswith(suffixes):
+    if not str(path).lower().endswith(suffixes):
         raise InputError(
             f"{words}; it must be the path of a file that ends in {' or '.join(suffixes)}."
         )
     real = Path(path).resolve()
     if real.exists() and not real.is_file():
         raise InputError(f"{words}; it must be a file.")
-    if real in (Path(other).resolve() for other in inputs):
-        raise InputError(f"{words}; the command uses this file already: name another one.")
     folder = next(parent for parent in real.parents if parent.exists())
-    if not folder.is_dir():
-        raise InputError(f"{words}; {folder} is a file, and must be a folder.")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise OSError(_cannot(real, f"{folder} is read-only or belongs to another user"))
     return Path(path)
@@ -61,14 +53,11 @@ def atomic(path: Path) -> Iterator[Path]:
         path.parent.mkdir(parents=True, exist_ok=True)
         yield part
         part.replace(path)
-    except (OSError, RuntimeError) as error:
-        # HDF5 raises RuntimeErrors, which do not say why
-        of_disk = isinstance(error, OSError) or str(error).startswith("NetCDF")
-        name = Path(os.fsdecode(getattr(error, "filename", None) or part))
-        if not of_disk or name not in (part, path, *path.parents):
-            raise  # it is about a file that the content is made of
-        why = "the disk is full" if is_full(path.parent) else reason(error)
-        raise OSError(_cannot(path, why)) from None
+    except (OSError, RuntimeError) as error:  # of HDF5, which does not say why
+        full = shutil.disk_usage(path.parent).free < 1_000_000  # bytes
+        if full or str(error).startswith("NetCDF"):
+            raise OSError(_cannot(path, "the disk is full" if full else str(error))) from None
+        raise
     finally:
         part.unlink(missing_ok=True)
 
@@ -86,13 +75,3 @@ PART = re.compile(r"\.(.+\..+)\.(\d+)\.dem\.part")  # file and host, process
 
 def _cannot(path: Path, why: str) -> str:
     return f"{path}: it cannot be written ({why}); mend that and run the same command again."
-
-
-def is_full(folder: Path) -> bool:
-    """Whether the disk of a folder is full."""
-    return folder.is_dir() and shutil.disk_usage(folder).free < 1_000_000  # bytes
-
-
-def reason(error: Exception) -> str:
-    """Why the system refuses, in words."""
-    return (getattr(error, "strerror", None) or str(error)).lower()

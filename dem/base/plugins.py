@@ -9,7 +9,6 @@ draws shapes as they are; all others parse it.
 import importlib
 import os
 import sys
-from functools import cache
 from pathlib import Path
 from types import ModuleType
 
@@ -21,8 +20,6 @@ KEYS = "kind", "law", "observables", "experiment"  # of configurations, that may
 
 _added: list[str] = []  # the folder of such files that is on Python's path for the last of them
 _imported: dict[Path, dict[str, str]] = {}  # code of the files of users as this process runs them
-# code of files that could not be imported, and what was said of them
-_broken: dict[Path, tuple[dict[str, str], str]] = {}
 
 
 def is_plugin(word) -> bool:
@@ -54,7 +51,6 @@ def _words(data, key: str = ""):
         yield data
 
 
-@cache
 def find(key: str, word: str, beside: str | None, known: tuple[str, ...]) -> Path:
     """The file that the word of a key names, which is parsed and not run.
 
@@ -113,7 +109,7 @@ def _is_entry(entry) -> bool:
 def refresh() -> None:
     """Parse files of users again from now on; raises InputError where this package has changed."""
     sources.refuse_edits()
-    for function in (sources.planned_codes, sources.run_hash, constants, definitions, find):
+    for function in (sources.planned_codes, sources.run_hash, constants, definitions):
         function.cache_clear()
 
 
@@ -125,11 +121,7 @@ def load(file: Path) -> ModuleType:
     """
     if file.is_relative_to(sources.PACKAGE):
         return importlib.import_module(_name(file, sources.ROOT))
-    now, words = _broken.get(file, (None, ""))
-    if now == sources.plugin_codes(file):  # what it has defined would be another error
-        raise InputError(words)
-    is_first, code = file not in _imported, note(file)
-    if code != sources.planned_codes(file):
+    if note(file) != sources.planned_codes(file):
         raise InputError(sources.EDITED.format(file))
     files = {
         _name(path, file.parent): path.resolve()
@@ -137,9 +129,8 @@ def load(file: Path) -> ModuleType:
         if path.is_relative_to(file.parent)
     }
     for name, path in files.items():
-        imported = _file_of(name)  # from another folder of files of users, or before an edit
-        is_plugin_file = any(imported.is_relative_to(other.parent) for other in _imported)
-        if is_plugin_file and (is_first or imported != path):
+        imported = _file_of(name)  # perhaps from another folder of files of users
+        if imported != path and any(imported.is_relative_to(other.parent) for other in _imported):
             sys.modules.pop(name)
     sys.path[:] = [folder for folder in sys.path if folder not in _added]
     _added[:] = [str(file.parent)] if str(file.parent) not in sys.path else []
@@ -151,9 +142,7 @@ def load(file: Path) -> ModuleType:
     except Exception as error:
         del _imported[file]
         words = " ".join(f"{type(error).__name__}: {error}".split())
-        words = f"{file}: it cannot be imported ({words})."
-        _broken[file] = code, words
-        raise InputError(words) from error
+        raise InputError(f"{file}: it cannot be imported ({words}).") from error
     finally:
         sys.pycache_prefix = prefix
     for name, path in files.items():

@@ -1,6 +1,8 @@
 """Make the runs of one batch of the store, as a job of a rule: python -m dem.cli.batch FILE"""
 
-from dem.cli.options import NetcdfPath, argument
+from pathlib import Path
+
+from dem.cli.options import argument
 from dem.cli.terminal import Verbs, start_lean
 from dem.io.progress import bar
 
@@ -9,7 +11,7 @@ app = Verbs(add_completion=False, pretty_exceptions_enable=False)
 
 @app.command()
 def batch(
-    output: argument(NetcdfPath, "File of the store, results/store/batches/....nc."),
+    output: argument(Path, "File of the store, results/store/batches/....nc."),
 ):
     """Make the runs of one batch of the store, as the file of its name that ends in .json says."""
     start_lean()

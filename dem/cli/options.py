@@ -5,9 +5,8 @@ from typing import Annotated
 
 import typer
 
-
-class Writes(str):
-    """Marks a path that a verb writes: how it must end, or "". A verb only reads all others."""
+from dem.base.files import check_output
+from dem.cli.terminal import reported
 
 
 def argument(kind, about: str, **more):
@@ -20,12 +19,21 @@ def option(kind, about: str, *names: str, **more):
     return Annotated[kind, typer.Option(*names, help=about, **more)]
 
 
-NetcdfPath = Annotated[Path, Writes(".nc")]
+def writes(suffix: str = ""):
+    """Callback of a path that a verb writes, checked before any work. suffix: how it must end."""
+
+    def check(parameter: typer.CallbackParam, path: Path | None):
+        with reported():
+            return path and check_output(parameter.name, path, (suffix,))
+
+    return check
+
+
 OUTPUT = "-o", "--output"
 ConfigOption = option(Path, "Configuration file (YAML).")
-OutputOption = option(NetcdfPath, "netCDF file to write.", *OUTPUT)
+OutputOption = option(Path, "netCDF file to write.", *OUTPUT, callback=writes(".nc"))
 FolderOption = option(Path | None, "Folder; figures/ next to the data if absent.", *OUTPUT)
 TextOption = option(
-    Annotated[Path | None, Writes(".txt")], "Text file (.txt); the terminal if absent.", *OUTPUT
+    Path | None, "Text file (.txt); the terminal if absent.", *OUTPUT, callback=writes(".txt")
 )
 PAPER = Path("config/paper.yaml")

@@ -1,9 +1,8 @@
 """Command line, results: `dem info`, `means`, `figure`, `draw`, `report`."""
 
 from pathlib import Path
-from typing import Annotated
 
-from dem.cli.options import OUTPUT, FolderOption, TextOption, Writes, argument, option
+from dem.cli.options import OUTPUT, FolderOption, TextOption, argument, option, writes
 from dem.cli.show import draw_figure, print_or_write
 from dem.cli.terminal import start_lean
 from dem.io.progress import bar
@@ -29,9 +28,10 @@ def means(
     other: argument(Path | None, "Another one, to set the means of both side by side.") = None,
     quantity: option(str, "What is shown, or compared with the other file.", "--of") = "drag",
     output: option(
-        Annotated[Path | None, Writes()],
+        Path | None,
         "Table to write (.csv or .nc); the terminal if absent.",
         *OUTPUT,
+        callback=writes(),
     ) = None,
 ):
     """Means of the runs of a file, one row a point; or of two files, with their ratio.
@@ -72,7 +72,7 @@ def figure(
 
 def draw(
     run: argument(Path, "drag.nc, or a file of runs.", metavar="RUN"),
-    output: option(Annotated[Path, Writes()], "File; its end says what it will be.", *OUTPUT),
+    output: option(Path, "File; its end says what it will be.", *OUTPUT),
     select: argument(
         list[str] | None,
         "Which run, by values that differ between runs, such as case=c1 seed=1.",
@@ -115,7 +115,7 @@ def draw(
 
 def report(
     data: argument(Path, "drag.nc; the page shows the files next to it."),
-    output: option(Annotated[Path, Writes(".html")], "HTML file to write.", *OUTPUT),
+    output: option(Path, "HTML file to write.", *OUTPUT, callback=writes(".html")),
 ):
     """Write all results as one HTML page, which opens without a network.
 

@@ -2,36 +2,17 @@
 
 import sys
 import time
-from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 
 from rich.console import Console
 from rich.live import Live
-from rich.segment import Segment
 
 from dem.analysis.tables import WIDE
-from dem.base.files import atomic, check_output
-from dem.base.messages import printable
+from dem.base.files import atomic
 from dem.io.progress import bar
 
-
-class PlainConsole(Console):
-    """A console that takes no text for markup and shows no control characters of it.
-
-    Colours stay: rich keeps them apart from the text.
-    """
-
-    def __init__(self, **options):
-        super().__init__(markup=False, emoji=False, **options)
-
-    def on_broken_pipe(self):
-        """Whoever reads the pipe has seen enough: no failure, of which rich makes one."""
-        raise BrokenPipeError
-
-    def render(self, renderable, options=None):
-        """Segments of what is shown, their text printable."""
-        for text, style, control in super().render(renderable, options):
-            yield Segment(text if control else printable(text), style, control)
+plain_console = partial(Console, markup=False, emoji=False)  # texts of files are no markup
 
 
 def draw_figure(
@@ -41,7 +22,6 @@ def draw_figure(
     from dem.figures.catalogue import draw
 
     folder = output or data.parent / "figures"
-    check_output("output", folder / f"{name}.svg")
     with bar(f"drawing {name}"):
         draw(name, data, folder, figures, of)
 
@@ -51,15 +31,10 @@ def watched(look) -> None:
 
     look: gives the table, and whether anything is left.
     """
-    terminal = sys.stdout.isatty()
-    console = PlainConsole(width=None if terminal else 160)
-    with Live(console=console, auto_refresh=False) if terminal else nullcontext() as live:
+    with Live(console=plain_console(), auto_refresh=False) as live:
         while True:
             table, left = look()
-            if live:
-                live.update(table, refresh=True)
-            else:
-                console.print(table)
+            live.update(table, refresh=True)
             if not left:
                 return
             time.sleep(3.0)
@@ -68,7 +43,7 @@ def watched(look) -> None:
 def print_or_write(table, output: Path | None) -> None:
     """Show a table, or write it to a text file; only a terminal limits its width."""
     if output is None:
-        PlainConsole(width=None if sys.stdout.isatty() else WIDE).print(table)
+        plain_console(width=None if sys.stdout.isatty() else WIDE).print(table)
         return
     with atomic(output) as part, part.open("w", encoding="utf-8") as file:
-        PlainConsole(file=file, width=WIDE).print(table)
+        plain_console(file=file, width=WIDE).print(table)

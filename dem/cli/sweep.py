@@ -2,19 +2,18 @@
 
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Annotated
 
 from dem.base.messages import say
-from dem.cli.options import PAPER, ConfigOption, OutputOption, Writes, argument, option
+from dem.cli.options import PAPER, ConfigOption, OutputOption, argument, option, writes
 from dem.cli.show import print_or_write, watched
-from dem.cli.terminal import show, start_lean
+from dem.cli.terminal import start_lean
 from dem.io.progress import bar
 
 FileArgument = argument(Path, "Configuration file of a sweep (YAML).")
 
 
 def sweep(
-    file: argument(Path | None, "Configuration file of a sweep (YAML); a list if absent.") = None,
+    file: FileArgument,
     dry_run: option(bool, "Only estimate runs, beds and time.", "-n", "--dry-run") = False,
     retry: option(bool, "Try failed runs again.", "--retry") = False,
     jobs: option(int, "Number of processes.", "-j", "--jobs", min=1) = 2,
@@ -27,10 +26,6 @@ def sweep(
 
     Example: dem sweep config/smoke.yaml -j 2
     """
-    if file is None:
-        files = *Path("config").glob("*.yaml"), *Path("studies").glob("*/sweep.yaml")
-        show("\n".join(["Name a sweep:", *(f"  dem sweep {path}" for path in sorted(files))]))
-        return
     start_lean()
     from dem.sweep.estimate import interrupted, outcome, summary
     from dem.sweep.restart import prepare
@@ -43,12 +38,15 @@ def sweep(
     if dry_run:
         with bar("estimating"):
             words = summary(state, jobs, retry)
-        show(words)
+        print(words)
         return
-    pool = processes(jobs) if scheduler is None else _cluster(scheduler, wait)
-    lock, sentences = prepare(state.results, state.store.folder)
-    for sentence in sentences:
-        say(sentence)
+    pool = processes(jobs)
+    if scheduler is not None:
+        from dem.sweep.cluster import Cluster, connected
+
+        with bar(f"waiting for a worker of {scheduler}"):
+            pool = nullcontext(Cluster(connected(scheduler, wait)))
+    lock = prepare(state.results, state.store.folder)
     try:
         if retry:
             say(f"{state.retry()} failed runs are tried again.")
@@ -61,22 +59,12 @@ def sweep(
 
             with pool as workers:
                 state.make(workers, progress)
-        for sentence in state.notes:
-            say(sentence)
         say(outcome(state, state.counts()[0] - before))
     except KeyboardInterrupt as stop:
         stop.add_note(interrupted(state))
         raise
     finally:
         lock.release()
-
-
-def _cluster(scheduler: str, wait: float):
-    """The workers of a scheduler; raises InputError, or RunError where there is none in time."""
-    from dem.sweep.cluster import Cluster, connected
-
-    with bar(f"waiting for a worker of {scheduler}"):
-        return nullcontext(Cluster(connected(scheduler, wait)))
 
 
 def status(
@@ -121,8 +109,6 @@ def combine(
     with bar("combining", 1.0) as update:
         name = block or next(iter(state.sweep.blocks))
         combine_block(state, name, observable, output, update, partial)
-    for sentence in state.notes:
-        say(sentence)
 
 
 def store(
@@ -138,18 +124,18 @@ def store(
     from dem.sweep.store import Store
 
     runs = Store()
-    if not runs.is_there():
+    if not runs.folder.is_dir():
         raise InputError(
             f"{runs.folder}: there is no store; go to the folder where the sweeps were started."
         )
     if prune:
         with bar("pruning the store"):
             files, size = remove(runs)
-        show(f"{len(files)} files removed, {1e-6 * size:.1f} MB.")
+        print(f"{len(files)} files removed, {1e-6 * size:.1f} MB.")
         return
     with bar("reading the store"):
         lines = [f"{count:7} runs: {folder}" for folder, count in usage(runs)]
-    show("\n".join(lines))
+    print("\n".join(lines))
 
 
 def simulate(
@@ -170,8 +156,9 @@ def simulate(
         min=1,
     ) = None,
     checkpoint: option(
-        Annotated[Path | None, Writes()],
+        Path | None,
         "File that saves the run every minute; a stopped run resumes from it.",
+        callback=writes(),
     ) = None,
 ):
     """Make one run: draw the cylinder through one bed and record the forces on it.

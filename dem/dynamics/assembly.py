@@ -75,7 +75,7 @@ class GranuleTable(NamedTuple):
     solid_radius : ndarray of shape (w + k,)
         Radius in the law (m) of solids that have the outline of a granule; zero of others.
     alpha : float
-        Dashpot constant of granules, without unit; the greatest.
+        Dashpot constant of granules, without unit; the greatest, times the margin of the law.
     modulus : float
         Modulus of the law for two granules (Pa or N/m); the greatest.
     mean_radius, mean_mass : float
@@ -150,7 +150,7 @@ def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTa
         laws=laws,
         species=scene.species.copy(),
         solid_radius=solid_radius,
-        alpha=float(laws[:count, :, ALPHA].max()),
+        alpha=float(scene.law.margin * laws[:count, :, ALPHA].max()),
         modulus=max(modulus(scene, material, material) for material in scene.materials),
         mean_radius=float(shape.constituent_radius.mean()),
         mean_mass=float(scene.mass.mean()),

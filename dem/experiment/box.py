@@ -10,15 +10,22 @@ from dem.shapes import KINDS
 
 RATIOS = {"ellipse": 2.0, "plate": 6.0}  # length over width, where cylinder.aspect_ratio is none
 ROUNDED = 1.0 / 12.0  # of the diameter: radius of the corners of a square or a wedge
+# by outline: corners, anticlockwise, over half the width between them; those of a wedge are lower by sqrt(3)
+CORNERS = {
+    "plate": [(-1.0, 0.0), (1.0, 0.0)],
+    "square": [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)],
+    "wedge": [(-1.0, -1.0), (1.0, -1.0), (0.0, 2.0)],
+}
 NOMINAL = 0.84  # packing fraction that tells where a bed under a pressure has its cylinder
 
 
-def sample_parts(configuration, label: str, seed: int) -> np.ndarray:
+def sample_parts(replicate) -> np.ndarray:
     """Of which shape of a mixture (n,) each granule is, in the numbers nearest to their shares."""
-    shape = configuration.shapes[label]
-    ends = np.cumsum([0.0, *(shape.mixture or {label: 1.0}).values()])
+    shape = replicate.shape
+    ends = np.cumsum([0.0, *(shape.mixture or {None: 1.0}).values()])
     counts = np.diff(np.rint(ends * shape.granules).astype(int))
-    return np.random.default_rng([seed, 2]).permutation(np.repeat(np.arange(len(counts)), counts))
+    rng = np.random.default_rng([replicate.seed, 2])
+    return rng.permutation(np.repeat(np.arange(len(counts)), counts))
 
 
 def sample_diameters(shape, spread: float, seed: int, mean=None) -> np.ndarray:
@@ -28,11 +35,11 @@ def sample_diameters(shape, spread: float, seed: int, mean=None) -> np.ndarray:
     return mean * rng.uniform(1.0 - spread, 1.0 + spread, shape.granules)
 
 
-def diameters_of(configuration, label: str, seed: int) -> np.ndarray:
-    """Volume diameters (n,) in m, of a mixture each about the mean of its shape."""
-    shape, spread = configuration.shapes[label], configuration.packing.size_spread
-    means = np.array([part.diameter for part in configuration.parts_of(label)])
-    return sample_diameters(shape, spread, seed, means[sample_parts(configuration, label, seed)])
+def diameters_of(replicate) -> np.ndarray:
+    """Volume diameters (n,) in m of the granules, of a mixture each about the mean of its shape."""
+    means = np.array([part.diameter for part in replicate.parts])[sample_parts(replicate)]
+    spread = replicate.configuration.packing.size_spread
+    return sample_diameters(replicate.shape, spread, replicate.seed, means)
 
 
 def height_of_box(configuration, diameters: np.ndarray | float, count: int = 1) -> float:
@@ -52,21 +59,16 @@ def width_of(cylinder) -> float:
     return cylinder.diameter / (cylinder.aspect_ratio or RATIOS[cylinder.outline])
 
 
-def polygon_of(cylinder) -> tuple[list[tuple[float, float]], float] | None:
-    """Corners (m), anticlockwise, and radius (m) of the outline of the cylinder; None if it is no
+def polygon_of(section) -> tuple[list[tuple[float, float]], float] | None:
+    """Corners (m), anticlockwise, and radius (m) of the outline of a cylinder; None if it is no
     polygon."""
-    if cylinder.outline == "plate":
-        radius = 0.5 * width_of(cylinder)
-        half = 0.5 * cylinder.diameter - radius
-        return [(-half, 0.0), (half, 0.0)], radius
-    radius = ROUNDED * cylinder.diameter
-    half = 0.5 * cylinder.diameter - radius
-    if cylinder.outline == "square":
-        return [(-half, -half), (half, -half), (half, half), (-half, half)], radius
-    if cylinder.outline == "wedge":
-        low, high = -half / math.sqrt(3.0), 2.0 * half / math.sqrt(3.0)
-        return [(-half, low), (half, low), (0.0, high)], radius
-    return None
+    outline = getattr(section, "outline", None)  # a second cylinder is round
+    if outline not in CORNERS:
+        return None
+    radius = 0.5 * width_of(section) if outline == "plate" else ROUNDED * section.diameter
+    half = 0.5 * section.diameter - radius
+    slope = math.sqrt(3.0) if outline == "wedge" else 1.0
+    return [(x * half, y * half / slope) for x, y in CORNERS[outline]], radius
 
 
 def area_of_solids(configuration) -> float:
@@ -125,75 +127,67 @@ def length_of(shape, diameter: float) -> float:
     return 2.0 * float(KINDS[shape.kind].shape.of_size([diameter], shape.discs).bounding_radius[0])
 
 
-def check_room(configuration, label: str, *seeds: int) -> None:
-    """Raise InputError where cylinder or granules do not fit for one of the seeds.
+def check_room(replicate) -> None:
+    """Raise InputError where cylinder or granules do not fit.
 
     What fits into the lowest box that could be, with the largest granule, fits for every seed: only
-    where it does not are the boxes of the seeds looked at.
+    where it does not is the box of the seed looked at.
     """
-    shape, spread = configuration.shapes[label], configuration.packing.size_spread
-    sizes = [part.diameter for part in configuration.parts_of(label)]
+    configuration, spread = replicate.configuration, replicate.configuration.packing.size_spread
+    sizes = [part.diameter for part in replicate.parts]
     least, most = min(sizes) * (1.0 - spread), max(sizes) * (1.0 + spread)
     try:
-        _check_box(configuration, label, height_of_box(configuration, least, shape.granules), most)
+        height = height_of_box(configuration, least, replicate.shape.granules)
+        _check_box(replicate, height, most)
     except InputError:
-        for seed in seeds:
-            drawn = diameters_of(configuration, label, seed)
-            _check_box(configuration, label, height_of_box(configuration, drawn), drawn.max())
+        diameters = diameters_of(replicate)
+        _check_box(replicate, height_of_box(configuration, diameters), diameters.max())
 
 
-def _check_box(configuration, label: str, height: float, largest: float) -> None:
+def _check_box(replicate, height: float, largest: float) -> None:
     """Raise InputError where cylinder or the largest granule (m) do not fit into a box (m)."""
-    shape, cylinder, width = (
-        configuration.shape_of(label),
-        configuration.cylinder,
-        configuration.box_width,
-    )
+    c, label = replicate.configuration, replicate.label
+    width, cylinder = c.box_width, c.cylinder
     where = f"with shapes.{label} the box is {width:.4g} m by {height:.4g} m"
     if cylinder is not None:
-        turns = "x" in configuration.periodic, "y" in configuration.periodic
-        _check_cylinder(configuration, height, where, turns)
-    length = max(length_of(part, largest) for part in configuration.parts_of(label))
+        _check_cylinder(c, height, where)
+    length = max(length_of(part, largest) for part in replicate.parts)
     if length > min(width, height):
         raise InputError(
-            f"shapes.{label}.diameter is {shape.diameter:g} m: {where}, and a granule of length "
-            f"{length:.3g} m cannot fit."
+            f"shapes.{label}.diameter is {replicate.shape.diameter:g} m: {where}, and a granule of "
+            f"length {length:.3g} m cannot fit."
         )
     least = ROOM * 0.5 * (length + max(length, cylinder.diameter if cylinder else 0.0))
     for key, side in {"x": width, "y": height}.items():
-        if key in configuration.periodic and side < least:  # "none" has neither
+        if key in c.periodic and side < least:  # "none" has neither
             raise InputError(
-                f"periodic is {configuration.periodic}: {where}; along {key} it must be at least "
+                f"periodic is {c.periodic}: {where}; along {key} it must be at least "
                 f"{least:.4g} m, {ROOM:g} times the greatest distance at which two bodies touch."
             )
 
 
-def _check_cylinder(configuration, height: float, where: str, turns: tuple[bool, bool]) -> None:
+def _check_cylinder(configuration, height: float, where: str) -> None:
     """Raise InputError where a solid does not fit into a box of this height (m), or leaves it."""
-    cylinder, stroke = configuration.cylinder, configuration.cylinder.stroke
-    for section, name in ((cylinder, "cylinder"), (configuration.second, "second")):
-        if section and section.diameter >= configuration.box_width:
-            raise InputError(
-                f"{name}.diameter is {section.diameter:g} m; it must be less than box_width, "
-                f"{configuration.box_width:g} m."
-            )
-    sides = (("left of it", "right of it"), ("below its floor", "above its top"))
+    cylinder, second = configuration.cylinder, configuration.second
+    circles = np.array(circles_of(configuration, height))
+    sides = ("left of it", "right of it"), ("below its floor", "above its top")
+    across = f"cylinder.diameter is {cylinder.diameter:g} m"
+    keys = (
+        f"second.gap is {second.gap:g} m" if second else across,
+        f"cylinder.start is {cylinder.start:g}",
+    )
     for axis, size in enumerate((configuration.box_width, height)):
-        if turns[axis]:
+        if "xy"[axis] in configuration.periodic:
             continue
-        way, circles = ahead_of(cylinder)[axis] * stroke, circles_of(configuration, height)
-        low = min(circle[axis] - circle[2] for circle in circles)
-        high = max(circle[axis] + circle[2] for circle in circles)
+        low = (circles[:, axis] - circles[:, 2]).min()
+        high = (circles[:, axis] + circles[:, 2]).max()
         for side, out in zip(sides[axis], (low < 0.0, high > size), strict=True):
             if out:
-                key = f"cylinder.start is {cylinder.start:g}"
-                if axis == 0:
-                    key = f"second.gap is {configuration.second.gap:g} m"
-                raise InputError(f"{key}: {where}, and the cylinder would begin {side}.")
-        room = size - high if way > 0.0 else low
-        if abs(way) > room + 1e-12 * size:
-            most = room / abs(ahead_of(cylinder)[axis])
+                raise InputError(f"{keys[axis]}: {where}, and the cylinder would begin {side}.")
+        ahead = ahead_of(cylinder)[axis]
+        room = size - high if ahead > 0.0 else low
+        if abs(ahead) * cylinder.stroke > room + 1e-12 * size:
             raise InputError(
-                f"cylinder.stroke is {stroke:g} m: {where}, and the cylinder would leave it "
-                f"during its stroke; at most {most:.3g} m fit."
+                f"cylinder.stroke is {cylinder.stroke:g} m: {where}, and the cylinder would leave it "
+                f"during its stroke; at most {room / abs(ahead):.3g} m fit."
             )

@@ -14,6 +14,7 @@ from pydantic.fields import FieldInfo
 
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
+from dem.base.plugins import is_plugin
 from dem.base.types import (
     Count,
     Density,
@@ -53,14 +54,10 @@ from dem.periodic import Sides
 from dem.shapes import Kind, kind_of
 
 HERTZ = "hertz"  # the law of contacts where none is named
-# sections that only some experiments read, by these
-SECTIONS = {
-    name: tuple(kind for kind, header in EXPERIMENTS.items() if name in header["SECTIONS"])
-    for name in ("cylinder", "record", "shear")
-}
+# sections that only some experiments read
+SECTIONS = "cylinder", "record", "shear"
 UNHASHED_KEYS = "beside", "record.window", "threads"  # that no number depends on
 FIXED_KEYS = *UNHASHED_KEYS, "record.observables"  # that cannot vary in a sweep
-FORMS = "discs", "mixture"  # of a shape, nor these
 
 
 class Configuration(Section):
@@ -212,11 +209,7 @@ class Configuration(Section):
 
     def with_parts(self, label: str, shapes: dict) -> dict:
         """What shapes have of one of them, and of the shapes of a mixture."""
-        return {name: shapes[name] for name in self.parts_named(label)}
-
-    def parts_named(self, label: str) -> tuple[str, ...]:
-        """Labels of a shape, and of the shapes of a mixture."""
-        return label, *(self.shapes[label].mixture or ())
+        return {name: shapes[name] for name in (label, *(self.shapes[label].mixture or ()))}
 
     def shape_of(self, label: str) -> ShapeSection:
         """A shape; a mixture with the kind of its shapes, and the means of their sizes."""
@@ -265,8 +258,9 @@ class Configuration(Section):
         if shape not in self.shapes:
             hint = did_you_mean(shape, self.shapes)
             raise InputError(f"shape is {shape!r}; the configuration has no such shape{hint}.")
-        check_room(self, shape, seed)
-        return Replicate(self, shape, density, seed)
+        replicate = Replicate(self, shape, density, seed)
+        check_room(replicate)
+        return replicate
 
     def at(self, path: str):
         """The value at a path; None where there is none."""
@@ -298,8 +292,6 @@ class Configuration(Section):
 
         A change to another shape has no effect.
         """
-        if not changes and set(self.shapes) == {shape} and type(self) is Configuration:
-            return self
         data = self.model_dump(include=set(self.read))
         data["shapes"] = self.with_parts(shape, data["shapes"])
         for path, value in changes.items():
@@ -352,7 +344,7 @@ def model_of(base: type[Configuration], data) -> type[Configuration]:
     """
     group = data if isinstance(data, dict) else {}
     name, beside = group.get("experiment"), group.get("beside")
-    if not isinstance(name, str) or not isinstance(beside, str | None):
+    if not is_plugin(name) or not isinstance(beside, str | None):
         return base
     experiment = Experiment(name, beside)
     values, label = experiment.values(group.get(experiment.label)), experiment.label
@@ -397,7 +389,7 @@ def entries(
             heads = [f"{path}.{label}." for label in shapes] if is_table else [f"{path}."]
             for start in heads:
                 paths |= entries(shapes, section.model_fields, start)
-        elif path not in FIXED_KEYS and name not in FORMS:
+        elif path not in FIXED_KEYS and name not in ("discs", "mixture"):
             unit = unit_of(field.rebuild_annotation())
             paths[path] = Entry(path, unit, field.description, field)
     return paths

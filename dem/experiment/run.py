@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -41,26 +42,25 @@ BED_KEYS = (
     "contact.law",
     "contact.stiffness",
 )
-STIFFNESS = "material.young_modulus", "material.poisson_ratio"
-PACKED = "packing.fraction", "packing.friction"
-SETTLED_BY = *PACKED, "gravity", "material", "contact"
-PRESSED_BY = (
-    "packing.pressure",
-    *STIFFNESS,
-    "material.thickness",
-)
+PACKED = "packing.fraction", "packing.friction", "packing.pressure"
+ELASTICITY = "material.young_modulus", "material.poisson_ratio", "material.thickness"
+SETTLED_BY = "gravity", "material", "contact"
 
 
+@dataclass(eq=False)
 class Replicate:
     """One run: values of a configuration, a shape of it, a density (kg/m3) and a seed; raises
     InputError where its granules cannot have them."""
 
-    def __init__(self, configuration: Configuration, label: str, density: float, seed: int):
-        self.configuration, self.label = configuration, label
-        self.density, self.seed = float(density), int(seed)
+    configuration: Configuration
+    label: str
+    density: float
+    seed: int
+
+    def __post_init__(self):
         if self.rolling is not None and self.shape.kind != "disc":
             raise InputError(
-                f"rolling is for discs, and shapes.{label}.kind is {self.shape.kind}; make the "
+                f"rolling is for discs, and shapes.{self.label}.kind is {self.shape.kind}; make the "
                 "coefficients of rolling zero, or leave this shape out of the sweep."
             )
 
@@ -80,17 +80,20 @@ class Replicate:
         )
 
     @property
+    def parts(self) -> list[ShapeSection]:
+        """The shapes of a mixture; of another shape, itself."""
+        return self.configuration.parts_of(self.label)
+
+    @property
     def materials(self) -> tuple[Material, ...]:
         """Material of the granules; of a mixture one of each shape, if a shape has its own."""
-        sections = [part.material for part in self.configuration.parts_of(self.label)]
+        sections = [part.material for part in self.parts]
         return tuple(map(self.material_of, sections if any(sections) else [None]))
 
     @property
     def species(self) -> np.ndarray | None:
         """Which of the materials (n,) each granule is of; None if there is one."""
-        if len(self.materials) > 1:
-            return sample_parts(self.configuration, self.label, self.seed)
-        return None
+        return sample_parts(self) if len(self.materials) > 1 else None
 
     @property
     def mean_density(self) -> float:
@@ -98,15 +101,15 @@ class Replicate:
         density = np.array([material.density for material in self.materials])
         if self.species is None:
             return float(density[0])
-        area = np.square(diameters_of(self.configuration, self.label, self.seed))
         denser = density[self.species] - density[0]  # zero where all are alike, to the last bit
-        return float(density[0] + np.average(denser, weights=area))
+        return float(density[0] + np.average(denser, weights=np.square(diameters_of(self))))
 
     @property
     def rolling(self) -> RollingSection | None:
         """Rolling resistance; coefficients of zero are none for granules that are no discs."""
-        rolling = self.configuration.rolling
-        return rolling if rolling and (rolling.resists or self.shape.kind == "disc") else None
+        if (rolling := self.configuration.rolling) and self.shape.kind != "disc":
+            return rolling if rolling.granule or rolling.wall or rolling.cylinder else None
+        return rolling
 
     @property
     def kind(self) -> Kind:
@@ -125,21 +128,11 @@ class Replicate:
         """Shape, density and seed."""
         return {"shape": self.label, "density": self.density, "seed": self.seed}
 
-    def values(self, beside: bool = True) -> dict:
-        """All values as plain groups, in the form that `of_values` takes; beside: with the folder
-        of shapes of a user's own, which is no part of what the run is."""
+    def values(self) -> dict:
+        """All values as plain groups, in the form that `of_values` takes."""
         values = self.configuration.values()
-        if not beside:
-            values.pop("beside", None)
         values["shapes"] = self.configuration.with_parts(self.label, values["shapes"])
         return values | self.coordinates
-
-    def with_shapes(self, folder: Path | str | None) -> Replicate:
-        """The same run, where the files of shapes of a user's own are in a folder."""
-        if folder is None:
-            return self
-        beside = {"beside": str(Path(folder).resolve())}
-        return Replicate(self.configuration.model_copy(update=beside), *self.coordinates.values())
 
     def labels(self) -> dict:
         """What tells this run from others."""
@@ -159,33 +152,6 @@ class Replicate:
         """The run in words, for sentences."""
         return f"{self.label} at {self.density:.10g} kg/m3, seed {self.seed}"
 
-    @property
-    def variant(self) -> str:
-        """The values that select the machine code of the run and of its bed, as text."""
-        c, kind = self.configuration, self.shape.kind
-        bodies = "walls.left", "walls.right", "walls.bottom", "walls.top", "cylinder", "second"
-        frictions = [c.friction.granule, c.friction.wall, c.friction.cylinder]
-        frictions += [c.at(f"{body}.friction") for body in bodies]
-        sections = [c.at(f"{body}.material") for body in bodies]
-        materials = *self.materials, *map(self.material_of, sections)
-        values = (
-            kind,
-            c.ellipse if kind == "ellipse" else None,
-            c.law_name,
-            c.experiment,
-            c.periodic,
-            c.packing.preparation,
-            c.packing.friction > 0,
-            c.packing.pressure is not None,
-            any(frictions),
-            self.rolling is not None,
-            c.at("cylinder.outline"),
-            any(material.restitution < 1 for material in materials),
-            c.gravity > 0,
-            "ledger" in c.observables,
-        )
-        return str(values)
-
     def _known(self, *paths: str) -> str:
         """The values at some paths and below them that this run is known by, as text."""
         known = self.configuration.known[self.label].items()
@@ -195,8 +161,9 @@ class Replicate:
 
     @property
     def _elasticity(self) -> tuple[str, ...]:
-        """Keys of elasticity, on which a bed of several materials depends."""
-        return STIFFNESS if len(self.materials) > 1 else ()
+        """Keys of elasticity, on which a bed depends that is pressed, or of several materials."""
+        pressed = self.configuration.packing.pressure is not None
+        return ELASTICITY if pressed or len(self.materials) > 1 else ()
 
     @property
     def bed_family(self) -> str:
@@ -204,23 +171,20 @@ class Replicate:
         seed."""
         return digest(self._known(*BED_KEYS, *self._elasticity))
 
-    def bed_key(self) -> str:
-        """All that the bed depends on, as text."""
-        packing = self.configuration.packing
-        if packing.preparation == "settled":
-            return f"{self._known(*BED_KEYS, *SETTLED_BY)} {self.density} {self.seed}"
-        packed_by = PACKED if packing.pressure is None else PRESSED_BY
-        packed_by += self._elasticity
-        return f"{self._known(*BED_KEYS, *packed_by)} {self.seed}"
+    def bed_key(self, *more: str) -> str:
+        """All that the bed depends on, as text; more: paths of other values."""
+        if self.configuration.packing.preparation == "settled":
+            return (
+                f"{self._known(*BED_KEYS, *PACKED, *SETTLED_BY, *more)} {self.density} {self.seed}"
+            )
+        return f"{self._known(*BED_KEYS, *PACKED, *self._elasticity, *more)} {self.seed}"
 
     def run_key(self) -> str:
         """All that the run depends on, as text."""
         c = self.configuration
-        known = c.known[self.label]
-        if not c.module.constants.get("BED_ALONE"):
-            return f"{json.dumps(known, sort_keys=True)} {self.density} {self.seed}"
-        section = {k: v for k, v in known.items() if k.startswith(f"{c.module.label}.")}
-        return " ".join([c.experiment, *([json.dumps(section)] if section else ()), self.bed_key()])
+        if c.module.constants.get("BED_ALONE"):
+            return f"{c.experiment} {self.bed_key(c.module.label)}"
+        return f"{json.dumps(c.known[self.label], sort_keys=True)} {self.density} {self.seed}"
 
     @property
     def files(self) -> tuple[Path, ...]:

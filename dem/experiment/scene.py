@@ -1,13 +1,14 @@
 """The scene of a run and its simulation, at the start."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import diameters, shaped, solids, thickness
+from dem.experiment.bed import shaped, solids, thickness
+from dem.experiment.box import diameters_of
 from dem.experiment.run import Replicate
+from dem.io.dataset import WALLS
 from dem.material import Friction, Rolling
 from dem.motion import Drive
 from dem.packing.random import Bed
@@ -15,34 +16,29 @@ from dem.periodic import walled
 from dem.scene import Scene
 from dem.solids import Wall
 
-NAMES = "left", "right", "bottom", "top"  # of walls, in the order of dem.box
-
 
 def granules(replicate: Replicate):
     """Shape of all granules of this seed, contacts as the configuration asks."""
-    kind, wanted = replicate.shape.kind, replicate.configuration.ellipse
-    options = (wanted.contact, wanted.curvature) if kind == "ellipse" else ()
-    return shaped(replicate, diameters(replicate), *options)
+    ellipse = replicate.configuration.ellipse
+    options = (ellipse.contact, ellipse.curvature) * (replicate.shape.kind == "ellipse")
+    return shaped(replicate, diameters_of(replicate), *options)
 
 
 def make_scene(replicate: Replicate, bed: Bed) -> Scene:
     """The scene of the run."""
-    own = replicate.configuration
-    rough, rolling = own.friction, replicate.rolling
-    (one, *others), species = replicate.materials, replicate.species
+    c, rolling, materials = replicate.configuration, replicate.rolling, replicate.materials
     return Scene(
         shape=granules(replicate),
-        material=one if species is None else (one, *others),
-        friction=Friction(rough.granule, rough.wall, rough.cylinder, rough.stiffness),
+        material=materials if len(materials) > 1 else materials[0],
+        friction=Friction(*dict(c.friction).values()),  # in the same order
         walls=_walls(replicate, bed),
         solids=solids(replicate, bed.height),
-        gravity=(0.0, -own.gravity) if own.gravity > 0.0 else None,
+        gravity=(0.0, -c.gravity) if c.gravity > 0.0 else None,
         thickness=thickness(replicate),
         periodic=bed.periodic,
-        rolling=rolling
-        and Rolling(rolling.granule, rolling.wall, rolling.cylinder, rolling.damping),
+        rolling=rolling and Rolling(*dict(rolling).values()),
         law=replicate.law,
-        species=species,
+        species=replicate.species,
     )
 
 
@@ -53,23 +49,19 @@ def _walls(replicate: Replicate, bed: Bed) -> list[Wall]:
     v sqrt(density P) per area: that part of P that v is of sqrt(P / density), ninety metres a
     second at 30 MPa.
     """
-    planes = () if bed.walls is None else bed.walls
-    own, walls = replicate.configuration, [Wall(plane) for plane in planes]
-    pressure, area = own.packing.pressure, bed.width * thickness(replicate)
-    if own.walls is not None:
-        for number, name in enumerate(np.array(NAMES)[walled(bed.periodic)]):
-            if section := getattr(own.walls, name):
-                material = section.material and replicate.material_of(section.material)
-                wall = replace(walls[number], friction=section.friction, material=material)
-                walls[number] = wall
-    if pressure is not None and walls:
-        density = replicate.mean_density
-        lid = Drive(
-            force=(None, -pressure * area),
-            mass=density * area * replicate.shape.diameter,
-            damping=math.sqrt(density * pressure) * area,
-        )
-        walls[-1] = replace(walls[-1], motion=lid)
+    c, walls = replicate.configuration, []
+    names, planes = np.array(WALLS)[walled(bed.periodic)], bed.walls
+    for name, plane in zip(names, () if planes is None else planes, strict=True):
+        motion, material = (0.0, 0.0), c.at(f"walls.{name}.material")
+        if name == "top" and (pressure := c.packing.pressure):
+            density, area = replicate.mean_density, bed.width * thickness(replicate)
+            motion = Drive(
+                force=(None, -pressure * area),
+                mass=density * area * replicate.shape.diameter,
+                damping=math.sqrt(density * pressure) * area,
+            )
+        friction = c.at(f"walls.{name}.friction")
+        walls.append(Wall(plane, motion, friction, material and replicate.material_of(material)))
     return walls
 
 

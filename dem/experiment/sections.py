@@ -206,11 +206,6 @@ class RollingSection(Section):
     damping: Coefficient = Rolling.damping
     """damping ratio of granules that rock without rolling"""
 
-    @property
-    def resists(self) -> bool:
-        """Whether a coefficient is above zero."""
-        return max(self.granule, self.wall, self.cylinder) > 0.0
-
 
 class ContactSection(Section):
     law: Annotated[str, or_file(LAWS)] | None = None

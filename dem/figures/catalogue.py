@@ -1,16 +1,21 @@
 """Which figures there are, which of them runs or a file suffice for, and how they are drawn."""
 
 from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+import xarray as xr
+
+from dem.analysis.drag import CHECK, by_case, cases_of, shapes_of
+from dem.analysis.values import along
 from dem.base.constants import described
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
-from dem.io.lazily import open_combined, open_lazily, require
+from dem.io.dataset import LABELS
+from dem.io.lazily import open_lazily, require_drag
 
-CHECK = "e0"  # ellipse code at aspect ratio 1: a check, and no shape of its own
+VARIABLES = {"drag": ("drag",), "snapshots": ("granule_x",)}  # that files hold, for all figures
 
 
 class FigureSpec(NamedTuple):
@@ -28,25 +33,29 @@ class FigureSpec(NamedTuple):
     def module(self) -> str:
         return f"{self.package}.figures.{self.name}"
 
-    def enough(self, sizes: dict[str, int], cases: list | None) -> bool:
-        """Whether runs suffice.
-
-        sizes: numbers of values by axis
-        cases: (shape label, density) by case, None where runs differ in more than case, or shape,
-        and seed
-        """
+    def suffices(self, runs: xr.Dataset) -> bool:
+        """Whether it can be drawn of runs with such coordinates."""
         if self.cases is None:
-            several = self.file != "drag" or cases is None
-            return several and all(sizes.get(dim, 0) >= n for dim, n in self.axes.items())
-        if not cases:
+            several = self.file != "drag" or by_case(runs) is None
+            return several and all(_count(runs, name) >= n for name, n in self.axes.items())
+        if (runs := by_case(runs)) is None:
             return False
-        first = {shape for shape, density in cases if density == cases[0][1]}
-        shapes = [shape for shape, _ in cases]
+        shapes = {*shapes_of(runs)}
         return (
-            bool(first & set(self.cases.get("any", first - {CHECK})))
-            and first >= set(self.cases.get("all", ()))
-            and len(shapes) - len(set(shapes)) >= self.cases.get("densities", 1) - 1
+            bool(shapes & set(self.cases.get("any", shapes - {CHECK})))
+            and shapes >= set(self.cases.get("all", ()))
+            and cases_of(runs)["shape"].value_counts().max() >= self.cases.get("densities", 1)
         )
+
+
+def _count(runs: xr.Dataset, name: str) -> int:
+    """How many values there are of a label, or of a value that varies alone along an axis."""
+    if name in LABELS:
+        return np.unique(runs[name]).size
+    try:
+        return along(runs, name).sizes.get(name, 0)
+    except InputError:
+        return 0
 
 
 def figures_of(package: str, folder: Path) -> dict[str, FigureSpec]:
@@ -59,7 +68,7 @@ def figures_of(package: str, folder: Path) -> dict[str, FigureSpec]:
             says["CAPTION"],
             says.get("CASES"),
             says.get("AXES", {}),
-            says.get("VARIABLES", ("drag",) if says["FILE"] == "drag" else ()),
+            says.get("VARIABLES", VARIABLES.get(says["FILE"], ())),
         )
         for name, says in described(Path(folder) / "figures", "CAPTION").items()
     }
@@ -71,57 +80,33 @@ FIGURES = figures_of("dem", Path(__file__).parent.parent)
 def wanted(block, names: list[str] | None, figures: dict[str, FigureSpec] = FIGURES) -> list[str]:
     """Those figures that a sweep names, or all that its runs will suffice for; raises
     InputError."""
-    found = possible(block, figures)
+    known = possible(block, figures)
     for name in names or ():
-        if name not in found:
-            hint = did_you_mean(name, found)
+        if name not in known:
+            hint = did_you_mean(name, known)
             raise InputError(f"figures has {name!r}, for which these runs do not suffice{hint}.")
-    return found if names is None else names
+    return known if names is None else names
 
 
 def possible(block, figures: dict[str, FigureSpec] = FIGURES) -> list[str]:
     """Names of the figures that the runs of a block will suffice for."""
-    labels = {name: dims for name, (_, dims, _) in block.labels().items()}
-    sizes = _sizes(dict(zip(block.dims, block.shape, strict=True)), labels)
-    sizes["granules"] = len({run.shape.granules for run in block.runs.values()})
-    cases = list(dict.fromkeys((run.label, run.density) for run in block.runs.values()))
+    axes = {axis.name: axis.coordinate for axis in block.axes}
+    labels = {name: (dims, values) for name, (_, dims, values) in block.labels().items()}
+    runs = xr.Dataset({"run_id": (block.dims, np.empty(block.shape))}, axes | labels)
+    recorded = block.first.configuration.recorded
     return [
         name
         for name, figure in figures.items()
-        if figure.file in block.first.configuration.recorded
-        and figure.enough(sizes, cases if block.is_by_case else None)
+        if figure.file in recorded and figure.suffices(runs)
     ]
 
 
-def _sizes(axes: dict[str, int], labels: dict[str, tuple]) -> dict[str, int]:
-    """Sizes of axes, and of each value in which alone the points of an axis differ. labels: names
-    of values beside the axes, and the dimensions of each."""
-    sizes = dict(axes)
-    for axis, size in axes.items():
-        names = [name for name, dims in labels.items() if axis in dims and name != axis]
-        if len(names) == 1:
-            sizes[names[0]] = size
-    return sizes
-
-
-def drawable_from(data: Path, dataset, figures: dict[str, FigureSpec] = FIGURES) -> list[str]:
+def drawable_from(dataset: xr.Dataset, figures: dict[str, FigureSpec] = FIGURES) -> list[str]:
     """Names of those of some figures that a file suffices for."""
-    from dem.analysis.drag import by_case, cases_of
-
-    variables, sizes, cases = set(dataset.variables), {}, None
-    if any(figure.cases is not None or figure.axes for figure in figures.values()):
-        require(dataset, data, {}, ("run_id",))
-        labels = {str(name): values.dims for name, values in dataset.coords.items()}
-        sizes = _sizes(dict(dataset["run_id"].sizes), labels)
-        if (cased := by_case(dataset)) is not None:
-            require(cased, data, {}, ("shape", "density"))
-            cases = [case for _, *case in cases_of(cased)]
-        if "granules" in variables:
-            sizes["granules"] = len(set(dataset["granules"].values.ravel().tolist()))
     return [
         name
         for name, figure in figures.items()
-        if variables.issuperset(figure.variables) and figure.enough(sizes, cases)
+        if set(dataset.variables).issuperset(figure.variables) and figure.suffices(dataset)
     ]
 
 
@@ -142,19 +127,18 @@ def draw(
         raise InputError(f"figure is {name!r}; there is no such figure{did_you_mean(name, known)}.")
     names = [name]
     if name == "all":
-        of_drag = {name: figure for name, figure in figures.items() if figure.file == "drag"}
         with open_lazily(data) as dataset:
-            names = drawable_from(data, dataset, of_drag)
+            names = drawable_from(dataset, figures)
         if not names:
-            raise InputError(f"{data}: it holds no drag that a figure shows; name drag.nc.")
+            raise InputError(f"{data}: it holds nothing that a figure shows; name drag.nc.")
     if of and names != ["sweep"]:
         raise InputError(
             f"of is {of!r}; only the figure sweep shows another quantity, leave it out."
         )
     files, faults = [], []
-    for each in names:
+    for chosen in names:
         try:
-            files += _draw(figures[each], data, folder, {"of": of} if of else {})
+            files += _draw(figures[chosen], data, folder, {"of": of} if of else {})
         except InputError as error:
             faults.append(str(error))
     if not files:
@@ -164,7 +148,6 @@ def draw(
 
 def _draw(figure: FigureSpec, data: Path, folder: Path, options: dict) -> list[Path]:
     """Draw one figure; options: of its function."""
-    from dem.analysis.drag import by_case
     from dem.figures.style import save
 
     with open_lazily(data) as dataset:
@@ -174,22 +157,18 @@ def _draw(figure: FigureSpec, data: Path, folder: Path, options: dict) -> list[P
                     f"{data}: it holds no {name}, and {figure.name} is drawn from that; name "
                     f"{figure.file}.nc."
                 )
-    with (open_combined if "drag" in figure.variables else open_lazily)(data) as dataset:
-        if figure.cases is not None or figure.axes:
-            require(dataset, data, {}, ("run_id",))
-        whole = dataset if figure.cases is None else by_case(dataset)
-        if whole is None:
+        if "drag" in figure.variables:
+            require_drag(dataset, data)
+        runs = dataset if figure.cases is None else by_case(dataset)
+        if runs is None:
             dims = ", ".join(map(str, dataset["run_id"].dims))
             raise InputError(
                 f"{data}: {figure.name} shows runs that differ in case, or shape, and seed alone; "
                 f"these differ in {dims}. Draw sweep."
             )
-        if figure.package != "dem" and find_spec(f"{figure.package}.results"):  # a study's own file
-            require(whole, data, import_module(f"{figure.package}.results").VARIABLES, ())
+        runs = runs if figure.file == "drag" else runs.load()
         try:
-            drawn = import_module(figure.module).plot(
-                whole if figure.file == "drag" else whole.load(), **options
-            )
+            drawing = import_module(figure.module).plot(runs, **options)
         except InputError as error:
             raise InputError(f"{data}: {figure.name} cannot be drawn: {error}") from None
-        return save(drawn, Path(folder) / figure.name, figure.caption)
+        return save(drawing, Path(folder) / figure.name, figure.caption)

@@ -4,7 +4,6 @@ Every panel has a scale of its own. Curves are running means with intervals at e
 Student's t over the runs. The means in words are those within the window.
 """
 
-import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -33,26 +32,27 @@ def plot(dataset: xr.Dataset) -> Figure:
     first = smooth.sel(case=labels[0])
     for axes, label in zip(panels, labels, strict=True):
         curve, around = smooth.sel(case=label), half.sel(case=label)
-        name = f"running mean over {1e3 * style.SMOOTHING:g} mm, {style.runs(dataset)}"
+        name = f"running mean over {1e3 * style.SMOOTHING:g} mm, {style.runs(numbers['run_mean'])}"
         axes.plot(x, curve, color=style.CURVE, zorder=3, label=name)
         style.band(axes, x, curve, around, color=style.CURVE, label="its 95 % interval")
         if label != labels[0]:
             axes.plot(x, first, label=f"running mean of {labels[0]}", **style.REFERENCE)
         middle = style.mark_window(axes, dataset)
         axes.set_title(f"{label}: {style.describe(dataset.sel(case=label))}")
-        own = numbers.sel(case=label)
-        words = style.value(float(own["mean"]), float(own["half_interval"]), "N")
+        mean = numbers.sel(case=label)
+        words = style.value(float(mean["mean"]), float(mean["half_interval"]), "N")
         at = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "top"}
         axes.text(middle, 0.97, words, **at)
-        highest = float(np.maximum(curve, first).max())
-        widest = max(highest, float((curve + around.fillna(0.0)).max()))
-        axes.set_ylim(min(0.0, float(curve.min())), ROOM * min(widest, MOST * highest))
+        highest = MOST * float(max(curve.max(), first.max()))
+        axes.set_ylim(min(0.0, float(curve.min())), ROOM * min(axes.dataLim.ymax, highest))
     for axes in panels[::columns]:
         axes.set_ylabel("Drag (N)")
     for axes in panels[-columns:]:
         axes.tick_params(labelbottom=True)
         axes.set_xlabel("Displacement (mm)")
-    about = f"(numbers: mean of the window{style.its_interval(dataset)})"
-    figure.suptitle(f"Drag of the cylinder against its displacement\n{about}")
+    figure.suptitle(
+        "Drag of the cylinder against its displacement\n"
+        "(numbers: mean of the window and its 95 % interval)"
+    )
     style.legend(figure, panels[-1], ncols=2)
     return figure

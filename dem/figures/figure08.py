@@ -27,11 +27,11 @@ CODES = {
 def plot(dataset: xr.Dataset) -> Figure:
     """Curves with intervals on the left, means within the window on the right.
 
-    One of the two cases is enough; raises InputError when both are missing.
+    Raises InputError when one of the two cases is missing.
     """
-    cases = {shape: label for shape in CODES if (label := find(dataset, shape))}
-    if not cases:
-        raise InputError("there is no case of shape c1 or e0 in the data.")
+    cases = {shape: find(dataset, shape) for shape in CODES}
+    if None in cases.values():
+        raise InputError("it takes cases of both shapes, c1 and e0, at the density of the first.")
     figure = Figure(figsize=(style.WIDTH, 5.0))
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.7, 1.0))
     numbers, ticks = summarise(dataset), []
@@ -39,16 +39,15 @@ def plot(dataset: xr.Dataset) -> Figure:
         (code, width, filled, paper, deviation), case = CODES[shape], dataset.sel(case=label)
         case_numbers, look = numbers.sel(case=label), style.look(case)
         x, (curve, half) = 1e3 * case["displacement"].values, style.smoothed(case)
-        name = f"{code} ({label}), mean of {style.runs(case)}"
+        name = f"{code} ({label}), mean of {style.runs(case_numbers['run_mean'])}"
         line = {"color": look.color, "linestyle": look.line, "linewidth": width}
         left.plot(x, curve, zorder=3, label=name, **line)
-        fill = {"facecolor": look.color, "alpha": 0.3}
-        edge = {"facecolor": "none", "alpha": 1.0, "edgecolor": look.color, "linewidth": 1.1}
+        fill = {"facecolor": (look.color, 0.3 * filled), "edgecolor": (look.color, 1.0 - filled)}
         name = f"its 95 % interval ({'shade' if filled else 'thin lines'})"
-        style.band(left, x, curve, half, label=name, **(fill if filled else edge))
+        style.band(left, x, curve, half, label=name, alpha=None, linewidth=1.1, **fill)
         mean, half = float(case_numbers["mean"]), float(case_numbers["half_interval"])
         point = style.INTERVAL | {"color": look.color, "marker": look.marker}
-        name = f"mean{style.its_interval(numbers)}"
+        name = "mean and its 95 % interval"
         right.errorbar(place - 0.18, mean, half, label=name, **point)
         style.show_runs(right, place + 0.02, case_numbers["run_mean"], 0.1)
         name = "paper, mean and standard deviation"
@@ -59,10 +58,9 @@ def plot(dataset: xr.Dataset) -> Figure:
     style.mark_window(left, dataset)
     right.set_xticks(range(len(cases)), ticks)
     right.set_xlim(-0.5, len(cases) - 0.5)
-    if len(cases) == len(CODES):
-        disc, ellipse = cases.values()
-        difference = style.percent(*change(numbers["run_mean"], disc, ellipse))
-        right.set_xlabel(f"{ellipse} against {disc}: {difference}")
+    disc, ellipse = cases.values()
+    difference = style.percent(*change(numbers["run_mean"], disc, ellipse))
+    right.set_xlabel(f"{ellipse} against {disc}: {difference}")
     left.set_xlabel("Displacement of the cylinder (mm)")
     left.set_ylabel(f"Drag (N), running mean over {1e3 * style.SMOOTHING:g} mm")
     style.from_zero(left)

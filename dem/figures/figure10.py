@@ -5,7 +5,6 @@ from dem.figures.snapshots import beds
 FILE = "snapshots"
 CAPTION = "Beds of discs, dumbbells and small discs in layers"
 CASES = {"any": ("c1", "d1", "c2")}
-VARIABLES = ("granule_x",)
 
 
 def plot(dataset):

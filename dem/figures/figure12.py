@@ -5,7 +5,6 @@ from dem.figures.snapshots import beds
 FILE = "snapshots"
 CAPTION = "Beds of ellipses in layers"
 CASES = {"any": ("e1", "e2", "e3")}
-VARIABLES = ("granule_x",)
 
 
 def plot(dataset):

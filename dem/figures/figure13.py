@@ -22,26 +22,27 @@ def plot(dataset: xr.Dataset) -> Figure:
     numbers = summarise(dataset).sel(case=labels)
     figure = Figure(figsize=(style.WIDTH, 5.2))
     axes = figure.subplots()
+    name = f"mean of {style.runs(numbers['run_mean'])}"
+    axes.fill_between([], [], facecolor="0.8", edgecolor="0.3", label=name)  # of any colour
     for place, label in enumerate(labels):
-        own = numbers.sel(case=label)
-        look = style.look(own)  # by the kind of its granules
+        case_numbers = numbers.sel(case=label)
+        look = style.look(case_numbers)  # by the kind of its granules
         top = style.bar(
             axes,
             place,
             0.62,
-            own,
+            case_numbers,
             color=look.fill,
             edgecolor=look.color,
             hatch=look.hatch,
-            label=f"mean of {style.runs(numbers)}",
         )
-        value = style.value(float(own["mean"]), float(own["half_interval"]), "N")
+        value = style.value(float(case_numbers["mean"]), float(case_numbers["half_interval"]), "N")
         style.write_above(axes, place, top, value)
-        if paper := PAPER.get(str(own["shape"].values)):
+        if paper := PAPER.get(str(case_numbers["shape"].values)):
             axes.plot(place + 0.42, paper, label=f"paper, {paper:.0f} N", **style.STAR)
     ticks = [f"{label}\n" + style.describe(numbers.sel(case=label), "\n") for label in labels]
     style.finish_bars(axes, ticks, dataset)
-    axes.set_title(f"Above each bar: mean drag{style.its_interval(dataset)}", loc="left")
+    axes.set_title("Above each bar: mean drag and its 95 % interval", loc="left")
     figure.suptitle("Mean drag by shape of the granules")
-    style.legend(figure, axes, grey="mean", ncols=4)
+    style.legend(figure, axes, ncols=4)
     return figure

@@ -27,7 +27,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     groups = densities(dataset)
     if not groups:
         raise InputError("there is no shape at two densities in the data.")
-    numbers = summarise(dataset).sel(case=[each for own in groups.values() for each in own])
+    numbers = summarise(dataset).sel(case=[label for labels in groups.values() for label in labels])
     figure = Figure(figsize=(style.WIDTH, 5.2))
     axes = figure.subplots()
     ticks = []
@@ -38,8 +38,9 @@ def plot(dataset: xr.Dataset) -> Figure:
     style.finish_bars(axes, ticks, dataset)
     compared = set(numbers["density"].values.tolist())
     paper = f"; paper: at most {PAPER} %" if compared == BETWEEN else ""
-    above = f"Above each group: change with density{style.its_interval(dataset)}{paper}"
-    axes.set_title(above, loc="left")
+    axes.set_title(
+        f"Above each group: change with density and its 95 % interval{paper}", loc="left"
+    )
     figure.suptitle("Mean drag by density of the granules")
     style.legend(figure, axes, ncols=2)
     return figure
@@ -52,13 +53,12 @@ def _group(axes, place, labels, numbers) -> None:
     for number, label in enumerate(labels):
         middle = place + width * (number - 0.5 * (len(labels) - 1))
         fill, hatch = FILLS[min(number, len(FILLS) - 1)]
-        own = numbers.sel(case=label)
-        density = float(own["density"])
+        case_numbers = numbers.sel(case=label)
+        density = float(case_numbers["density"])
         alike = numbers.sel(case=numbers["density"] == density)
         words = f"{density:,g}".replace(",", "\N{THIN SPACE}")
-        name = f"mean of {style.runs(alike)} at {words} kg/m³"
+        name = f"mean of {style.runs(alike['run_mean'])} at {words} kg/m³"
         look = {"color": fill, "edgecolor": "black", "hatch": hatch, "label": name}
-        tops.append(style.bar(axes, middle, width, own, **look))
-    changes = [change(numbers["run_mean"], labels[0], label) for label in labels[1:]]
-    text = "\n".join(style.percent(*each) for each in changes)
-    style.write_above(axes, place, max(tops), text)
+        tops.append(style.bar(axes, middle, width, case_numbers, **look))
+    changes = (change(numbers["run_mean"], labels[0], label) for label in labels[1:])
+    style.write_above(axes, place, max(tops), "\n".join(style.percent(*c) for c in changes))

@@ -1,13 +1,14 @@
 """Pictures and films of one replicate or one result, coloured by speed, force, layer or cluster."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import matplotlib
 import numpy as np
 from imageio_ffmpeg import get_ffmpeg_exe
-from matplotlib.animation import FFMpegWriter, PillowWriter
+from matplotlib.animation import FFMpegWriter, FuncAnimation
+from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
@@ -15,95 +16,63 @@ from dem.base.errors import InputError
 from dem.base.files import atomic, check_output
 from dem.dynamics.result import Result
 from dem.experiment.snapshots import Snapshots
-from dem.figures import bed, style
-from dem.figures.frames import Frames, frames_of
+from dem.figures import style
+from dem.figures.bed import draw, view_of
+from dem.figures.frames import Frames, frames_of, sums_of_forces
 
-FILMS, PICTURES = (".mp4", ".gif"), (".png", ".svg", ".pdf")
-WORDS = {
-    "speed": "speed",
-    "force": "sum of normal forces",
-    "layer": "layers",
-    "cluster": "granules ahead of the cylinder",
-}
+FILMS, PICTURES = {".mp4": "h264", ".gif": "gif"}, (".png", ".svg", ".pdf")  # codecs of films
 SIZE, DPI = (12.8, 7.2), 100  # 720p
 SECONDS = 10.0  # of a film
 RC = style.RC | {"font.size": 13.0}
 
 
-class Scene:
-    """A figure with the bed on the left and its record on the right, that can show any frame.
+def figure_of(
+    frames: Frames, color: str, forces: bool, shown: Sequence[int] | None = None, size=SIZE
+) -> tuple[Figure, Callable[[int], None]]:
+    """A figure of the bed, with its record beside it if it has one, and what shows a frame there.
 
-    shown: frames whose forces set the scale, None for all. beside: whether there is a record.
+    shown: frames whose forces set the scale, the first of which is shown; None for all.
     """
+    known = "speed", "force", *frames.paints
+    if color not in known:
+        raise InputError(f"color is {color!r}; it must be one of {', '.join(known)}.")
+    shown = range(len(frames.position)) if shown is None else shown
+    contacts = {k: frames.contacts(k) for k in shown} if forces or color == "force" else {}
+    pushing = (listed.force.max(initial=0.0) for listed in contacts.values())
+    strongest, view = max(pushing, default=0.0) or 1.0, view_of(frames)
+    figure = Figure(figsize=size, dpi=DPI)
+    ratios = (1.15, 1.0) if frames.record else (1.0,)
+    left, *right = figure.subplots(1, len(ratios), width_ratios=ratios, squeeze=False)[0]
+    scale = {"norm": Normalize(0.0, frames.fastest), "cmap": "viridis"}
+    words = "Speed (m/s)"
+    if color == "force":
+        scale["norm"] = LogNorm(1e-3 * strongest, 2.0 * strongest)
+        words = "Sum of normal forces (N); white: none"
+    if color not in frames.paints:
+        figure.colorbar(ScalarMappable(**scale), ax=left, label=words, shrink=0.8)
+    for axes in right:
+        frames.record(axes)
+    marks = [axes.axvline(0.0, color="black", linewidth=1.6) for axes in right]
+    if frames.title:
+        figure.suptitle(f"{frames.title}: {color}", fontsize=15)
 
-    def __init__(
-        self, frames: Frames, color: str, forces: bool, shown=None, beside=True, size=SIZE
-    ):
-        known = "speed", "force", *frames.paints
-        if color not in known:
-            raise InputError(f"color is {color!r}; it must be one of {', '.join(known)}.")
-        self.frames, self.color, self.forces = frames, color, forces
-        shown = range(len(frames.position)) if shown is None else shown
-        felt = shown if forces or color == "force" else ()
-        self.contacts = {each: _contacts(frames, each) for each in felt}
-        pushing = (each.max(initial=0.0) for _, each, _ in self.contacts.values())
-        self.largest = max(pushing, default=0.0) or 1.0  # force at a contact (N)
-        self.figure = Figure(figsize=size, dpi=DPI)
-        beside = beside and frames.record is not None
-        left, *right = self.figure.subplots(
-            1, 1 + beside, width_ratios=(1.15, 1.0)[: 1 + beside], squeeze=False
-        )[0]
-        self.bed = bed.Drawing(left, frames)
-        if color not in frames.paints:
-            self._scale()
-        self.mark = None
-        if beside:
-            frames.record(right[0])
-            self.mark = right[0].axvline(0.0, color="black", linewidth=1.6)
-        captioned = right[0] if frames.boxed else left
-        self.caption = captioned.set_title(" ", loc="left", fontsize=13)
-        if frames.title:
-            self.figure.suptitle(f"{frames.title}: {WORDS[color]}", fontsize=15)
-        self.show(shown[0])
-        self.figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)  # inches
-        self.figure.draw_without_rendering()
-        self.figure.set_layout_engine("none")  # laid out once: that takes as long as drawing
-
-    def _scale(self):
-        """Colour scale of speeds or forces; none for layers and cluster."""
-        granules, scale = self.bed.granules, Normalize(0.0, self.frames.fastest)
-        words = "Speed (m/s)"
-        if self.color == "force":
-            scale = LogNorm(1e-3 * self.largest, 2.0 * self.largest)
-            words = "Sum of normal forces (N)" + ("" if self.frames.boxed else "; white: none")
-        granules.set(norm=scale, cmap="viridis")
-        self.figure.colorbar(granules, ax=granules.axes, label=words, shrink=0.8)
-
-    def show(self, frame: int) -> None:
-        """Draw one frame."""
-        frames = self.frames
-        self.bed.move(frame)
-        if self.color in frames.paints:
-            self.bed.paint(frames.paints[self.color])
+    def show(frame: int) -> None:
+        if color in frames.paints:
+            look = {"facecolors": frames.paints[color]}
+        elif color == "speed":
+            look = scale | {"array": np.linalg.norm(frames.velocity[frame], axis=-1)}
         else:
-            speed = np.linalg.norm(frames.velocity(frame), axis=-1)
-            self.bed.shade(speed if self.color == "speed" else self.contacts[frame][2])
-        if self.forces:
-            segments, forces, _ = self.contacts[frame]
-            self.bed.push(segments, forces, self.largest)
-        if self.mark is not None:
-            self.mark.set_xdata([frames.marks[frame]] * 2)
-        self.caption.set_text(frames.captions[frame])
+            look = scale | {"array": sums_of_forces(contacts[frame], len(frames.rings))}
+        draw(left, frames, frame, view, contacts[frame] if forces else None, strongest, **look)
+        left.set_title(frames.captions[frame], loc="left", fontsize=13)
+        for mark in marks:
+            mark.set_xdata([frames.marks[frame]] * 2)
 
-
-def _contacts(frames: Frames, frame: int):
-    """Segments (m, 2, 2) in m across contacts, forces (m,) and, by granule, their sums (n,) in
-    N."""
-    touching, count = frames.contacts(frame), len(frames.position[frame])
-    start, between = frames.position[frame][touching.granule], touching.partner >= 0
-    total = np.bincount(touching.granule, touching.force, count)
-    total += np.bincount(touching.partner[between], touching.force[between], count)
-    return np.stack([start, start + touching.branch], axis=1), touching.force, total
+    show(shown[0])
+    figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)  # inches
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # laid out once: that takes as long as drawing
+    return figure, show
 
 
 def picture(
@@ -120,10 +89,10 @@ def picture(
             f"displacement is {displacement:g} m; it must lie between 0 and the stroke, {stroke:g} m."
         )
     with matplotlib.rc_context(RC):
-        scene = Scene(frames_of(motion), color, forces)
-        scene.show(motion.nearest(displacement))
+        figure, show = figure_of(frames_of(motion), color, forces)
+        show(motion.nearest(displacement))
         with atomic(path) as part:
-            scene.figure.savefig(part, format=path.suffix[1:].lower())
+            figure.savefig(part, format=path.suffix[1:].lower())
 
 
 def encoder() -> str:
@@ -131,9 +100,7 @@ def encoder() -> str:
     try:
         return get_ffmpeg_exe()
     except RuntimeError:
-        raise InputError(
-            "there is no encoder for MP4 on this computer; install ffmpeg, or name a .gif file."
-        ) from None
+        raise InputError("there is no encoder of films on this computer; install ffmpeg.") from None
 
 
 def film(
@@ -185,25 +152,16 @@ def film(
     'collision.gif'
     """
     path, frames = check_output("path", path, tuple(FILMS)), frames_of(result)
-    count, encoded = len(frames.position), path.suffix.lower() == ".mp4"
-    if count < 2:
+    if (count := len(frames.position)) < 2:
         raise InputError(f"result has {count} frame; a film needs two: simulate with more frames.")
-    rate = max(2.0, count / SECONDS)
-    with matplotlib.rc_context(RC):
-        scene = Scene(frames, color, forces)
-        if encoded:
-            matplotlib.rcParams["animation.ffmpeg_path"] = encoder()
-            options = ["-pix_fmt", "yuv420p", "-f", "mp4", "-preset", "veryfast"]
-            writer = FFMpegWriter(fps=rate, codec="libx264", extra_args=options)
-        else:
-            writer = PillowWriter(fps=min(rate, 50.0))
+    suffix = path.suffix.lower()
+    with matplotlib.rc_context(RC | {"animation.ffmpeg_path": encoder()}):
+        figure, show = figure_of(frames, color, forces)
+        writer = FFMpegWriter(
+            max(2.0, count / SECONDS), FILMS[suffix], extra_args=["-f", suffix[1:]]
+        )
         with atomic(path) as part:
-            target = part if encoded else part.with_suffix(".gif")
-            with writer.saving(scene.figure, str(target), DPI):
-                for frame in range(count):
-                    scene.show(frame)
-                    writer.grab_frame()
-                    progress((frame + 1) / count)
-            if target != part:
-                target.replace(part)
+            FuncAnimation(figure, show, count).save(
+                part, writer, progress_callback=lambda frame, _: progress((frame + 1) / count)
+            )
     return path

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-import matplotlib
+import numpy as np
 from matplotlib.figure import Figure
 from pydantic import Field, InstanceOf
 
@@ -10,7 +10,8 @@ from dem.base.errors import InputError
 from dem.base.types import Count, checked, parsed
 from dem.dynamics.result import Result
 from dem.figures import style
-from dem.figures.film import Scene
+from dem.figures.bed import view_of
+from dem.figures.film import figure_of
 from dem.figures.frames import draw_forces, forces_of, of_result
 
 __all__ = ["bed", "forces"]
@@ -19,6 +20,7 @@ AROUND = 1.8, 1.0  # inches, for numbers, words and colour bar
 
 
 @checked
+@style.styled
 def bed(
     result: InstanceOf[Result], frame: Count = -1, color: str = "force", forces: bool = False
 ) -> Figure:
@@ -61,14 +63,13 @@ def bed(
     frames = of_result(result)
     count = len(frames.position)
     frame = parsed(Annotated[Count, Field(ge=-count, lt=count)], frame, "frame") % count
-    width, height = frames.view[1] - frames.view[0]
-    scale = LONGEST / max(width, height)
-    size = scale * width + AROUND[0], scale * height + AROUND[1]
-    with matplotlib.rc_context(style.RC):
-        return Scene(frames, color, forces, shown=(frame,), beside=False, size=size).figure
+    size = np.ptp(view_of(frames), axis=0)
+    size = size * LONGEST / size.max() + AROUND
+    return figure_of(frames._replace(record=None), color, forces, [frame], size)[0]
 
 
 @checked
+@style.styled
 def forces(result: InstanceOf[Result]) -> Figure:
     """Draw the forces on cylinder and walls against time.
 
@@ -103,10 +104,8 @@ def forces(result: InstanceOf[Result]) -> Figure:
     groups = forces_of(result)
     if not groups:
         raise InputError("result has no forces: its scene has neither solids nor walls.")
-    with matplotlib.rc_context(style.RC):
-        figure = Figure(figsize=(style.WIDTH, 1.0 + 3.0 * len(groups)))
-        rows = figure.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
-        for axes, group in zip(rows, groups, strict=True):
-            draw_forces(axes, result, group)
-            axes.label_outer()
-        return figure
+    figure, rows = style.panels(len(groups), 1, 1.0, 3.0, sharex=True)
+    for axes, group in zip(rows, groups, strict=True):
+        draw_forces(axes, result, *group)
+        axes.label_outer()
+    return figure

@@ -1,20 +1,19 @@
 """Figures 9 to 12: beds at equal displacements of the cylinder, one row per case."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.analysis.drag import find
-from dem.analysis.one_run import snapshots_of
 from dem.base.errors import InputError
 from dem.experiment.config import Configuration, of_values
-from dem.experiment.snapshots import Snapshots
-from dem.figures import bed, style
+from dem.experiment.snapshots import Snapshots, snapshots_of
+from dem.figures import style
+from dem.figures.bed import draw, view_of
 from dem.figures.frames import Frames, of_motion
-from dem.shapes import outlines
+from dem.shapes import is_drawn, outlines
 from dem.sweep.axis import RUN_KEYS
 
 SHARES = (0.0, 0.5, 1.0)  # of the stroke: displacements that are shown
@@ -32,7 +31,7 @@ def motion_of(dataset: xr.Dataset, case: str) -> Snapshots | None:
     values = {name: values[name] for name in Configuration.read if name in values}
     values |= {name: one[name].item() for name in RUN_KEYS}
     variables = {str(name): variable.values for name, variable in one.variables.items()}
-    return snapshots_of(Path("snapshots.nc"), of_values(values), variables)
+    return snapshots_of(of_values(values), variables)
 
 
 def frames_of_case(motion: Snapshots) -> Frames:
@@ -59,13 +58,14 @@ def beds(dataset: xr.Dataset, shapes: tuple[str, ...], colors: str, title: str) 
     grid = figure.subplots(len(motions), len(snapshots), squeeze=False)
     for row, (case, motion) in zip(grid, motions.items(), strict=True):
         frames = frames_of_case(motion)
+        view = view_of(frames)
         for axes, snapshot in zip(row, snapshots, strict=True):
-            drawing = bed.Drawing(axes, frames)
-            drawing.move(snapshot)
-            drawing.paint(frames.paints[colors])
+            draw(axes, frames, snapshot, view, facecolors=frames.paints[colors])
+            axes.set_axis_off()
         one, height = dataset.sel(case=case), motion.height[0]
+        note = "" if is_drawn(one["kind"].item()) else ", drawn as discs of equal area"
         row[0].annotate(
-            f"{case}: {style.describe(one)}{style.drawn(one)}\nbox {1e3 * width:.3g} mm \N{MULTIPLICATION SIGN} {1e3 * height:.3g} mm",
+            f"{case}: {style.describe(one)}{note}\nbox {1e3 * width:.3g} mm \N{MULTIPLICATION SIGN} {1e3 * height:.3g} mm",
             (-0.04, 0.5),
             rotation=90,
             xycoords="axes fraction",

@@ -9,10 +9,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from dem.analysis.drag import edges_of_bins, running_mean, window_text
+from dem.analysis.drag import window_text
 from dem.base.files import atomic
 from dem.base.statistics import half_interval
-from dem.shapes import KINDS, is_drawn
+from dem.shapes import KINDS
 
 RC: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
@@ -69,7 +69,6 @@ INTERVAL = {
 MARK = {"linestyle": "none", "capsize": 4, "markersize": 6.5, "elinewidth": 1.4}
 MANY = 20  # runs, whose dots would hide the interval of their mean
 FAINT = {"markersize": 2.5, "markeredgecolor": "0.45", "zorder": 3}
-FEW = 3  # groups of bars: fewer are not drawn wider
 SMOOTHING = 0.2e-3  # m, length of the running mean of curves
 
 
@@ -93,8 +92,8 @@ OTHER = Look("#5b4a8a", "#d9d2ea", (0, (1, 1)), "^", "xx")  # of all other kinds
 # of any number of cases in turn, where kinds of granules do not suffice
 CASES = ("#2f7fd1", "#b34700", "#5b4a8a", "#6fae8a", "#2f7d4f", "#0f5a30", "black")
 MARKERS = "osD^vPX"
+LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (3, 1, 1, 1)), (0, (7, 1.5, 1, 1.5)))
 LAYERS = ("#f3f5f7", "#5d87b0")  # of a bed in turn: far apart in grey
-OUTLINE = "0.25"  # of granules
 
 
 def look(case: xr.Dataset) -> Look:
@@ -106,35 +105,24 @@ def describe(case: xr.Dataset, separator: str = ", ") -> str:
     """What the granules of one case are: kind, mean diameter and, if it is free, aspect ratio."""
     kind, ratio = str(case["kind"].values), float(case["aspect_ratio"])
     parts = [kind, f"{1e6 * float(case['diameter']):.4g} µm"]
-    free = kind not in KINDS or KINDS[kind].aspect_ratio is None
+    free = getattr(KINDS.get(kind), "aspect_ratio", None) is None
     return separator.join(parts + [f"{ratio:g}:1"] * free)
 
 
-def drawn(case: xr.Dataset) -> str:
-    """What is to be said of a picture of a bed: nothing, unless dem.shapes.outlines draws
-    others."""
-    return "" if is_drawn(str(case["kind"].values)) else ", drawn as discs of equal area"
-
-
-def runs(dataset: xr.Dataset) -> str:
-    """How many runs each number comes from: "5 runs", or "5 to 10 runs"."""
-    values = dataset["run_mean"] if "run_mean" in dataset else dataset["drag"].isel(displacement=0)
-    counts = values.count("seed")
+def runs(values: xr.DataArray, *over: str) -> str:
+    """How many runs (seed, ...) each number comes from: "5 runs", or "5 to 10 runs"; over: axes
+    along which numbers are averaged."""
+    counts = values.count(["seed", *over])
     least, most = max(1, int(counts.min())), int(counts.max())
     words = f"{least} to {most}" if least < most else f"{most}"
     return f"{words} runs" if most > 1 else "one run"
-
-
-def its_interval(dataset: xr.Dataset) -> str:
-    """Words for a title: nothing for single runs, which have no interval."""
-    return " and its 95 % interval" if dataset.sizes["seed"] > 1 else ""
 
 
 def mark_window(axes, dataset: xr.Dataset) -> float:
     """Shade the averaging window, on an axis along the whole stroke; returns its middle (mm)."""
     edges = 1e3 * np.array([dataset.attrs["window_start"], dataset.attrs["window_stop"]])
     axes.axvspan(*edges, label=f"averaging window, {window_text(dataset)}", **WINDOW)
-    axes.set_xlim(0.0, 1e3 * edges_of_bins(dataset)[-1])
+    axes.set_xlim(0.0, 1e3 * float(dataset["displacement_bounds"].max()))
     return edges.mean()
 
 
@@ -166,7 +154,8 @@ def numbered(number: int) -> dict[str, str]:
 
 def smoothed(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
     """Running mean (..., displacement) in N of the drag over the runs, and half its interval."""
-    runs = running_mean(dataset, SMOOTHING)
+    bins = 2 * round(0.5 * SMOOTHING / np.ptp(dataset["displacement_bounds"].values[0])) + 1
+    runs = dataset["drag"].rolling(displacement=bins, center=True, min_periods=1).mean()
     return runs.mean("seed"), half_interval(runs)
 
 
@@ -207,27 +196,18 @@ def write_above(axes, middle: float, top: float, text: str) -> None:
 def finish_bars(axes, ticks: list[str], dataset: xr.Dataset) -> None:
     """Axes of a bar chart of mean drag, one tick per group of bars."""
     axes.set_xticks(range(len(ticks)), ticks)
-    room = 0.6 + max(0.0, 0.5 * (FEW - len(ticks)))
-    axes.set_xlim(-room, len(ticks) - 1 + room)
+    axes.set_xlim(-0.6, len(ticks) - 0.4)
     axes.tick_params(axis="x", length=0)
     axes.set_ylim(top=1.1 * axes.dataLim.ymax)
     from_zero(axes)
     axes.set_ylabel(f"Mean drag from {window_text(dataset)} (N)")
 
 
-def legend(
-    figure: Figure, axes, place: str = "outside lower center", grey: str = "", **options
-) -> None:
-    """Legend of the figure from the labels of one of its axes, each once.
-
-    The patch of the label that begins with `grey` means several colours: it is shown in none.
-    """
+def legend(figure: Figure, axes, place: str = "outside lower center", **options) -> None:
+    """Legend of the figure from the labels of one of its axes, each once."""
     handles, names = axes.get_legend_handles_labels()
     unique = dict(zip(names, handles, strict=True))
-    drawn_legend = figure.legend(unique.values(), unique.keys(), loc=place, **options)
-    for name, patch in zip(unique, drawn_legend.legend_handles, strict=True):
-        if grey and name.startswith(grey):
-            patch.set(facecolor="0.8", edgecolor="0.3", hatch="")
+    figure.legend(unique.values(), unique.keys(), loc=place, **options)
 
 
 def value(mean: float, half: float, unit: str, form: str = "z.0f") -> str:

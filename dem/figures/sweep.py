@@ -25,14 +25,11 @@ CAPTION = "Means over what was varied"
 VARIABLES = ("run_id",)
 PANELS = 12  # at most
 COLUMNS = 4  # of panels, at most
-LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (3, 1, 1, 1)), (0, (7, 1.5, 1, 1.5)))
 FAR = 5.0  # greatest over least value beyond which an axis is logarithmic
 DECADES = 30.0  # the same beyond which powers of ten are ticks enough
-FEW = 6  # values of x that each have their tick
 APART = 0.6, 0.012  # between two lines, so that intervals show: of a category's place; of a range
 BASES = ("shape", "case")  # axes that lines show
 PREFIXED = ("m", "s", "N", "Pa")  # units of which a value is written as "20 mm"
-LARGE = 2e4  # from here on, numbers of an axis have prefixes such as M
 
 
 @style.styled
@@ -41,7 +38,7 @@ def plot(dataset: xr.Dataset, of: str | None = None) -> Figure:
     InputError where no run is there, or no such quantity."""
     names = quantities_of(dataset)
     of = of or ("drag" if "drag" in names else names[0])
-    runs = run_means(dataset, "", [of])[of]
+    runs = run_means(dataset, [of])[of]
     if not bool(runs.notnull().any()):
         raise InputError("all its runs failed.")
     runs = runs.sortby([dim for dim in runs.dims if is_numeric(runs[dim])])
@@ -52,7 +49,6 @@ def plot(dataset: xr.Dataset, of: str | None = None) -> Figure:
     runs = runs.squeeze(
         [dim for dim in runs.dims if runs.sizes[dim] == 1 and dim not in (x, "seed")]
     )
-    count = runs.count(["seed", *averaged])
     mean = runs.mean("seed").mean(averaged, skipna=False)
     means = xr.Dataset({"mean": mean, "half": half_interval(runs, averaged)})
     factors = factors_of(runs, design) if design else []
@@ -78,9 +74,8 @@ def plot(dataset: xr.Dataset, of: str | None = None) -> Figure:
     within = f" from\n{style.window_text(dataset)}" if windowed else ""
     for axes in grid[::columns]:
         axes.set_ylabel(f"{name}{within}{in_units(values)}")
-    least, most = int(count.min()), int(count.max())
-    each = f"{most}" if least == most else f"{least} to {most}"
-    notes = [f"{each} runs each; bars: 95 % intervals" if most > 1 else "one run each"]
+    notes = [f"{style.runs(runs, *averaged)} each"]
+    notes += ["bars: 95 % intervals"] * (runs.sizes["seed"] > 1)
     notes += [f"averaged over {', '.join(averaged)}"] * bool(averaged)
     notes += [f"{len(factors) - PANELS} factors more are not shown"] * (len(factors) > PANELS)
     figure.suptitle(f"{name} over what was varied\n({'; '.join(notes)})")
@@ -124,7 +119,7 @@ def words(values: xr.DataArray) -> str:
     name = quantity(values)
     if "units" not in values.attrs and values.name in values.dims:  # points by their names
         name = str(values.name).replace("_", " ")
-    return f"{name[0].upper()}{name[1:]}{in_units(values, bare='1')}"
+    return f"{name[0].upper()}{name[1:]}{in_units(values)}"
 
 
 def quantity(values: xr.DataArray) -> str:
@@ -132,10 +127,9 @@ def quantity(values: xr.DataArray) -> str:
     return re.split("[;:,]", str(values.attrs.get("long_name", values.name)))[0]
 
 
-def in_units(values: xr.DataArray, bare: str = "") -> str:
-    """Units in brackets, (kg m⁻³); bare: what stands for numbers without one."""
-    text = units(values) if values.attrs.get("units", "1") != "1" else bare
-    return f" ({text})" if text and "units" in values.attrs else ""
+def in_units(values: xr.DataArray) -> str:
+    """Units in brackets, if it has any: (kg m⁻³)."""
+    return f" ({units(values)})" if "units" in values.attrs else ""
 
 
 def units(values: xr.DataArray) -> str:
@@ -157,9 +151,9 @@ def at_place(runs: xr.DataArray | xr.Dataset, dim: str, at) -> str:
     """
     values = runs[dim]
     if not is_numeric(values):
-        given = [runs[name] for name in factors_of(runs, dim)]
-        given = [each for each in given if bool(each.sel({dim: at}).notnull())]
-        only = given[0] if len(given) == 1 else values
+        factors = [runs[name] for name in factors_of(runs, dim)]
+        factors = [factor for factor in factors if bool(factor.sel({dim: at}).notnull())]
+        only = factors[0] if len(factors) == 1 else values
         if not is_numeric(only) or len(np.unique(only)) < only.size:
             return f"{dim.replace('_', ' ')}: {at}"
         values, at = only, only.sel({dim: at}).item()
@@ -192,7 +186,7 @@ def _lines(axes, means: xr.Dataset, line: str | None, along: xr.DataArray, marks
             markersize=6.5,
             markerfacecolor="white" if number % 2 else None,
             capsize=3,
-            linestyle=LINES[number % len(LINES)] if numeric and not marks else "none",
+            linestyle=style.LINES[number % len(style.LINES)] if numeric and not marks else "none",
             label=at_place(means, line, at) if line else "",
         )
     if not numeric:
@@ -202,9 +196,5 @@ def _lines(axes, means: xr.Dataset, line: str | None, along: xr.DataArray, marks
     if logarithmic:
         far = values.max() > DECADES * values.min()
         style.logarithmic(axes, "x", (1.0,) if far else (1.0, 2.0, 5.0))
-    if len(names) <= FEW and not marks:
-        axes.set_xticks(names, [f"{name:.6g}" for name in names])
-    elif not logarithmic:
+    else:
         axes.xaxis.set_major_locator(MaxNLocator(4))
-    if np.abs(values).max() >= LARGE:
-        axes.xaxis.set_major_formatter(EngFormatter(sep=""))

@@ -1,6 +1,4 @@
-"""netCDF files: the layout of runs, in tables; writing is atomic, reading is checked.
-
-Every file is sealed with a checksum (dem.io.checksums) and read only if it holds.
+"""netCDF files: the layout of runs, in tables; writing is atomic, arrays have checksums of HDF5.
 
 CF-1.11, SI units, in the classic model of netCDF-4 (characters, whole numbers of 32 bits), which
 programs without strings and other formats can take over.
@@ -16,7 +14,6 @@ import numpy as np
 
 from dem.base.errors import InputError, OverlapError, PackingError, RunError, StateError
 from dem.base.files import atomic
-from dem.io.checksums import Changed, is_sealed, seal
 
 # Tables of variables, name: (dimensions, units, long name). What a run records is in
 # dem.experiment.observables.
@@ -96,9 +93,8 @@ MORE = {  # attributes of CF beside name and units
         "flag_values": np.arange(len(FAILURES), dtype="i1"),
         "flag_meanings": " ".join(FAILURES),
     },
-    "replicate_drag": {"cell_methods": "replicate_displacement: mean"},
     "time_step": {"cell_methods": "displacement: minimum"},
-    **{key: {"standard_name": "realization"} for key in ("seed", "trial_seed", "replicate")},
+    "seed": {"standard_name": "realization"},
     **{
         key: {"cell_methods": "displacement: mean"}
         for key in ("drag", "drag_normal", "drag_tangential", "transverse_force", "wall_force")
@@ -131,11 +127,9 @@ def global_attributes(title: str, source: str, **more) -> dict:
 
 @contextmanager
 def create(path: Path):
-    """A netCDF4.Dataset to fill; atomic, and sealed in the end."""
-    with atomic(path) as part:
-        with netCDF4.Dataset(part, "w", format=FORMAT) as file:
-            yield file
-        seal(part)
+    """A netCDF4.Dataset to fill; atomic."""
+    with atomic(path) as part, netCDF4.Dataset(part, "w", format=FORMAT) as file:
+        yield file
 
 
 def write(path: Path, values: dict, attrs: dict, layout: dict) -> None:
@@ -186,16 +180,8 @@ def read(path: Path, names: tuple[str, ...]) -> tuple[dict, dict]:
     with content_of(path, AGAIN):
         if not Path(path).is_file():
             raise InputError(f"{path}: there is no such file.")
-        if not is_sealed(path):
-            raise InputError(
-                f"{path}: it has no checksum, so it is another file, or an older version wrote it; "
-                f"if it is a result, {AGAIN}."
-            )
         with netCDF4.Dataset(path) as file:
             file.set_auto_mask(False)
-            for name in names:
-                if name not in file.variables:
-                    raise InputError(f"{path}: it has no variable {name}; is it another file?")
             values = {name: file.variables[name][...] for name in names}
             return values, {name: file.getncattr(name) for name in file.ncattrs()}
 
@@ -218,14 +204,10 @@ def content_of(path: Path, remedy: str = "make it again"):
             raise
         raise InputError(f"{path}: {error}") from None
     except Exception as error:
-        words = " ".join(str(error).split())[:200]
-        if isinstance(error, Changed) or words.startswith(("NetCDF", "[Errno -")):
-            raise InputError(
-                f"{path}: its content is not what was written ({words}); {remedy}."
-            ) from None
-        if isinstance(error, OSError):  # of another file
+        if isinstance(error, OSError) and (error.errno or 0) > 0:  # of another file
             raise
+        words = " ".join(str(error).split())[:200]
         raise InputError(
-            f"{path}: its content cannot be used ({type(error).__name__}: {words}); "
-            "is it another file?"
+            f"{path}: its content cannot be used ({type(error).__name__}: {words}); it is cut off, "
+            f"damaged or another file: {remedy}."
         ) from error

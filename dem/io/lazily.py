@@ -7,21 +7,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dem.base.errors import InputError
-from dem.io.checksums import is_sealed
 from dem.io.dataset import content_of
 
 if TYPE_CHECKING:  # half a second to load, which what only writes files need not wait for
     import xarray as xr
 
-CHECKED = 64_000_000  # bytes of a file that are all read to check it
+SMALL = 64_000_000  # bytes of a file whose variables are read in one piece
 
 
 def open_results(path: str | Path) -> xr.Dataset:
     """Open a file of results, such as drag.nc, of any size.
 
-    A file of up to 64 MB either matches its checksum or was written by you. In a larger one each
-    variable is checked as it is read, by the sums of its format, and is a Dask array in the pieces
-    of the file, so that what you compute of it takes little memory.
+    Each variable is checked as it is read, by the checksums of its format. In a file of more than
+    64 MB it is a Dask array in the pieces of the file, so that what you compute of it takes little
+    memory.
 
     Parameters
     ----------
@@ -51,17 +50,14 @@ def open_results(path: str | Path) -> xr.Dataset:
     if not Path(path).is_file():
         raise InputError(f"{path}: there is no such file.")
     with content_of(path):
-        if small := Path(path).stat().st_size <= CHECKED:
-            is_sealed(path)
+        chunks = None if Path(path).stat().st_size <= SMALL else {}
         try:
-            return xr.open_dataset(path, engine="netcdf4", chunks=None if small else {})
+            return xr.open_dataset(path, engine="netcdf4", chunks=chunks)
         except (OSError, ValueError, RuntimeError):
-            why = "it is cut off, damaged or another file: make it again, or copy it again"
-            if Path(path).suffix in (".yaml", ".yml"):
-                why = (
-                    f"it is a configuration: make its results with dem sweep {path}, and name those"
-                )
-            raise InputError(f"{path}: it is not a readable netCDF file; {why}.") from None
+            raise InputError(
+                f"{path}: it is not a readable netCDF file; it is cut off, damaged or another file: "
+                "make it again, or copy it again."
+            ) from None
 
 
 @contextmanager

@@ -4,7 +4,7 @@ import sys
 import time
 from contextlib import contextmanager
 
-from dem.base.messages import printable, say
+from dem.base.messages import say
 
 EVERY = 30.0  # s between two lines of a log
 
@@ -25,17 +25,16 @@ def bar(label: str, total: float | None = None):
         with Progress(
             *columns, console=Console(stderr=True), transient=True, **streams
         ) as progress:
-            task = progress.add_task(printable(label), total=total)
+            task = progress.add_task(label, total=total)
             yield lambda done, label=None: progress.update(task, completed=done, description=label)
         return
-    begun = last = time.monotonic()
+    last = time.monotonic()
 
     def update(done: float, label: str = label) -> None:
         nonlocal last
         if time.monotonic() - last >= EVERY:
             last = time.monotonic()
-            left = f", about {span((last - begun) * (total / done - 1.0))} left" if done else ""
-            say(f"{label}: {done / total:.0%} done{left}")
+            say(f"{label}: {done / total:.0%} done")
 
     yield update
 

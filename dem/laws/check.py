@@ -160,5 +160,5 @@ def _faults(law, share, *radii):
     if (most := (push / (steep * OVERLAP)).max()) > law.bulk * (1.0 + SAME):
         yield f"bulk is {law.bulk:g}; force over slope and overlap reaches {most:g}."
     deepest = impact_overlap(law, modulus, ALIKE[-1], MASS, SPEED)
-    if not np.isclose(_at(law, *ALIKE)(deepest)[2], 0.5 * MASS * SPEED**2, 0.3):
+    if not np.isclose(_at(law, *ALIKE)(deepest)[2], 0.5 * MASS * SPEED**2, SAME):
         yield f"impact_overlap is {deepest:g} m, where energy is not that of the impact."

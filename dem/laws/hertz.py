@@ -27,6 +27,7 @@ class Hertz(NamedTuple):
     power = 1.5
     bulk = 2.0 / 3.0
     dashpot = math.sqrt(5.0)
+    margin = 1.0
 
     def modulus(self, young: float, thickness: float) -> float:
         """E* (Pa)."""

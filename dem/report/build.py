@@ -11,7 +11,7 @@ from PIL import Image
 from dem.analysis.tables import ROWS, number
 from dem.base.errors import InputError
 from dem.base.files import atomic
-from dem.io.lazily import open_lazily, require
+from dem.io.lazily import open_lazily
 from dem.report.info import LEGEND, drag_table, means_table
 
 ORIGIN = ("title", "versions", "git_revision", "references")
@@ -25,9 +25,8 @@ def build(drag: Path, output: Path) -> None:
     """
     folder = Path(drag).parent
     with open_lazily(drag) as dataset:
-        require(dataset, drag, {}, ("run_id",), ORIGIN)
         has_drag = "drag" in dataset.variables
-        table = drag_table(dataset) if has_drag else means_table(drag, dataset)
+        table = drag_table(dataset) if has_drag else means_table(dataset)
         parts = {name: dataset.attrs[name] for name in ORIGIN}
         exists = dataset["run_id"] != ""
         if "failure" in dataset:

@@ -15,14 +15,13 @@ from dem.analysis.tables import TextTable
 from dem.analysis.values import designs_of, value_of
 from dem.base.errors import InputError
 from dem.io.dataset import LABELS
-from dem.io.lazily import open_lazily, require, require_drag
+from dem.io.lazily import open_lazily, require_drag
 from dem.sweep.axis import seed_words
 
 LEGEND = """\
 mean: of the drag within the window; ±: half its 95 % interval by Student's t over the runs;
 over run and between runs: standard deviations, divided by the mean; overlap: the greatest,
 divided by the smaller granule radius"""
-ORIGIN = ("title", "history", "git_revision", "source_hash", "versions")
 VARIED = 4  # values more that runs of a file differ in, at most
 MEANS = 5  # quantities of a file without drag that are shown
 
@@ -33,13 +32,11 @@ def summary(path: Path) -> Group:
     with open_lazily(path) as dataset:
         if "run_id" not in dataset:
             raise InputError(f"{path}: it holds no runs; name drag.nc or a file of runs.")
-        require(dataset, path, {}, (), ORIGIN)
         if dataset["run_id"].dims == ("run",):
             return _shown(dataset.attrs, {}, runs_table(path, dataset))
         if "drag" not in dataset:
-            return _shown(dataset.attrs, _runs_of(dataset), means_table(path, dataset))
+            return _shown(dataset.attrs, _runs_of(dataset), means_table(dataset))
         require_drag(dataset, path)
-        require(dataset, path, {}, (), ("configuration",))
         speed = value_of(dataset, "cylinder.velocity")
         speeds = " to ".join(f"{end:g}" for end in np.unique([speed.min(), speed.max()]))
         window = f"{window_text(dataset)} of displacement, cylinder at {speeds} m/s"
@@ -80,9 +77,9 @@ def drag_table(dataset: xr.Dataset) -> pd.DataFrame:
     return brief(xr.Dataset(columns).drop_vars("seed", errors="ignore"))
 
 
-def means_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
+def means_table(dataset: xr.Dataset) -> pd.DataFrame:
     """Means of the first quantities of a combined file without drag, with half their intervals."""
-    return brief(means_of(dataset, path, quantities_of(dataset)[:MEANS]))
+    return brief(means_of(dataset, quantities_of(dataset)[:MEANS]))
 
 
 def brief(result: xr.Dataset) -> pd.DataFrame:
@@ -105,7 +102,7 @@ def runs_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
     values = values[["shape", "density", "seed", *varied[:VARIED]]]
     if record := replicate_of(path, dataset, 0).configuration.record:
         dataset = dataset.assign_attrs(dict(zip(WINDOW, record.window, strict=True)))
-    result = run_means(dataset, path, quantities_of(dataset)[:MEANS]).isel(seed=0)
+    result = run_means(dataset, quantities_of(dataset)[:MEANS]).isel(seed=0)
     for quantity in result.values():
         values[heading(quantity)] = quantity.values
     values["failed"] = dataset["failure_reason"].str.slice(0, 60).values

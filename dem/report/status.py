@@ -9,7 +9,6 @@ from rich.console import Group
 from rich.text import Text
 
 from dem.analysis.tables import TextTable
-from dem.base.errors import InputError
 from dem.base.statistics import moments
 from dem.io.progress import span
 from dem.sweep.axis import POINT
@@ -30,8 +29,6 @@ def status(state: SweepState) -> Group:
     for name in state.sweep.blocks:
         block = state.block(name)
         numbers = numbers_of(block.first.configuration)
-        if not numbers:
-            raise InputError(f"runs of {name} record no number, whose mean could be known.")
         of = "drag" if "drag" in numbers else numbers[0]
         until = block.until or Until(until=USUAL, of=of)
         results, states = state.means(block, until.variable, kept=True), {}

@@ -15,11 +15,11 @@ from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
 from dem.base.types import SEEDS, Coefficient, Label, Number, Section, parsed, written
 from dem.experiment.config import HERTZ, Configuration, Entry, entries
-from dem.experiment.observables import OBSERVABLES, variables_of
+from dem.experiment.observables import OBSERVABLES
 from dem.experiment.sections import RunSection
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
 from dem.sweep import design
-from dem.sweep.precision import MOST_RUNS, Until
+from dem.sweep.precision import Until
 
 RUN_KEYS = tuple(RunSection.model_fields)  # of a run, beside the values of its configuration
 RUNS = {
@@ -106,7 +106,8 @@ def name_of(path: str) -> str:
     """The name of a value in files of results, with a suffix if what runs record has that name."""
     name = path.replace(".", "_")
     taken = {"run", "bound", "snapshot", "granule", "shear_strain", *OBSERVABLES}
-    for table in (AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP, *map(variables_of, OBSERVABLES)):
+    measured = (header["VARIABLES"] for header in OBSERVABLES.values())
+    for table in (AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP, *measured):
         taken |= set(table)
     return f"{name}_swept" if name in taken else name
 
@@ -117,16 +118,13 @@ def changes(values, sweep: Configuration, where: str) -> dict:
         raise InputError(f"{where} is {written(values)}; it must be values by path.")
     changed = {}
     for path, value in values.items():
-        key = f"{where}.{path}"
-        if path in RUN_KEYS:  # of the run: as an axis of this one value
-            changed[path] = axis_of(path, [value], sweep, where).coordinate[0]
-            continue
         _check_known(path, [*sweep.entries, *RUN_KEYS], where)
-        if isinstance(value, dict) and set(value) != {"times"}:
-            changed[path] = _derived(path, value, sweep, key)
+        key, entry = f"{where}.{path}", RUNS.get(path) or sweep.entries[path]
+        if path == "packing.fraction" and isinstance(value, dict) and "derive" in value:
+            changed[path] = _derived(value, sweep, key)
         else:
-            spec = [value] if isinstance(value, list) else value
-            changed[path] = _values(spec, sweep.entries[path], sweep, key)[0]
+            spec = value if isinstance(value, dict) else [value]
+            changed[path] = _values(spec, entry, sweep, key)[0]
     return changed
 
 
@@ -137,10 +135,8 @@ def _check_known(path, paths, where: str) -> None:
         )
 
 
-def _derived(path: str, spec: dict, sweep: Configuration, key: str) -> Derive:
-    """How a value follows from another result."""
-    if path != "packing.fraction":
-        raise InputError(f"{key} cannot be derived, only packing.fraction.")
+def _derived(spec: dict, sweep: Configuration, key: str) -> Derive:
+    """How a packing fraction follows from another result."""
     derived = parsed(Derive, spec, key)
     if derived.derive == "equal_load" and derived.friction:
         raise InputError(
@@ -171,13 +167,11 @@ def changes_of_words(configuration: Configuration, words: list[str]) -> dict:
     return changes(texts, configuration, "values")
 
 
-def is_written(value, text: str, tolerance: float = 5e-5) -> bool:
-    """Whether a value is what a text says; a real number also as tables print it, with five digits.
-
-    tolerance: of real numbers, relative to their size.
-    """
+def is_written(value, text: str) -> bool:
+    """Whether a value is what a text says; a real number also as tables print it, with five
+    digits."""
     try:
-        return math.isclose(value, float(text), rel_tol=tolerance * isinstance(value, float))
+        return math.isclose(value, float(text), rel_tol=5e-5 * isinstance(value, float))
     except (TypeError, ValueError):
         return text in (str(value), str(value).lower())  # files have true and none
 
@@ -217,11 +211,10 @@ def seeds_of(words: str, key: str) -> list[int]:
     for part in words.split(","):
         ends = re.fullmatch(r"\s*(\d{1,20})(?:\s+to\s+(\d{1,20}))?\s*", part)
         first, last = (int(ends[1]), int(ends[2] or ends[1])) if ends else (1, 0)
-        if not first <= last < SEEDS or last - first >= MOST_RUNS - len(seeds):
+        if not first <= last < SEEDS:
             raise InputError(
                 f"{key} is {written(words)}; it must be a list of whole numbers, or words such as 1 "
-                f"to 100, 205: each part from less to more, below {SEEDS}, and at most "
-                f"{MOST_RUNS:,} seeds in all."
+                f"to 100, 205: each part from less to more, below {SEEDS}."
             )
         seeds += range(first, last + 1)
     return seeds

@@ -11,17 +11,15 @@ from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
-from filelock import FileLock
 
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
-from dem.base.sources import PACKAGE, cache_folder, digest, run_codes, with_imports
-from dem.experiment.bed import make_bed, periods
+from dem.base.sources import PACKAGE, run_codes
+from dem.experiment.bed import make_bed
 from dem.experiment.run import Replicate
-from dem.experiment.warmup import compile_kernels
 from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, write
 from dem.packing.random import Bed
-from dem.sweep.grouping import kernel_key
+from dem.periodic import periods_of
 from dem.sweep.store import Store
 
 
@@ -39,8 +37,6 @@ def make(store: Store, batch: str, progress=lambda done, failed: None) -> Path:
     for replicate in replicates:
         with store.locked(store.run_of(replicate.id, ".lock")):
             if (row := _stored(store, replicate)) is None:
-                with suppress(Exception):  # the run fails too, with its own words
-                    _compile(replicate)
                 done = len(rows)
                 row = _row(store, replicate, lambda s, d=done, f=failed: progress(d + s, f))
         rows.append(row)
@@ -52,22 +48,13 @@ def make(store: Store, batch: str, progress=lambda done, failed: None) -> Path:
     return path
 
 
-def _compile(replicate: Replicate) -> None:
-    """Compile the kernels of a run once for all processes of this machine."""
-    key = digest(kernel_key(replicate), provenance.compilers(), provenance.processor())
-    mark = cache_folder() / "kernels" / key
-    if not mark.exists():
-        mark.parent.mkdir(parents=True, exist_ok=True)
-        with FileLock(mark.with_suffix(".lock")):
-            compile_kernels(replicate)  # which others may have done meanwhile
-            mark.touch()
-
-
 def _stored(store: Store, replicate: Replicate) -> dict | None:
     """The values of a run that is finished, or that is in another batch and did not fail there."""
     if (row := store.kept(replicate.id)) is None:
         with suppress(InputError):  # of a damaged batch of another sweep
-            row = store.rows([replicate.id], *recorded(replicate)).get(replicate.id)
+            row = store.rows([replicate.id], *replicate.configuration.module.layout).get(
+                replicate.id
+            )
             return None if row is None or row["failure"] else row
     return row
 
@@ -77,11 +64,6 @@ def _rows_of(store: Store, batch: str, *names: str) -> dict[str, dict]:
     with suppress(InputError):
         return store.rows_of(batch, *names)
     return {}
-
-
-def recorded(replicate: Replicate) -> dict:
-    """The variables that a run gives, as in dem.io.dataset."""
-    return replicate.configuration.module.layout
 
 
 def _row(store: Store, replicate: Replicate, progress) -> dict:
@@ -112,15 +94,13 @@ def _place(error: BaseException, replicate: Replicate) -> str | None:
 
     None where the error is not the run's.
     """
-    plugins = [file for file in replicate.files if not file.is_relative_to(PACKAGE)]
-    files = {file for plugin in plugins for file in with_imports(plugin)}
-    last = {}  # by whether it is in a file of the user
-    for frame, line in traceback.walk_tb(error.__traceback__):
-        file = Path(frame.f_code.co_filename)
-        last[file in files] = f"{file.name}, line {line}"
-    if isinstance(error, InputError) or not plugins:
-        return last.get(True)
-    return last.get(True, last[False])
+    folders = {file.parent for file in replicate.files if not file.is_relative_to(PACKAGE)}
+    frames = traceback.extract_tb(error.__traceback__)
+    of_user = [frame for frame in frames if Path(frame.filename).parent in folders]
+    if not of_user and (isinstance(error, InputError) or not folders):
+        return None
+    last = (of_user or frames)[-1]
+    return f"{Path(last.filename).name}, line {last.lineno}"
 
 
 def _run(store: Store, replicate: Replicate, progress) -> dict:
@@ -129,7 +109,8 @@ def _run(store: Store, replicate: Replicate, progress) -> dict:
         return experiment.run(replicate)
     stored = store.bed(replicate, make_bed)
     values = {name: array if np.ndim(array) else float(array) for name, array in stored.items()}
-    bed = Bed(**values, periodic=periods(replicate, values["height"]))
+    sides = replicate.configuration.periodic
+    bed = Bed(**values, periodic=periods_of(values["width"], values["height"], sides))
     checkpoint = store.run_of(replicate.id, ".checkpoint.npz")
     return experiment.run(replicate, bed, progress, checkpoint=checkpoint)
 
@@ -163,10 +144,11 @@ def write_batch(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
         for run, row in zip(replicates, rows, strict=True)
     ]
     values |= {name: np.array([column[name] for column in columns]) for name in columns[0]}
+    ran = [{k: v for k, v in run.values().items() if k != "beside"} for run in replicates]
     attrs = global_attributes(
         f"{len(rows)} runs of the experiment {first.configuration.experiment}",
         "dem batch",
-        values=json.dumps([replicate.values(beside=False) for replicate in replicates]),
+        values=json.dumps(ran),
         source_hash=first.source_hash,
         code=json.dumps(run_codes(*first.files)),
         versions=provenance.versions(),
@@ -185,7 +167,7 @@ def write_one(path: Path, replicate: Replicate, values: dict) -> None:
 def retry(store: Store, batch: str, replicates: list[Replicate]) -> int:
     """Mark the failed runs of a batch to be made again, and return how many there are."""
     path = store.file_of(batch)
-    rows = _rows_of(store, batch, *recorded(replicates[0])) or {
+    rows = _rows_of(store, batch, *replicates[0].configuration.module.layout) or {
         run.id: row for run in replicates if (row := store.kept(run.id))
     }
     failed = [run for run, row in rows.items() if row["failure"]]

@@ -11,7 +11,7 @@ from dem.base.errors import InputError, RunError
 from dem.base.provenance import compilers
 from dem.base.sources import PACKAGE, run_hash, with_imports
 from dem.sweep.store import Store
-from dem.sweep.workers import ONE_RUN, Workers, is_seen, make_batch, task_of
+from dem.sweep.workers import Workers, is_seen, make_batch, task_of
 
 CONNECT = 5.0  # s that a scheduler may take to answer
 
@@ -24,7 +24,7 @@ def installed() -> str:
 class Cluster(Workers):
     """The workers of a Dask client, which stays the caller's.
 
-    Raises InputError where a worker has other code or packages, or more than one thread.
+    Raises InputError where a worker has other code or packages.
     """
 
     def __init__(self, client):
@@ -33,8 +33,6 @@ class Cluster(Workers):
         # pure: a batch that failed would fail at once again
         super().__init__(client.get_executor(pure=False))
         self.client, self.killed, self.uploaded = client, (KilledWorker,), set()
-        if max(client.nthreads().values(), default=1) > 1:
-            raise InputError(f"workers of {client.scheduler.address} have threads; {ONE_RUN}")
         for worker, answer in client.run(installed, on_error="return").items():
             if answer != installed():
                 raise InputError(

@@ -8,7 +8,7 @@ granule stays in the batches, but for the beds of snapshots.nc.
 import json
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from functools import reduce
 from itertools import groupby
 from pathlib import Path
@@ -18,7 +18,7 @@ import netCDF4
 import numpy as np
 
 from dem.base.errors import InputError, RunError
-from dem.base.sources import ROOT, code_hash, codes, digest, files_of
+from dem.base.messages import say
 from dem.io.dataset import (
     LABELS,
     OF_STORE,
@@ -43,7 +43,6 @@ BLOCK = 64  # runs along the last axis that are compressed and read together, at
 CHUNK = 4_000_000  # bytes that are, at most: netCDF buffers several of these
 BEDS = "snapshots"  # the observable whose file has values for every granule, of the first seeds
 REASONS = 5  # of failed runs that a file tells, at most
-RECIPE = "combined_by"  # attribute: hash of the code and the values by which runs were combined
 
 
 def combine(
@@ -53,13 +52,11 @@ def combine(
     observable: str,
     output: Path,
     progress=lambda done: None,
-    recipe: str = "",
     partial: bool = False,
 ) -> None:
     """Write what an observable gave for all runs of a block.
 
     paths:   files of batches in any order; runs of other sweeps in them are left out
-    recipe:  hash of the code and the values by which they are combined
     partial: what no file holds is a gap, and the attribute `partial` says how many runs there are
 
     The file is written atomically and without loss. Where the sweep allows failures, those are gaps
@@ -118,7 +115,7 @@ def combine(
         if left:
             total = len(block.points)
             merged["partial"] = f"{total - len(left)} of {total} runs"
-        file.setncatts(about(sweep, block, merged) | {RECIPE: recipe})
+        file.setncatts(about(sweep, block, merged))
 
 
 def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
@@ -243,7 +240,7 @@ def about(sweep: Sweep, block: Block, provenance: dict) -> dict:
         values = {
             run.at(path)
             for run in block.runs.values()
-            if groups[:1] != ["shapes"] or groups[1] in run.configuration.parts_named(run.label)
+            if groups[:1] != ["shapes"] or groups[1] in run.configuration.shapes
         }
         if len(values) == 1 and path not in RUN_KEYS:
             (value,) = values
@@ -255,24 +252,13 @@ def about(sweep: Sweep, block: Block, provenance: dict) -> dict:
     )
 
 
-def read_combined(path: Path) -> tuple[str, tuple[str, ...]]:
-    """The recipe of a combined file and the identities of its runs, empty where none can be read."""
+def combined_runs(path: Path) -> set[str]:
+    """Identities of the runs of a combined file, none where they cannot be read."""
     try:
         with netCDF4.Dataset(path) as file:
-            ids = file.variables["run_id"][...].ravel().tolist()
-            return str(getattr(file, RECIPE, "")), tuple(filter(None, map(str, ids)))
+            return set(map(str, file.variables["run_id"][...].ravel().tolist())) - {""}
     except Exception:  # damage makes the library raise many errors; nothing good is lost
-        return "", ()
-
-
-def lost_runs(path: Path, held: Iterable[str], runs: Iterable[str]) -> list[str]:
-    """A sentence where a combined file held runs that its sweep has no longer."""
-    if not (lost := set(held).difference(runs)):
-        return []
-    return [
-        f"{path}: {len(lost)} of the {len(set(held))} runs that it held are no longer in this sweep, "
-        "because its values or the code changed; the store keeps them until dem store --prune."
-    ]
+        return set()
 
 
 def combine_block(
@@ -283,8 +269,7 @@ def combine_block(
     progress=lambda done: None,
     partial: bool = False,
 ) -> None:
-    """Write what an observable gave for all runs of a block of a SweepState, unless the file is up
-    to date.
+    """Write what an observable gave for all runs of a block of a SweepState.
 
     partial: for those runs that exist. Raises InputError for an observable that the runs lack,
     RunError where a precision means nothing.
@@ -292,28 +277,15 @@ def combine_block(
     known = state.observables(name)
     if observable not in known:
         raise InputError(f"observable is {observable!r}; runs of {name} have {', '.join(known)}.")
-    if partial:
-        whole = [path.resolve() for other in state.sweep.blocks for path in state.combined(other)]
-        if output.resolve() in whole:
-            raise InputError(
-                f"output is {str(output)!r}, where the whole of the sweep will be; name another "
-                "file for a part."
-            )
     block = state.block(name)
     if block.until and not partial and observable == known[0]:
-        state.notes += short_of(block, state.values(block))
+        for sentence in short_of(block, state.values(block)):
+            say(sentence)
     if observable == BEDS:
         block = block.first_seeds()
-    sources = files_of(("dem/sweep/combine.py", "dem/io/dataset.py"), ROOT)
-    recipe = digest(code_hash(codes(sources)), state.text(name), observable)
     runs = block.points.keys()
     batches = [batch for batch in state.batches(name) if not runs.isdisjoint(batch.runs)]
     files = [state.store.file_of(batch.id) for batch in batches]
-    before, held = read_combined(output)
-    if before == recipe and not partial and {*held} == runs:
-        written = output.stat().st_mtime_ns
-        if all(file.stat().st_mtime_ns <= written for file in files):
-            return  # so that what is drawn from it is not drawn again
     with TemporaryDirectory() as folder:
         if partial:
             files = list(_existing(state.store, block, batches, Path(folder)))
@@ -321,9 +293,7 @@ def combine_block(
                 raise InputError(
                     f"no run of {name} is finished yet; dem status shows how far the sweep is."
                 )
-        combine(files, state.sweep, block, observable, output, progress, recipe, partial)
-    if output == state.combined(name)[0] and state.sweep.needed(name):
-        state.notes += lost_runs(output, held, block.points)
+        combine(files, state.sweep, block, observable, output, progress, partial)
 
 
 def _existing(store: Store, block: Block, batches: list[Batch], folder: Path) -> Iterator[Path]:

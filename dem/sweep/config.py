@@ -1,9 +1,7 @@
 """A whole configuration file: the values of a run, and what is varied."""
 
-import os
-from contextlib import suppress
+import sys
 from functools import cached_property
-from importlib.metadata import files as installed_files
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -21,10 +19,8 @@ from dem.base.yaml_file import read
 from dem.experiment.config import Configuration, model_of
 from dem.sweep.expand import Block, expand
 
-DISTRIBUTION = "granular-drag"
 FOLDERS = ("store", "figures", "logs", "rounds")  # of results
 CONFIG = "config.yaml"  # of results, as resolved
-LONGEST_CHAIN = 20  # files that extend one another
 
 # systems take 255 characters for a name, some 260 for a whole path
 Folder = Annotated[
@@ -34,13 +30,6 @@ Folder = Annotated[
         "be results or a folder below it, such as results/mine, but not that of the store, "
         "named by letters from A to Z, digits, ., _ and -, at most 200 in all",
         lambda name: "store" not in name.split("/"),
-    ),
-]
-FileName = Annotated[
-    str,
-    must(
-        "be the name of a file",
-        lambda name: name.isprintable() and max(map(len, name.split("/"))) <= 255,
     ),
 ]
 Blocks = Annotated[dict[Label, dict[Any, Any]], Field(min_length=1)]
@@ -75,30 +64,19 @@ class Sweep(Configuration):
 
     @model_validator(mode="after")
     def _check_cases(self):
-        seen = {}
         for label, case in self.cases.items():
             if case.shape not in self.shapes:
                 raise ValueError(
                     f"cases.{label}.shape is {case.shape!r}, which is not one of shapes"
                     f"{did_you_mean(case.shape, self.shapes)}"
                 )
-            twin = seen.setdefault((case.shape, case.density), label)
-            if twin != label:
-                raise ValueError(f"cases.{label} repeats cases.{twin}")
         return self
 
     def check(self) -> None:
         """Raise InputError where a block asks for what cannot be."""
         for name in self.blocks:
-            needed = self.needed(name)
+            self.needed(name)
             self.block(name)
-            for other in needed:
-                kind = self.block(other).first.configuration.experiment
-                if kind != "jamming":
-                    raise InputError(
-                        f"sweep.blocks.{name}.needs is {other!r}, a block of the experiment {kind}; "
-                        "it must be a block of the experiment jamming, whose results give values."
-                    )
 
     @cached_property
     def blocks(self) -> dict[str, dict]:
@@ -177,7 +155,7 @@ def parse(data, source: str = "configuration") -> Sweep:
     return sweep
 
 
-def extended(data, source: str, depth: int = 0):
+def extended(data, source: str):
     """A file's content merged over the file that it extends; raises InputError."""
     folder = Path(source.partition(", ")[0]).parent  # of the first, where Snakemake names several
     data = with_discs(with_folder(data, folder), source, folder)
@@ -185,20 +163,12 @@ def extended(data, source: str, depth: int = 0):
         data = {key: value for key, value in data.items() if not str(key).startswith("x-")}
     if not isinstance(data, dict) or "extends" not in data:
         return data
-    name = parsed(FileName, data["extends"], "extends", source)
-    changes = {key: value for key, value in data.items() if key != "extends"}
-    if depth >= LONGEST_CHAIN:
+    base = find_file(parsed(str, data.pop("extends"), "extends", source), folder)
+    if "results" not in data:
         raise InputError(
-            f"{source}: extends is {name!r}; {LONGEST_CHAIN} files extend each other already, "
-            "write fewer."
+            f"{source}: results is missing; a file that extends another needs a folder of its own."
         )
-    if "results" not in changes:
-        raise InputError(
-            f"{source}: results is missing{did_you_mean('results', changes, '')}; a file that extends "
-            "another needs a folder of its own."
-        )
-    base = find_file(name, folder)
-    return merged(extended(read(base), str(base), depth + 1), changes)
+    return merged(extended(read(base), str(base)), data)
 
 
 def with_discs(data, source: str, folder: Path):
@@ -232,13 +202,8 @@ def merged(base: dict, changes: dict, top: bool = True) -> dict:
 
 def find_file(name: str | Path, beside: Path = Path()) -> Path:
     """The file of that name: in the working folder, beside another, in the checkout, or of the package."""
-    choices = [folder / name for folder in (Path(), beside, ROOT)]
-    choices += [
-        Path(file.locate())
-        for file in installed_files(DISTRIBUTION) or ()
-        if file.as_posix().endswith(f"share/{DISTRIBUTION}/{name}")
-    ]
-    return next((path for path in choices if path.is_file()), choices[0])
+    folders = Path(), beside, ROOT, Path(sys.prefix, "share/granular-drag")
+    return next((folder / name for folder in folders if (folder / name).is_file()), Path(name))
 
 
 def load(path: Path) -> Sweep:
@@ -248,32 +213,6 @@ def load(path: Path) -> Sweep:
     return parse(read(path), str(path))
 
 
-FROM = "# resolved from "
-
-
-def file_of(sweep: Sweep, path: Path) -> str:
-    """The file that a sweep is known by, as it is seen from the working folder, which may be moved.
-
-    Of the resolved configuration in the sweep's own folder it is the one that this was made from.
-    """
-    path = Path(path).resolve()
-    if path == (Path(sweep.results) / CONFIG).resolve():
-        return origin_of(path)
-    try:
-        return Path(os.path.relpath(path, os.path.realpath(Path.cwd()))).as_posix()
-    except ValueError:  # another drive of Windows
-        return path.as_posix()
-
-
-def origin_of(path: Path) -> str:
-    """The file that a resolved configuration was made from; empty where none is named."""
-    with suppress(OSError, UnicodeDecodeError), path.open(encoding="utf-8") as file:
-        first, name = file.readline().rstrip("\n").partition(FROM)[::2]
-        return "" if first else name
-    return ""
-
-
-def save(sweep: Sweep, path: Path, file: str = "") -> None:
-    """Write the resolved configuration, which `load` reads again. file: that of the sweep."""
-    head = f"{FROM}{file}\n" if file.isprintable() and file else ""
-    write_changed(Path(path), head + yaml.safe_dump(sweep.dump(), sort_keys=False))
+def save(sweep: Sweep, path: Path) -> None:
+    """Write the resolved configuration, which `load` reads again."""
+    write_changed(Path(path), yaml.safe_dump(sweep.dump(), sort_keys=False))

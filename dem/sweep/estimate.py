@@ -11,7 +11,6 @@ from math import pi
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.files import is_full
 from dem.base.provenance import versions
 from dem.base.sources import run_codes
 from dem.experiment.config import of_values
@@ -28,8 +27,6 @@ ITERATED = 6e-7  # the same of shapes whose contacts are found by iteration, as 
 DAMPED = 30.0  # by how much damping bounds the step, over how much stiffness does, a damping ratio
 NEWEST = 100  # batches of the store that are read
 SAMPLE = 200  # runs to be made that are compared with them
-REASONS = 10  # that are listed
-FEW = 3  # names of files in a sentence
 
 
 def summary(state: SweepState, jobs: int, retry: bool = False) -> str:
@@ -55,7 +52,7 @@ def summary(state: SweepState, jobs: int, retry: bool = False) -> str:
         if block.until:
             least, most = sum(block.counts.values()), len(block.counts) * block.until.most
             lines.append(f"  {block.until.words()} takes {least:,} to {most:,} runs.")
-        why = reasons(state.store, new).most_common(REASONS)
+        why = reasons(state.store, new).most_common()
         lines += [f"  {count} because {reason}." for reason, count in why]
         coming += new
     if coming:
@@ -121,8 +118,7 @@ def reasons(store: Store, runs: Iterable[Replicate]) -> Counter:
             continue
         then, now = json.loads(attrs["code"]), run_codes(*run.files)
         if names := sorted(name for name in now | then if now.get(name) != then.get(name)):
-            more = f" and {len(names) - FEW} more" if len(names) > FEW else ""
-            words[f"the code has changed since it was made: {', '.join(names[:FEW])}{more}"] += 1
+            words[f"the code has changed since it was made: {', '.join(names)}"] += 1
         else:
             words[f"it was made with {attrs['versions']}, which is now {versions()}"] += 1
     return words
@@ -147,8 +143,7 @@ def effort(run: Replicate) -> float:
 def interrupted(state: SweepState) -> str:
     """Message when a sweep is interrupted."""
     runs, total = state.counts()
-    full = "the disk is full; make room. " if is_full(state.results) else ""  # jobs cannot say it
-    return f"{full}{runs} of {total} runs are kept; run the same command to go on"
+    return f"{runs} of {total} runs are kept; run the same command to go on"
 
 
 def outcome(state: SweepState, new: int | None = None, draws: str = "dem figure all {}") -> str:
@@ -157,11 +152,8 @@ def outcome(state: SweepState, new: int | None = None, draws: str = "dem figure 
     new: how many of them were just made, None where that is unknown; draws: the command that draws
     a file of drag.
     """
-    first, failed = [state.combined(name)[0] for name in state.sweep.blocks], 0
-    if state.sweep.failures:
-        failed = sum(int((read(path, ("failure",))[0]["failure"] != 0).sum()) for path in first)
     counts = f"{state.counts()[1]} runs{'' if new is None else f', {new} of them new'}"
-    counts += f"; {failed} of them failed." if failed else "."
-    file = shlex.quote(str(first[0]))
-    draw = f" or {draws.format(file)}" if first[0].stem == "drag" else ""
-    return f"{state.results} holds {counts} Next: dem info {file}{draw}"
+    first = state.combined(next(iter(state.sweep.blocks)))[0]
+    file = shlex.quote(str(first))
+    draw = f" or {draws.format(file)}" if first.stem == "drag" else ""
+    return f"{state.results} holds {counts}. Next: dem info {file}{draw}"

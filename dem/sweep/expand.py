@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.experiment.box import check_room
 from dem.experiment.config import Configuration, Entry
 from dem.experiment.run import Replicate
 from dem.sweep.axis import RUN_KEYS, Axis, Derive, axis_of, changes, name_of
@@ -206,8 +205,9 @@ def expand(
         raise InputError(f"{where} has {most:,} runs; it must have at most {MOST_RUNS:,}.")
     grid = Block(name, axes, _runs(sweep, where, fixed, axes, derived, counts), fixed)
     first = grid.first.configuration
+    experiment = first.module
     names = [*grid.dims, *map(name_of, ways.keys() - {axis.entry.path for axis in axes})]
-    recorded = first.module.names
+    recorded = {*experiment.layout, *experiment.along, *experiment.sizes(grid.first)}
     if twice := [name for name in names if names.count(name) > 1 or name in recorded]:
         raise InputError(f"{where} gives files of results two things named {twice[0]}; rename one.")
     if grid.until:
@@ -223,7 +223,7 @@ def expand(
 
 def _runs(sweep, where, fixed, axes, derived, counts) -> dict[GridPoint, Replicate]:
     """The run at each point of the grid; runs that differ in seed alone share a configuration."""
-    configurations, seeds, runs = {}, {}, {}
+    configurations, runs = {}, {}
     seeded = next((at for at, axis in enumerate(axes) if axis.until), None)
     for point in product(*(range(len(axis.points)) for axis in axes)):
         if counts and point[seeded] >= counts[*point[:seeded], *point[seeded + 1 :]]:
@@ -237,11 +237,8 @@ def _runs(sweep, where, fixed, axes, derived, counts) -> dict[GridPoint, Replica
         key = shape, density, repr(values)
         if key not in configurations:
             configurations[key] = _resolved(sweep, shape, density, values, derived)
-        seeds.setdefault(key, []).append(seed)
-        runs[point] = Replicate(configurations[key], shape, density, seed)
-    for key, configuration in configurations.items():
         try:
-            check_room(configuration, key[0], *seeds[key])
+            runs[point] = configurations[key].replicate(shape, density, seed)
         except InputError as error:
             raise InputError(f"{where} asks for an impossible run: {error}") from None
     return runs

@@ -1,20 +1,13 @@
 """Which runs share a job.
 
-They have the same machine code and the same sizes of arrays, and those of one bed follow each other.
+They run the same files and give arrays of the same sizes, and those of one bed follow each other.
 """
 
 from collections.abc import Iterable
 from itertools import chain, zip_longest
 
-from dem.base.sources import digest, run_hash
 from dem.experiment.run import Replicate
 from dem.sweep.store import Batch, batch_id
-
-
-def kernel_key(replicate: Replicate) -> str:
-    """Hash of what selects the machine code of a run: code, with that of its shape and its law, and
-    some values."""
-    return digest(run_hash(*replicate.files[-2:]), replicate.variant)
 
 
 def plan_batches(
@@ -36,9 +29,9 @@ def plan_batches(
             for run in batch.runs:
                 left.pop(run, None)
     for replicate in left.values():
-        c = replicate.configuration
-        sizes = c.module.sizes(replicate).values()
-        key = c.experiment, c.observables, c.at("cylinder.stroke"), *sizes, kernel_key(replicate)
+        experiment = replicate.configuration.module
+        sizes = experiment.sizes(replicate)
+        key = replicate.files, *experiment.layout, *sizes.values()
         beds = groups.setdefault(key, {})
         beds.setdefault(replicate.bed_key(), []).append(replicate)
     parts = []

@@ -93,7 +93,7 @@ def run_sweep(path: str | Path, executor=None, block: str | None = None) -> xr.D
     if executor is None:
         for file in {file for run in state.replicates() for file in run.files}:
             plugins.load(file)  # what cannot be is said before anything is written
-    lock, _ = prepare(state.results, state.store.folder)
+    lock = prepare(state.results, state.store.folder)
     try:
         state.make(workers)
     finally:
@@ -153,8 +153,6 @@ def run_experiment(values: dict) -> xr.Dataset:
 
 def _whole(values: dict) -> dict:
     """Values merged over the file that they extend."""
-    if not isinstance(values, dict):
-        raise InputError(f"values is {values!r}; it must be a dict.")
     values = plugins.with_folder(values, Path())
     if "extends" not in values:
         return values

@@ -6,23 +6,20 @@ combined files name their runs.
 
 import os
 from collections.abc import Iterator
-from contextlib import nullcontext, suppress
 from pathlib import Path
 
 from dem.base.errors import InputError
-from dem.sweep.combine import read_combined
+from dem.sweep.combine import combined_runs
 from dem.sweep.config import CONFIG, FOLDERS
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 
-NOTHING = "So nothing was removed."
 
-
-def sweeps(store: Store, strict: bool = True) -> Iterator[tuple[Path, set[str], set[str]]]:
+def sweeps(store: Store) -> Iterator[tuple[Path, set[str], set[str]]]:
     """Folders of results beside a store: each with the runs, and the beds, that it needs.
 
     Raises InputError where that cannot be known: a configuration that cannot be read, or a folder
-    that is a link to what is away. strict: False for the runs of combined files alone there.
+    that is a link to what is away.
     """
     for name, folders, files in os.walk(store.folder.parent, followlinks=True):
         folder = Path(name)
@@ -33,12 +30,11 @@ def sweeps(store: Store, strict: bool = True) -> Iterator[tuple[Path, set[str], 
                     f"{path}: it is a link to what is not there; connect its disk, or delete the "
                     "link if you deleted the folder for good."
                 )
-        runs, beds = {run for path in folder.glob("*.nc") for run in read_combined(path)[1]}, set()
+        runs, beds = {run for path in folder.glob("*.nc") for run in combined_runs(path)}, set()
         if CONFIG in files:
-            with nullcontext() if strict else suppress(InputError):
-                state = SweepState.of(folder / CONFIG)
-                beds = {run.bed_id for run in state.replicates()}
-                runs |= state.runs()
+            state = SweepState.of(folder / CONFIG)
+            beds = {run.bed_id for run in state.replicates()}
+            runs |= state.runs()
         if runs:
             yield folder, runs, beds
 
@@ -46,7 +42,7 @@ def sweeps(store: Store, strict: bool = True) -> Iterator[tuple[Path, set[str], 
 def usage(store: Store) -> list[tuple[str, int]]:
     """Folders of results, each with how many of the stored runs it needs, and how many none needs."""
     stored = {run for batch in store.batches() for run in batch.runs}
-    needed = {str(folder): stored & runs for folder, runs, _ in sweeps(store, strict=False)}
+    needed = {str(folder): stored & runs for folder, runs, _ in sweeps(store)}
     counts = {folder: len(runs) for folder, runs in needed.items()}
     return [*counts.items(), ("no sweep", len(stored.difference(*needed.values())))]
 
@@ -59,17 +55,14 @@ def prune(store: Store) -> tuple[list[Path], int]:
     runs, beds = set(), set()
     # first, because a sweep that starts meanwhile writes its configuration before its plans
     files, known = list(store.files()), list(store.batches("*"))
-    try:
-        for _, some, some_beds in sweeps(store):
-            runs |= some
-            beds |= some_beds
-        if not runs and files:
-            raise InputError(
-                f"{store.folder.parent}: no sweep is here; start the sweeps again whose runs you "
-                f"want to keep, or delete the folder {store.folder} if you want none of them."
-            )
-    except InputError as error:
-        raise InputError(f"{error}\n{NOTHING}") from None
+    for _, some, some_beds in sweeps(store):
+        runs |= some
+        beds |= some_beds
+    if not runs and files:
+        raise InputError(
+            f"{store.folder.parent}: no sweep is here; start the sweeps again whose runs you "
+            f"want to keep, or delete the folder {store.folder} if you want none of them."
+        )
     used = (batch for batch in known if not batch.runs or runs.intersection(batch.runs))
     needed = runs.union(beds, (batch.id for batch in used))
     deleted, size = [], 0

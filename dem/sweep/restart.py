@@ -11,25 +11,18 @@ from filelock import FileLock, Timeout
 
 from dem.base.errors import RunError
 from dem.base.files import PART
+from dem.base.messages import say
 
 DAY = 86400.0  # s
 
 
-def prepare(folder: Path, store: Path) -> tuple[FileLock, list[str]]:
-    """Make a folder and its store ready; returns the lock that holds it, and sentences to show.
+def prepare(folder: Path, store: Path) -> FileLock:
+    """Make a folder and its store ready; returns the lock that holds it.
 
     The folder is held until the process ends, however it ends: no lock is left behind by a run that
     was killed. Raises RunError where another run works in it, OSError where it cannot be written.
     """
-    lock, count = hold(folder), clear_parts(folder) + clear_parts(store)
-    words = f"{folder}: {count} half-written files of killed processes are cleared away."
-    return lock, [words] if count else []
-
-
-def hold(folder: Path) -> FileLock:
-    """Hold a folder for this process; raises RunError where another does."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         lock = FileLock(folder / ".lock", timeout=0)
         lock.acquire()
     except Timeout:
@@ -37,6 +30,8 @@ def hold(folder: Path) -> FileLock:
             f"{folder}: another run works in this folder; wait for it or stop it, or name another folder "
             "as results in the configuration."
         ) from None
+    if count := clear_parts(folder) + clear_parts(store):
+        say(f"{folder}: {count} half-written files of killed processes are cleared away.")
     return lock
 
 

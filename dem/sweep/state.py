@@ -4,7 +4,6 @@ import json
 import math
 import os
 from collections.abc import Iterable, Iterator
-from contextlib import suppress
 from functools import cached_property
 from itertools import chain, takewhile
 from pathlib import Path
@@ -12,12 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.files import check_output
-from dem.base.yaml_file import read
 from dem.experiment.run import Replicate
 from dem.packing.cost import near_jamming
-from dem.sweep.combine import combine_block, lost_runs, read_combined
-from dem.sweep.config import CONFIG, Sweep, file_of, load, origin_of, parse, save
+from dem.sweep.combine import combine_block, combined_runs
+from dem.sweep.config import CONFIG, Sweep, load, parse, save
 from dem.sweep.expand import Block, expand
 from dem.sweep.grouping import plan_batches
 from dem.sweep.precision import GridPoint, counts, run_mean
@@ -44,17 +41,12 @@ class SweepState:
 
     sweep: the configuration
     store: where runs are
-    file:  what the sweep is known by; empty where it has none
     root:  folder that all paths of the sweep are in; the working folder if absent
-    notes: sentences to show in the end
     """
 
-    def __init__(
-        self, sweep: Sweep, store: Store | None = None, file: str = "", root: Path = Path()
-    ):
-        self.sweep, self.file, self.root = sweep, file, Path(root)
+    def __init__(self, sweep: Sweep, store: Store | None = None, root: Path = Path()):
+        self.sweep, self.root = sweep, Path(root)
         self.store = store or Store(self.root / FOLDER)
-        self.notes: list[str] = []
         self._rounds: dict[str, list[Block]] = {}  # of each block
         self._planned: dict[str, Batch] = {}  # those that hold the runs, by identity
         self._new: dict[Batch, list[Replicate]] = {}  # runs of batches whose plans are not written
@@ -67,16 +59,13 @@ class SweepState:
         resolved = f"{sweep.results}/{CONFIG}"
         if str(path).endswith(f"/{resolved}"):
             root = Path(str(path).removesuffix(resolved))
-        return cls(sweep, None, file_of(sweep, path), root)
+        return cls(sweep, root=root)
 
     @classmethod
     def of_values(cls, values: dict, files: list, root: str = "") -> "SweepState":
         """The sweep of the values that Snakemake has read of some files, and perhaps changed."""
-        names = [os.path.relpath(file) for file in files]
-        for name in names:
-            read(Path(name))  # refuses what Snakemake reads otherwise
-        sweep = parse(values, ", ".join(names) or "the configuration")
-        return cls(sweep, None, file_of(sweep, names[0]) if names else "", root)
+        names = ", ".join(map(os.path.relpath, files))
+        return cls(parse(values, names or "the configuration"), root=root)
 
     # Names of files
 
@@ -227,11 +216,11 @@ class SweepState:
         """Write what jobs read: the resolved configuration, whose path is returned, and what the
         batches of some blocks are to make."""
         path = self.results / CONFIG
-        save(self.sweep, path, self.file)  # first, so that pruning knows what is needed
+        save(self.sweep, path)  # first, so that pruning knows what is needed
         for name in names:
             self.batches(name)
         for batch, runs in self._new.items():
-            self.store.write_plan(batch, self.sweep.results, runs)
+            self.store.write_plan(batch, runs)
         self._new.clear()
         return str(path)
 
@@ -245,48 +234,38 @@ class SweepState:
     # All of it
 
     def check(self) -> list[str]:
-        """Raise InputError where a file that the sweep writes cannot be one, or where the folder
-        holds another sweep. Returns warnings: of a new store, of a cylinder that is too fast, and
-        of runs that will be gone."""
-        config, blocks = self.results / CONFIG, self.sweep.blocks
-        for path in (config, *(path for name in blocks for path in self.combined(name))):
-            with suppress(OSError):  # a dry run writes nothing; what does, says that it cannot
-                check_output("the file to write", path)
-        other = origin_of(config)
-        if other not in ("", self.file) and Path(other).exists():
-            raise InputError(
-                f"results is {self.sweep.results!r}, which has the results of {other}: name another "
-                f"folder in {self.file or 'the configuration'}, or move what is there away."
+        """Warnings: of a new store, of a cylinder that is too fast, of large beds near jamming, and
+        of runs that will be gone from combined files."""
+        warnings = [*self._fast_cylinder(), *slow_beds(self.replicates())]
+        if not self.store.folder.is_dir():
+            warnings.append(
+                f"{self.store.folder.absolute()}: this store of runs is new, and has none yet; "
+                "sweeps that are started in this folder share it."
             )
-        warnings = [*self._new_store(), *self._fast_cylinder(), *slow_beds(self.replicates())]
-        for name in blocks:
-            if not self.sweep.needed(name):
-                path = self.combined(name)[0]
-                warnings += lost_runs(path, read_combined(path)[1], self.block(name).points)
+        for name in self.sweep.blocks:
+            if self.sweep.needed(name):
+                continue  # values that follow from results may not be known
+            path = self.combined(name)[0]
+            held = combined_runs(path)
+            if lost := held - self.block(name).points.keys():
+                warnings.append(
+                    f"{path}: {len(lost)} of the {len(held)} runs that it held are no longer in "
+                    "this sweep, because its values or the code changed; the store keeps them "
+                    "until dem store --prune."
+                )
         return warnings
-
-    def _new_store(self) -> Iterator[str]:
-        """A warning where the sweep begins a store, because another folder has none of its runs."""
-        if self.store.is_there() or not self.file:
-            return
-        words = f"{self.store.folder.absolute()}: this store of runs is new, and has none yet"
-        for folder in Path(self.file).resolve().parents:
-            if (folder / FOLDER).is_dir():
-                yield f"{words}; to use the runs of {folder / FOLDER}, start in {folder}."
-                return
-        yield f"{words}; sweeps that are started in this folder share it."
 
     def _fast_cylinder(self) -> Iterator[str]:
         """A warning of the fastest run, where another unit was probably meant: mm/s for m/s, MPa
         for Pa."""
-        speeds = {}  # of the cylinder and of sound, by their ratio
+        speeds = [(0.0, 0.0, 0.0)]  # of the cylinder over that of sound, of both
         for run in self.replicates():
             c = run.configuration
             if c.experiment == "drag":
                 sound = math.sqrt(c.material.young_modulus / run.density)
-                speeds[c.cylinder.velocity / sound] = c.cylinder.velocity, sound
-        if (mach := max(speeds, default=0.0)) > FASTEST:
-            velocity, sound = speeds[mach]
+                speeds.append((c.cylinder.velocity / sound, c.cylinder.velocity, sound))
+        mach, velocity, sound = max(speeds)
+        if mach > FASTEST:
             yield (
                 f"Warning: cylinder.velocity is {velocity:g} m/s, {mach:.2g} of the velocity of "
                 f"sound in a granule, sqrt(material.young_modulus / density) = {sound:.4g} m/s; it "

@@ -6,32 +6,24 @@ runs/{xx}/{run}.npz     finished runs of batches that have not ended, and checkp
 beds/{xx}/{bed}.npz     beds, for all runs that share them, and checkpoints of those that are packed
 """
 
-import hashlib
 import json
-import os
-import re
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from filelock import FileLock
+from filelock import FileLock, Timeout
 
 from dem.base.errors import InputError
 from dem.base.files import atomic, write_changed
 from dem.base.provenance import compilers
+from dem.base.sources import digest
 from dem.experiment.config import of_values
 from dem.experiment.run import Replicate
-from dem.io.checksums import Changed, is_sealed, seal
-from dem.io.dataset import content_of, read
+from dem.io.dataset import read
 
 FOLDER = Path("results/store")
-NAMES = {  # of the files in each folder; others are not the store's
-    "batches": r"[0-9a-f]{16}\.(nc|json)",
-    "runs": r"[0-9a-f]{32}(\.checkpoint)?\.npz",
-    "beds": r"[0-9a-f]{32}(\.checkpoint)?\.npz",
-}
 
 
 class Batch(NamedTuple):
@@ -43,7 +35,7 @@ class Batch(NamedTuple):
 
 def batch_id(results: str, *runs: str) -> str:
     """Hash of run ids and folder of results, so that two sweeps at once write different files."""
-    return hashlib.sha256(" ".join((results, *runs)).encode()).hexdigest()[:16]
+    return digest(results, *runs)[:16]
 
 
 class Store:
@@ -65,23 +57,11 @@ class Store:
         """The file of a run that is in no batch yet."""
         return self.folder / "runs" / run[:2] / f"{run}{end}"
 
-    def is_there(self) -> bool:
-        """Whether there is a store; raises InputError where its folders are something else, such as
-        links to a disk that is away, because all runs would be made again."""
-        for folder in (self.folder, *(self.folder / name for name in NAMES)):
-            if os.path.lexists(folder) and not folder.is_dir():
-                raise InputError(
-                    f"{folder}: it is no folder; if it is a link, connect the disk that it leads "
-                    "to, else remove it."
-                )
-        return self.folder.is_dir()
-
     # Batches
 
     def batches(self, end: str = "nc") -> Iterator[Batch]:
         """All batches that have a file with some end; one without runs is damaged."""
-        paths = (self.folder / "batches").glob(f"*.{end}")
-        for batch in sorted({p.stem for p in paths if re.fullmatch(NAMES["batches"], p.name)}):
+        for batch in sorted({path.stem for path in self.folder.glob(f"batches/*.{end}")}):
             yield Batch(batch, self._runs_in(batch))
 
     def _runs_in(self, batch: str) -> tuple[str, ...]:
@@ -89,10 +69,8 @@ class Store:
         if batch not in self._runs:
             try:
                 with self.plan_of(batch).open(encoding="utf-8") as file:
-                    results, *runs = json.loads(file.readline())
-                if batch_id(results, *runs) != batch:
-                    raise ValueError
-            except (OSError, ValueError, TypeError):
+                    runs = json.loads(file.readline())
+            except (OSError, ValueError):
                 try:
                     runs = read(self.file_of(batch), ("run_id",))[0]["run_id"].tolist()
                 except InputError:
@@ -131,35 +109,25 @@ class Store:
         # what is wrong with a plan does not matter, because it is written again
         with suppress(OSError, ValueError, KeyError, TypeError, IndexError, RecursionError):
             head, body = path.read_text(encoding="utf-8").splitlines()
-            values, rows = json.loads(body)
-            replicates = [of_values(values[row] | run | self.values) for row, run in rows]
-            if json.loads(head)[1:] == [run.id for run in replicates]:
+            replicates = [of_values(values | self.values) for values in json.loads(body)]
+            if json.loads(head) == [run.id for run in replicates]:
                 return replicates
         raise InputError(
             f"{path}: it is no plan of a batch for this version of the code with {compilers()}; "
             "start the sweep, and workers that live on, again."
         )
 
-    def write_plan(self, batch: Batch, results: str, replicates: list[Replicate]) -> None:
-        """Write what a batch is to make; runs of one configuration name its values once."""
-        values, rows, runs = [], {}, []
-        for replicate in replicates:
-            row = rows.setdefault(id(replicate.configuration), len(values))
-            if row == len(values):
-                values.append(replicate.values())
-            runs.append([row, replicate.coordinates])
-        text = f"{json.dumps([results, *batch.runs])}\n{json.dumps([values, runs])}\n"
+    def write_plan(self, batch: Batch, replicates: list[Replicate]) -> None:
+        """Write what a batch is to make."""
+        values = [replicate.values() for replicate in replicates]
+        text = f"{json.dumps(batch.runs)}\n{json.dumps(values)}\n"
         write_changed(self.plan_of(batch.id), text)
 
     def add(self, batch: str, content: bytes | None) -> None:
-        """Add the file of a batch, if it was made elsewhere; raises InputError for a damaged one."""
-        if content is None:
-            return
-        path = self.file_of(batch)
-        with content_of(path, "run the same again"), atomic(path) as part:
-            part.write_bytes(content)
-            if not is_sealed(part):
-                raise Changed("it has no checksum")
+        """Add the file of a batch, if it was made elsewhere."""
+        if content is not None:
+            with atomic(self.file_of(batch)) as part:
+                part.write_bytes(content)
 
     # Beds and finished runs
 
@@ -183,7 +151,6 @@ class Store:
 
     def locked(self, path: Path) -> FileLock:
         """A lock of the store, so that one process at a time makes something."""
-        path.parent.mkdir(parents=True, exist_ok=True)
         return FileLock(path)
 
     def keep(self, run: str, values: dict) -> None:
@@ -195,7 +162,7 @@ class Store:
         return _load(self.run_of(run))
 
     def locked_runs(self) -> set[str]:
-        """Identities of the runs that some process is making. Nothing is touched."""
+        """Identities of the runs that some process is making."""
         return {path.stem for path in (self.folder / "runs").glob("*/*.lock") if _is_held(path)}
 
     def forget(self, runs: Iterable[str]) -> None:
@@ -206,38 +173,28 @@ class Store:
 
     def files(self) -> Iterator[Path]:
         """All files that a store writes, but for locks."""
-        for folder, name in NAMES.items():
-            for path in sorted((self.folder / folder).rglob("*")):
-                if path.is_file() and re.fullmatch(name, path.name):
-                    yield path
+        for names in ("batches/*.nc", "batches/*.json", "runs/*/*.npz", "beds/*/*.npz"):
+            yield from sorted(self.folder.glob(names))
 
 
 def _save(path: Path, values: dict) -> None:
     with atomic(path) as part, part.open("wb") as file:
         np.savez(file, **values)
-        file.close()
-        seal(part)
 
 
 def _load(path: Path) -> dict | None:
     try:
-        if path.is_file() and is_sealed(path):
-            with np.load(path) as file:
-                return {name: file[name] for name in file.files}
-    except Exception:  # damage makes numpy raise many errors; what it held is made again
+        with np.load(path) as file:
+            return {name: file[name] for name in file.files}
+    except Exception:  # absent, or damaged, of which numpy raises many errors: it is made again
         path.unlink(missing_ok=True)
     return None
 
 
 def _is_held(path: Path) -> bool:
-    """Whether a process holds a lock, which is not touched; on Windows, whether it exists."""
+    """Whether a process holds a lock; that of another user may not be tried."""
     try:
-        import fcntl
-
-        with Path(path).open("rb") as file:
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except FileNotFoundError:
-        return False
-    except (ImportError, BlockingIOError):
+        with FileLock(path, timeout=0):
+            return False
+    except (Timeout, PermissionError):
         return True
-    return False

@@ -12,7 +12,7 @@ import threading
 from collections import deque
 from collections.abc import Iterator
 from concurrent import futures
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -71,15 +71,13 @@ def make_batch(task, progress=lambda done, failed: None, **values: str) -> bytes
 class Workers:
     """Any executor of concurrent.futures, whose processes have one thread; this process for None.
 
-    Raises InputError for an executor of threads, and for anything else.
+    Raises InputError for anything else.
     """
 
     killed: tuple = ()  # errors of a batch whose workers die, one after another
     window = 100  # batches that wait at the executor, at most
 
     def __init__(self, executor=None):
-        if isinstance(executor, ThreadPoolExecutor):
-            raise InputError(f"executor is one of threads, but {ONE_RUN}")
         if executor is not None and not hasattr(executor, "submit"):
             raise InputError(
                 f"executor is {executor!r}; it must be one of concurrent.futures, or a client of "
@@ -108,7 +106,6 @@ def workers_of(executor) -> Workers:
 @contextmanager
 def processes(jobs: int) -> Iterator[Workers]:
     """Processes of this machine, which end with the context, or with this process."""
-    others = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), _begin)
     workers = Workers(pool)
     workers.window = 2 * jobs
@@ -117,7 +114,7 @@ def processes(jobs: int) -> Iterator[Workers]:
         pool.shutdown()
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
-        for process in set(multiprocessing.active_children()) - others:
+        for process in multiprocessing.active_children():
             process.terminate()  # what is finished is on disk
 
 
@@ -175,15 +172,15 @@ def make_batches(store: Store, batches: list[Batch], workers: Workers, progress)
 
 def _make_runs(store: Store, batch: Batch, workers: Workers) -> None:
     """Make and keep the runs of a batch, one at a time; one whose workers die is a failed one."""
-    from dem.sweep.batch import failed_row, recorded  # with the kernels
+    from dem.sweep.batch import failed_row  # with the kernels
 
     for run in store.replicates(batch.id):
         alone = Batch(batch_id("", run.id), (run.id,))
         plan, path = store.plan_of(alone.id), store.file_of(alone.id)
-        store.write_plan(alone, "", [run])
+        store.write_plan(alone, [run])
         try:
             store.add(alone.id, workers.submit(plan.absolute()).result())
-            row = store.rows_of(alone.id, *recorded(run))[run.id]
+            row = store.rows_of(alone.id, *run.configuration.module.layout)[run.id]
         except workers.killed as error:
             row = failed_row(f"{type(error).__name__}: each worker that ran it died")
             row["spent"] = 0.0

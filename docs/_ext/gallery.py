@@ -89,7 +89,7 @@ def _figures(folder: Path, code: float) -> dict[str, tuple[str, str]]:
             left = OF_MEANS if file.name == of else {}
             own = {name: each for name, each in own.items() if name in shown and name not in left}
         with open_lazily(file.path) as dataset:
-            names = drawable_from(file.path, dataset, own)
+            names = drawable_from(dataset, own)
         for name in names:
             if _older(folder / f"{name}.png", max(code, file.path.stat().st_mtime)):
                 draw(name, file.path, folder, figures)

@@ -43,11 +43,9 @@ def draw(snapshots: Path, drag: Path, folder: Path) -> list[Path]:
 
 def _bed(axes, motion) -> None:
     frames, cylinder = frames_of_case(motion), motion.replicate.configuration.cylinder.diameter
-    width = motion.replicate.configuration.box_width
-    view = bed.box_view(width, motion.height[SNAPSHOT])
-    drawing = bed.Drawing(axes, frames._replace(view=view))
-    drawing.move(SNAPSHOT)
-    drawing.paint(frames.paints["layer"])
+    view = bed.view_of(frames)
+    bed.draw(axes, frames, SNAPSHOT, view, facecolors=frames.paints["layer"])
+    axes.set_axis_off()
     x, y = 1e3 * frames.place[SNAPSHOT, 0]
     arrow = {"arrowstyle": "-|>", "linewidth": 2.0, "color": "black"}
     axes.annotate("", (x, y + 1.4e3 * cylinder), (x, y), arrowprops=arrow)

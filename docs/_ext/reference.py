@@ -11,8 +11,8 @@ from dem.base.sources import ROOT
 from dem.base.types import LEAST, section_of, unit_of
 from dem.cli.app import app
 from dem.experiment.config import SECTIONS, Configuration
-from dem.experiment.kinds import jamming, onset, shear
-from dem.experiment.observables import OBSERVABLES, module_of
+from dem.experiment.kinds import EXPERIMENTS, jamming, onset, shear
+from dem.experiment.observables import OBSERVABLES
 from dem.io import dataset
 from studies import package_of
 from studies.catalogue import reported
@@ -46,7 +46,8 @@ def configuration() -> str:
         if section := section_of(field.annotation):
             parts.append(f"## {name}\n")
             if name in SECTIONS:
-                parts.append(f"Only for the experiment {' and '.join(SECTIONS[name])}.\n")
+                kinds = (kind for kind, header in EXPERIMENTS.items() if name in header["SECTIONS"])
+                parts.append(f"Only for the experiment {' and '.join(kinds)}.\n")
             label = "LABEL." if name == "shapes" else ""
             parts.append(
                 _table(
@@ -111,7 +112,7 @@ def files() -> str:
     runs = dataset.OF_STORE | dataset.LABELS | dataset.AXES | dataset.OF_RUN
     parts += ["## In every file of runs\n", _variables(runs)]
     for name in OBSERVABLES:
-        module = module_of(name)
+        module = import_module(f"dem.experiment.observables.{name}")
         parts += [f"## Observable `{name}`\n", _first_line(module), _variables(module.VARIABLES)]
     for module in (jamming, onset, shear):
         name = module.__name__.rpartition(".")[2]

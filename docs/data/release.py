@@ -17,7 +17,6 @@ import xarray as xr
 
 from dem.base.files import atomic
 from dem.base.sources import ROOT
-from dem.io.checksums import seal
 from dem.io.dataset import FORMAT
 
 HERE = Path(__file__).parent
@@ -65,7 +64,6 @@ def release(results: Path) -> None:
         }
         with atomic(each.path) as part:
             kept.to_netcdf(part, format=FORMAT, encoding=packed)
-            seal(part)
         print(f"{each.path}: {each.path.stat().st_size / 1e6:.2f} MB")
 
 

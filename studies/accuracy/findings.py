@@ -7,10 +7,9 @@ import numpy as np
 import pandas as pd
 from rich.table import Table
 
-from dem.analysis.tables import numbers
 from studies.accuracy.bias import Steps, steps_of
 from studies.accuracy.replicates import TARGET, Replicates, cost, drift, expected, windows
-from studies.common.findings import Findings, percent
+from studies.common.findings import Findings, numbers, percent
 
 __all__ = ["accuracy"]
 

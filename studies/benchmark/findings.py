@@ -4,11 +4,10 @@ import numpy as np
 import xarray as xr
 from rich.table import Table
 
-from dem.analysis.tables import numbers
 from dem.base.statistics import mean_interval
 from studies.benchmark.drag import at_equal_error
 from studies.benchmark.scenes import FULL
-from studies.common.findings import Findings, estimate, span
+from studies.common.findings import Findings, estimate, numbers, span
 
 __all__ = ["processors", "speed"]
 

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from dem.cli.options import argument, option
-from dem.cli.terminal import show
 from dem.io.progress import bar
 
 
@@ -17,7 +16,7 @@ def fit(
 
     with bar(f"reading {data}"), open_combined(data) as dataset:
         calibration = calibrate(dataset.load(), target)
-    show(calibration.sentence())
+    print(calibration.sentence())
 
 
 VERBS = (fit,)

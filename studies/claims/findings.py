@@ -10,7 +10,6 @@ from rich.table import Table
 from rich.text import Text
 
 from dem.analysis.drag import by_case
-from dem.analysis.tables import numbers
 from dem.base.errors import InputError
 from dem.base.statistics import Estimate, mean_interval
 from studies.claims.compare import CONTRADICTED, SUPPORTED, UNDECIDED
@@ -18,7 +17,7 @@ from studies.claims.evidence import MARGIN, from_study, from_sweep, scaled_ratio
 from studies.claims.influence import Influence, influences, responses
 from studies.claims.remains import remaining
 from studies.claims.verdicts import UNTESTED, Verdict, claimed, judge, span
-from studies.common.findings import Findings, estimate, interval
+from studies.common.findings import Findings, estimate, interval, numbers
 
 __all__ = ["claims"]
 

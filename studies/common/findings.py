@@ -3,11 +3,13 @@
 import inspect
 import re
 import sys
+from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from rich import box
 from rich.console import Group
 from rich.table import Table
 from rich.text import Text
@@ -22,6 +24,17 @@ def holds(sentence: str, condition: bool) -> str:
     if not condition:
         raise ValueError(f"The data contradict the sentence {sentence!r}; rewrite it.")
     return sentence
+
+
+def numbers(*columns: str, words: int = 1, rows: Iterable[Iterable[str]] = ()) -> Table:
+    """A table of a page with these headings: columns of words first, as many as `words`, then of
+    numbers."""
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    for number, column in enumerate(columns):
+        table.add_column(column, justify="left" if number < words else "right", overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    return table
 
 
 def table(rich: Table) -> str:

@@ -6,9 +6,8 @@ import numpy as np
 import xarray as xr
 from rich.table import Table
 
-from dem.analysis.tables import numbers
 from dem.base.statistics import Estimate, mean_interval, ratio_interval
-from studies.common.findings import Findings, estimate, span
+from studies.common.findings import Findings, estimate, numbers, span
 from studies.intruders.figures.intruders import PLATE, WORDS, force, resistive
 from studies.intruders.figures.pairs import apart
 

@@ -8,10 +8,9 @@ import xarray as xr
 from rich.table import Table
 
 from dem.analysis.drag import summarise
-from dem.analysis.tables import numbers
 from dem.base.statistics import Estimate, mean_interval, ratio_interval
 from studies.common.calibrate import Calibration, calibrate
-from studies.common.findings import Findings, estimate
+from studies.common.findings import Findings, estimate, numbers
 
 __all__ = ["law", "moduli"]
 

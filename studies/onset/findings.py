@@ -6,9 +6,8 @@ import numpy as np
 from rich.table import Table
 
 from dem.analysis.onset import Limits, limits
-from dem.analysis.tables import numbers
 from dem.base.statistics import Estimate
-from studies.common.findings import Findings, estimate, percent
+from studies.common.findings import Findings, estimate, numbers, percent
 
 __all__ = ["onset"]
 

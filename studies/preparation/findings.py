@@ -7,9 +7,8 @@ import xarray as xr
 from rich.table import Table
 
 from dem.analysis.drag import summarise
-from dem.analysis.tables import numbers
 from dem.base.statistics import Estimate, log_ratio_interval, mean_interval
-from studies.common.findings import Findings, estimate
+from studies.common.findings import Findings, estimate, numbers
 
 __all__ = ["preparation"]
 

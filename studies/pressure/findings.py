@@ -8,9 +8,8 @@ import numpy as np
 import xarray as xr
 from rich.table import Table
 
-from dem.analysis.tables import numbers
 from dem.experiment.box import sample_diameters
-from studies.common.findings import Findings, estimate
+from studies.common.findings import Findings, estimate, numbers
 from studies.pressure.widths import Widths
 
 __all__ = ["pressure"]

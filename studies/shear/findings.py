@@ -6,8 +6,7 @@ from functools import cached_property
 from rich.table import Table
 
 from dem.analysis.shear import Curves, rheology
-from dem.analysis.tables import numbers
-from studies.common.findings import Findings, estimate
+from studies.common.findings import Findings, estimate, numbers
 
 __all__ = ["shear"]
 

@@ -7,9 +7,8 @@ import pandas as pd
 import xarray as xr
 from rich.table import Table
 
-from dem.analysis.tables import numbers
 from dem.dynamics.simulation import STEP_FRACTION
-from studies.common.findings import Findings
+from studies.common.findings import Findings, numbers
 from studies.stability.catalogue import QUANTITIES
 
 __all__ = ["stability"]

@@ -7,10 +7,9 @@ import numpy as np
 from rich.table import Table
 
 from dem.analysis.drag import within
-from dem.analysis.tables import numbers
 from dem.analysis.velocity import Law, Rates, inertial_number, rates
 from dem.base.statistics import Estimate, mean_interval
-from studies.common.findings import Findings, estimate
+from studies.common.findings import Findings, estimate, numbers
 
 __all__ = ["velocity"]
 
@@ -51,12 +50,18 @@ class Velocity(Findings):
     @cached_property
     def above(self) -> dict[str, Estimate]:
         """How far the drag at the paper's velocity is above its limit, in %."""
-        return self._of_laws(lambda law: 100.0 * law.above(PAPER))
+        return self._of_laws(lambda law: 100.0 * (law.rise * PAPER**law.exponent))
 
     @cached_property
     def tenth(self) -> dict[str, Estimate]:
-        """Velocity (m/s) at which the drag is a tenth above its limit."""
-        return self._of_laws(lambda law: law.reaches(0.1))
+        """Velocity (m/s) at which the drag is a tenth above its limit; infinite where it never is."""
+
+        def reached(law: Law) -> np.ndarray:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                velocity = (0.1 / law.rise) ** (1.0 / law.exponent)
+            return np.where(law.rise > 0.0, velocity, np.inf)
+
+        return self._of_laws(reached)
 
     @cached_property
     def exponent(self) -> dict[str, Estimate]:

@@ -7,9 +7,8 @@ import numpy as np
 import pandas as pd
 from rich.table import Table
 
-from dem.analysis.tables import numbers
 from studies import HERE
-from studies.common.findings import Findings
+from studies.common.findings import Findings, numbers
 from studies.verification.results import CASES
 
 __all__ = ["broken_laws", "unnoticed", "verification"]

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import yaml
 from distributed import Client
-from made import contents, differing
+from sweeps import contents, differing
 
 ROOT = Path(__file__).parents[2]
 DEM = [sys.executable, "-m", "dem"]
@@ -35,14 +35,14 @@ class Machine:
     def start(self, name: str) -> None:
         """Start the scheduler, or a worker of one thread."""
         kind = name.split(maxsplit=1)[0]
-        own = (
+        options = (
             f"--port {PORT}"
             if kind == "scheduler"
             else f"{SCHEDULER} --nthreads 1 --local-directory local"
         )
         command = (
             f"mount -t tmpfs none {self.hidden}; cd {self.folder}; export NUMBA_CACHE_DIR={self.folder}/cache; "
-            f"exec {sys.executable} -m dask {kind} {own} --no-dashboard"
+            f"exec {sys.executable} -m dask {kind} {options} --no-dashboard"
         )
         log = (self.folder / f"{name}.log").open("a")
         self.parts[name] = subprocess.Popen(
@@ -69,26 +69,26 @@ class Machine:
             return client.run(lambda dask_worker: dask_worker.state.executed_count)
 
 
-def sweep(place: Path, file: str, *options: str, **more) -> subprocess.Popen:
+def sweep(folder: Path, file: str, *options: str, **more) -> subprocess.Popen:
     """Start a sweep of a file in a folder."""
     command = [*DEM, "sweep", file, *options]
-    return subprocess.Popen(command, cwd=place, stderr=subprocess.PIPE, text=True, **more)
+    return subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE, text=True, **more)
 
 
 def differing_files(one: Path, other: Path) -> list[str]:
     """Names of the values in which two folders of results differ."""
-    found = []
+    names = []
     for path in sorted(one.rglob("*.nc")):
         if "flow/" in str(path):
             continue  # by batches, whose names may differ
-        mine, theirs = contents(path), contents(other / path.relative_to(one))
-        found += [f"{path.name}:{name}" for name in differing(mine, theirs)]
-    return found
+        values, others = contents(path), contents(other / path.relative_to(one))
+        names += [f"{path.name}:{name}" for name in differing(values, others)]
+    return names
 
 
-def finished(place: Path) -> dict[Path, bytes]:
+def batches(folder: Path) -> dict[Path, bytes]:
     """The batches of a store."""
-    return {path: path.read_bytes() for path in (place / "results/store/batches").glob("*.nc")}
+    return {path: path.read_bytes() for path in (folder / "results/store/batches").glob("*.nc")}
 
 
 def main(file: str = "config/smoke.yaml", kills: int = 20, seed: int = 1) -> None:
@@ -118,10 +118,10 @@ def main(file: str = "config/smoke.yaml", kills: int = 20, seed: int = 1) -> Non
                 shutil.rmtree(place / "results", ignore_errors=True)
                 started = time.monotonic()
                 run = sweep(place, "many.yaml", *options)
-                said = run.communicate()[1]
-                assert run.returncode == 0, said
+                output = run.communicate()[1]
+                assert run.returncode == 0, output
                 spent[name] = time.monotonic() - started
-            print(f"turn {turn}:", {name: f"{each:.1f} s" for name, each in spent.items()})
+            print(f"turn {turn}:", {name: f"{t:.1f} s" for name, t in spent.items()})
         print("tasks executed:", machine.executed())
         print(
             "values that differ:", differing_files(alone / "results/many", client / "results/many")
@@ -141,22 +141,22 @@ def main(file: str = "config/smoke.yaml", kills: int = 20, seed: int = 1) -> Non
             else:
                 run.send_signal(signal.SIGKILL if victim == "client" else signal.SIGINT)
             started = time.monotonic()
-            said = run.communicate()[1].splitlines()[-1:]
-            took, status, before = time.monotonic() - started, run.returncode, finished(client)
+            output = run.communicate()[1].splitlines()[-1:]
+            took, status, files = time.monotonic() - started, run.returncode, batches(client)
             if victim == "scheduler":  # its workers end within some seconds
                 machine.kill("worker 1")
                 machine.kill("worker 2")
             machine.whole()
-            again = sweep(client, "many.yaml", "--scheduler", SCHEDULER)
-            words = again.communicate()[1]
-            assert again.returncode == 0, words
-            now = finished(client)
-            lost += sum(now.get(path) != content for path, content in before.items())
+            rerun = sweep(client, "many.yaml", "--scheduler", SCHEDULER)
+            words = rerun.communicate()[1]
+            assert rerun.returncode == 0, words
+            files_after = batches(client)
+            lost += sum(files_after.get(path) != content for path, content in files.items())
             differ = differing_files(alone / "results/many", client / "results/many")
             parts = list(client.rglob("*.part"))
             print(
-                f"{number} {victim}: status {status} after {took:.1f} s, {len(before)} batches kept, "
-                f"lost {lost}, differ {differ}, half-written {len(parts)}; {said}",
+                f"{number} {victim}: status {status} after {took:.1f} s, {len(files)} batches kept, "
+                f"lost {lost}, differ {differ}, half-written {len(parts)}; {output}",
                 flush=True,
             )
             assert not (lost or differ or parts)

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 import yaml
-from made import contents, differing
+from sweeps import contents, differing
 
 ROOT = Path(__file__).parents[2]
 # stage: what Snakemake says when it begins, the longest that a kill then waits (s), and what is taken
@@ -42,7 +42,7 @@ WORKFLOW = [sys.executable, "-m", "snakemake", "-j2", "--configfile"]
 SWEEP = [sys.executable, "-m", "dem", "sweep", "-j2"]
 
 
-class Place:
+class Checkout:
     """A copy of the sources, and sweeps in it: the smoke sweep with some values changed."""
 
     def __init__(self, folder: Path, **changes):
@@ -58,9 +58,8 @@ class Place:
     def sweep(self, name: str, **changes) -> str:
         """Write a configuration with further changes; returns its path."""
         data = yaml.safe_load((ROOT / "config/smoke.yaml").read_text()) | self.changes | changes
-        kept = data
         (self.folder / f"config/{name}.yaml").write_text(
-            yaml.safe_dump(kept | {"results": f"results/{name}"}, sort_keys=False)
+            yaml.safe_dump(data | {"results": f"results/{name}"}, sort_keys=False)
         )
         return f"config/{name}.yaml"
 
@@ -81,8 +80,8 @@ class Place:
 
     def finish(self, name: str) -> None:
         """Run the sweep to its end; a run that fails is a fault of ours."""
-        done = self.run([*WORKFLOW, f"config/{name}.yaml"])
-        assert done.returncode == 0, done.stdout + done.stderr
+        process = self.run([*WORKFLOW, f"config/{name}.yaml"])
+        assert process.returncode == 0, process.stdout + process.stderr
 
     def results(self, name: str) -> Path:
         return self.folder / "results" / name
@@ -108,7 +107,7 @@ def lost_and_differing(whole: Path, other: Path) -> tuple[int, int]:
     return lost, changed
 
 
-def finished(store: Path) -> dict[Path, int]:
+def batches(store: Path) -> dict[Path, int]:
     """Files of batches under their own names, and when they were written."""
     return {path: path.stat().st_mtime_ns for path in (store / "batches").glob("[!.]*.nc")}
 
@@ -116,27 +115,27 @@ def finished(store: Path) -> dict[Path, int]:
 def spent_on(store: Path) -> dict[str, float]:
     """The finished runs of a store, in batches and not, and the processor time (s) of each, which
     another run of the same values does not have."""
-    found = {}
+    times = {}
     for path in (store / "runs").rglob("[!.]*[0-9a-f].npz"):
         if "checkpoint" not in path.name:
             with np.load(path) as file:
-                found[path.stem] = float(file["spent"])
-    for path in finished(store):
+                times[path.stem] = float(file["spent"])
+    for path in batches(store):
         values = contents(path, without=())
-        found |= zip(values["run_id"].tolist(), values["spent"].tolist(), strict=True)
-    return found
+        times |= zip(values["run_id"].tolist(), values["spent"].tolist(), strict=True)
+    return times
 
 
 def unreadable(results: Path) -> list[Path]:
     """netCDF files under their own names that cannot be read whole."""
-    found = []
+    damaged = []
     for path in results.rglob("*.nc"):
         if not path.name.startswith(".") and path.exists():  # not a link to what was taken away
             try:
                 contents(path)
             except (OSError, RuntimeError):
-                found.append(path)
-    return found
+                damaged.append(path)
+    return damaged
 
 
 def kill(process: subprocess.Popen) -> None:
@@ -167,20 +166,20 @@ def take_away(results: Path, names) -> None:
         shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
 
 
-def kills(place: Place, count: int, rng: random.Random) -> str:
+def kills(checkout: Checkout, count: int, rng: random.Random) -> str:
     """The workflow killed at random moments of random stages, one run a batch and two."""
     stages, twice, lost, broken = Counter(), 0, 0, 0
     names = {"killed": 1, "killed_pairs": 2}
-    log = place.folder / "kill.log"
-    place.forget()
+    log = checkout.folder / "kill.log"
+    checkout.forget()
     while sum(stages.values()) < count:
         name, stage = rng.choice(list(names)), rng.choice(list(STAGES))
-        config, results = place.sweep(name, batch=names[name]), place.results(name)
+        config, results = checkout.sweep(name, batch=names[name]), checkout.results(name)
         words, longest, removed = STAGES[stage]
         take_away(results, removed)
-        before = spent_on(place.store)
+        times = spent_on(checkout.store)
         with log.open("w") as out:
-            process = place.start([*(SWEEP if stage == "sweep" else WORKFLOW), config], out)
+            process = checkout.start([*(SWEEP if stage == "sweep" else WORKFLOW), config], out)
             reached = wait_for(rf"Job \d+: {words}" if words else "", log, process)
             time.sleep(rng.uniform(0.0, longest) if reached else 0.0)
             if process.poll() is None:
@@ -190,52 +189,51 @@ def kills(place: Place, count: int, rng: random.Random) -> str:
             else:
                 assert process.returncode == 0, log.read_text()
         broken += len(unreadable(results.parent))
-        after = spent_on(place.store)
-        twice += sum(after.get(run, spent) != spent for run, spent in before.items())
-        lost += len(before.keys() - after.keys())
+        times_after = spent_on(checkout.store)
+        twice += sum(times_after.get(run, spent) != spent for run, spent in times.items())
+        lost += len(times.keys() - times_after.keys())
     missing = changed = 0
     for name in names:
-        place.finish(name)
-        one, two = lost_and_differing(place.results("whole"), place.results(name))
+        checkout.finish(name)
+        one, two = lost_and_differing(checkout.results("whole"), checkout.results(name))
         missing, changed = missing + one, changed + two
-    told = ", ".join(f"{n} {stage}" for stage, n in sorted(stages.items()))
-    found = (
-        f"{count} ({told}): {lost} finished runs lost, {twice} made twice, {broken} half-written files; in "
+    counts = ", ".join(f"{n} {stage}" for stage, n in sorted(stages.items()))
+    summary = (
+        f"{count} ({counts}): {lost} finished runs lost, {twice} made twice, {broken} half-written files; in "
         f"the end {missing} files of results missing, {changed} differing"
     )
-    assert not (lost or twice or broken or missing or changed), found
-    return found
+    assert not (lost or twice or broken or missing or changed), summary
+    return summary
 
 
-def kills_of_compiling(place: Place, count: int, rng: random.Random) -> str:
+def kills_of_compiling(checkout: Checkout, count: int, rng: random.Random) -> str:
     """A first run killed as it compiles, always with the same cache; then a run with what is in it."""
     with tempfile.TemporaryDirectory() as cache:
-        log = place.folder / "compile.log"
-        place.sweep("whole")
+        log = checkout.folder / "compile.log"
+        checkout.sweep("whole")
         words = "-m dem simulate --config config/whole.yaml --shape c1 --density 3900 --seed 1 -o"
         run = [sys.executable, *words.split(), "compiled.nc"]
-        done = 0
+        number = 0
         for _ in range(count):
             with log.open("w") as out:
-                process = place.start(run, out, NUMBA_CACHE_DIR=cache)
+                process = checkout.start(run, out, NUMBA_CACHE_DIR=cache)
                 try:
                     process.wait(rng.uniform(1.0, 25.0))
                 except subprocess.TimeoutExpired:
                     kill(process)
-                    done += 1
-        ended = subprocess.run(
-            run, cwd=place.folder, env=place.environment | {"NUMBA_CACHE_DIR": cache}, check=False
-        )
+                    number += 1
+        environment = checkout.environment | {"NUMBA_CACHE_DIR": cache}
+        ended = subprocess.run(run, cwd=checkout.folder, env=environment, check=False)
         assert ended.returncode == 0
-    assert place.run([*run[:-1], "again.nc"]).returncode == 0
-    one, two = (contents(place.folder / name) for name in ("again.nc", "compiled.nc"))
+    assert checkout.run([*run[:-1], "again.nc"]).returncode == 0
+    one, two = (contents(checkout.folder / name) for name in ("again.nc", "compiled.nc"))
     assert differing(one, two) == []
-    return f"{done} while kernels are compiled: same bits"
+    return f"{number} while kernels are compiled: same bits"
 
 
-def kills_of_a_run(place: Place, count: int, rng: random.Random) -> str:
+def kills_of_a_run(checkout: Checkout, count: int, rng: random.Random) -> str:
     """dem simulate, saving itself all the time, killed until it has ended so often."""
-    code = "from dem.experiment import drag; from dem.cli.app import app; drag.SAVED_EVERY = 0.0; app()"
+    code = "from dem.experiment.kinds import drag; from dem.cli.app import app; drag.SAVED_EVERY = 0.0; app()"
     words = "simulate --config config/long.yaml --shape d1 --density 3900 --seed 1"
     command = [
         sys.executable,
@@ -247,22 +245,22 @@ def kills_of_a_run(place: Place, count: int, rng: random.Random) -> str:
         "--checkpoint",
         "long.npz",
     ]
-    place.sweep("long", record={"bins": 1200, "window": [0.4e-3, 1.0e-3], "snapshots": 61})
+    checkout.sweep("long", record={"bins": 1200, "window": [0.4e-3, 1.0e-3], "snapshots": 61})
     whole = [word.replace("long.n", "longwhole.n") for word in command]
     began = time.monotonic()
-    assert place.run(whole).returncode == 0
+    assert checkout.run(whole).returncode == 0
     longest, done, gone_on = time.monotonic() - began, 0, 0
     while done < count:
-        with (place.folder / "long.log").open("w") as log:
-            process = place.start(command, log)
+        with (checkout.folder / "long.log").open("w") as log:
+            process = checkout.start(command, log)
             try:
                 process.wait(rng.uniform(0.4 * longest, longest))
             except subprocess.TimeoutExpired:
                 kill(process)
                 done += 1
-                gone_on += (place.folder / "long.npz").exists()
-    assert place.run(command).returncode == 0
-    one, two = (contents(place.folder / name) for name in ("longwhole.nc", "long.nc"))
+                gone_on += (checkout.folder / "long.npz").exists()
+    assert checkout.run(command).returncode == 0
+    one, two = (contents(checkout.folder / name) for name in ("longwhole.nc", "long.nc"))
     assert differing(one, two) == []
     return f"{done} while a run saves itself ({gone_on} left a checkpoint): same bits"
 
@@ -270,16 +268,16 @@ def kills_of_a_run(place: Place, count: int, rng: random.Random) -> str:
 def sentence(run, words: str) -> str:
     """The line that holds these words, in what a run has said."""
     lines = (run.stdout + run.stderr).splitlines()
-    found = [line.strip() for line in lines if re.search(words, line)]
-    assert found and run.returncode, f"no {words!r} in\n" + "\n".join(lines[-40:])
-    said = "\n".join(lines)  # Snakemake names the lines of an input function after its sentence
-    assert "Traceback (most recent" not in said, said
-    return found[0]
+    matches = [line.strip() for line in lines if re.search(words, line)]
+    assert matches and run.returncode, f"no {words!r} in\n" + "\n".join(lines[-40:])
+    output = "\n".join(lines)  # Snakemake names the lines of an input function after its sentence
+    assert "Traceback (most recent" not in output, output
+    return matches[0]
 
 
-def same_as_whole(place: Place, name: str) -> str:
-    lost, changed = lost_and_differing(place.results("whole"), place.results(name))
-    assert not list(place.results(name).parent.rglob(".*.part"))
+def same_as_whole(checkout: Checkout, name: str) -> str:
+    lost, changed = lost_and_differing(checkout.results("whole"), checkout.results(name))
+    assert not list(checkout.results(name).parent.rglob(".*.part"))
     assert not (lost or changed), f"{lost} lost, {changed} differing"
     return f"after that: {lost} lost, {changed} differing"
 
@@ -288,76 +286,76 @@ def half(path: Path) -> None:
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
 
 
-def a_spoiled_batch(place: Place, name: str, spoil, words: str) -> str:
-    config = place.sweep(name)
-    place.forget()
-    place.finish(name)
-    victim = sorted(finished(place.store))[0]
+def a_spoiled_batch(checkout: Checkout, name: str, spoil, words: str) -> str:
+    config = checkout.sweep(name)
+    checkout.forget()
+    checkout.finish(name)
+    victim = sorted(batches(checkout.store))[0]
     spoil(victim)
-    (place.results(name) / "drag.nc").unlink()
-    said = sentence(place.run([*WORKFLOW, config]), words)
+    (checkout.results(name) / "drag.nc").unlink()
+    message = sentence(checkout.run([*WORKFLOW, config]), words)
     victim.unlink()
-    place.finish(name)
-    return f"{said}\n    {same_as_whole(place, name)}"
+    checkout.finish(name)
+    return f"{message}\n    {same_as_whole(checkout, name)}"
 
 
-def truncated(place: Place) -> str:
+def truncated(checkout: Checkout) -> str:
     """A batch that is half as long as it was."""
-    return a_spoiled_batch(place, "truncated", half, r"delete it and run again|is it another file")
+    return a_spoiled_batch(checkout, "truncated", half, "delete it and run again")
 
 
-def foreign(place: Place) -> str:
+def foreign(checkout: Checkout) -> str:
     """Another result in the place of a batch."""
-    other = place.results("whole") / "drag.nc"
-    return a_spoiled_batch(place, "foreign", lambda p: shutil.copyfile(other, p), "another file")
+    other = checkout.results("whole") / "drag.nc"
+    return a_spoiled_batch(checkout, "foreign", lambda p: shutil.copyfile(other, p), "another file")
 
 
-def two_at_once(place: Place) -> str:
+def two_at_once(checkout: Checkout) -> str:
     """A second workflow in the folder of one that works."""
-    config, log = place.sweep("twice"), place.folder / "twice.log"
-    place.forget()
+    config, log = checkout.sweep("twice"), checkout.folder / "twice.log"
+    checkout.forget()
     with log.open("w") as out:
-        first = place.start([*WORKFLOW, config], out)
+        first = checkout.start([*WORKFLOW, config], out)
         assert wait_for("Simulate", log, first)
-        said = sentence(place.run([*WORKFLOW, config]), "another run")
+        message = sentence(checkout.run([*WORKFLOW, config]), "another run")
         assert first.wait() == 0, log.read_text()
-    return f"{said}\n    {same_as_whole(place, 'twice')}"
+    return f"{message}\n    {same_as_whole(checkout, 'twice')}"
 
 
-def shared(place: Place) -> str:
+def shared(checkout: Checkout) -> str:
     """Two at once, in folders of their own, that want the same runs; then by dem sweep too."""
-    made = twice = 0
+    count = twice = 0
     for command in (WORKFLOW, SWEEP):
-        place.forget()
+        checkout.forget()
         for name in ("one", "other"):
-            shutil.rmtree(place.results(name), ignore_errors=True)
-        with (place.folder / "shared.log").open("w") as log:
+            shutil.rmtree(checkout.results(name), ignore_errors=True)
+        with (checkout.folder / "shared.log").open("w") as log:
             both = [
-                place.start([*by, place.sweep(name, batch=size)], log)
+                checkout.start([*by, checkout.sweep(name, batch=size)], log)
                 for by, name, size in ((WORKFLOW, "one", 1), (command, "other", 2))
             ]
-            assert not any([each.wait() for each in both]), Path(log.name).read_text()
+            assert not any([process.wait() for process in both]), Path(log.name).read_text()
         one, other = (
-            contents(place.results(name) / "drag.nc", without=()) for name in ("one", "other")
+            contents(checkout.results(name) / "drag.nc", without=()) for name in ("one", "other")
         )
         assert (one["run_id"] == other["run_id"]).all()
-        made, twice = (
-            made + one["run_id"].size,
+        count, twice = (
+            count + one["run_id"].size,
             twice + int((one["run_time"] != other["run_time"]).sum()),
         )
-        told = same_as_whole(place, "one"), same_as_whole(place, "other")
-    assert not twice, f"{twice} of {made} runs are made twice"
-    return f"{made} runs, none is made twice\n    {told[0]}; {told[1]}"
+        comparisons = same_as_whole(checkout, "one"), same_as_whole(checkout, "other")
+    assert not twice, f"{twice} of {count} runs are made twice"
+    return f"{count} runs, none is made twice\n    {comparisons[0]}; {comparisons[1]}"
 
 
-def pruned(place: Place) -> str:
+def pruned(checkout: Checkout) -> str:
     """dem store --prune, also while a workflow works, with files of the user's own in the store."""
-    place.forget()
+    checkout.forget()
     for name, seeds in {"left": [2, 3], "whole": [1, 2]}.items():
-        place.sweep(name, sweep=varied(seeds))
-        place.finish(name)
-    before, files = spent_on(place.store), finished(place.store)
-    own = (
+        checkout.sweep(name, sweep=varied(seeds))
+        checkout.finish(name)
+    times, files = spent_on(checkout.store), batches(checkout.store)
+    user_files = (
         "batches/notes.txt",
         "batches/mine.nc",
         "batches/ffffffffffffffff.nc",
@@ -365,90 +363,90 @@ def pruned(place: Place) -> str:
         "beds/bed.npz",
         "table.csv",
     )
-    for name in own:  # one has the name of a batch, and nothing says of which runs
-        (place.store / name).parent.mkdir(parents=True, exist_ok=True)
-        (place.store / name).write_text("mine")
+    for name in user_files:  # one has the name of a batch, and nothing says of which runs
+        (checkout.store / name).parent.mkdir(parents=True, exist_ok=True)
+        (checkout.store / name).write_text("mine")
     prune = [sys.executable, "-m", "dem", "store", "--prune"]
-    config = place.results("left") / "config.yaml"
+    config = checkout.results("left") / "config.yaml"
     text = config.read_text()
     config.write_text("title: [")
-    told = sentence(place.run(prune), "nothing was removed")
+    refusal = sentence(checkout.run(prune), "config.yaml")
     assert all(path.is_file() for path in files)
     config.write_text(text)
-    log = place.folder / "prune.log"
+    log = checkout.folder / "prune.log"
     with log.open("w") as out:
-        process = place.start([*WORKFLOW, place.sweep("pruned", sweep=varied([4, 5]))], out)
+        process = checkout.start([*WORKFLOW, checkout.sweep("pruned", sweep=varied([4, 5]))], out)
         while process.poll() is None:
-            assert place.run(prune).returncode == 0
+            assert checkout.run(prune).returncode == 0
         assert process.returncode == 0, log.read_text()
-    shutil.rmtree(place.results("left"))
-    said = place.run(prune)
-    assert said.returncode == 0, said.stderr
-    wanted = contents(place.results("whole") / "drag.nc")["run_id"].ravel().tolist()
-    assert all((place.store / name).read_text() == "mine" for name in own)
-    (place.store / own[2]).unlink()
-    (place.store / own[1]).unlink()
-    there = spent_on(place.store)
-    assert all(there.get(run) == before[run] for run in wanted)
-    return f"{told}\n    {said.stdout.strip()} {len(own)} files of the user's own are left, {len(wanted)} runs kept"
+    shutil.rmtree(checkout.results("left"))
+    result = checkout.run(prune)
+    assert result.returncode == 0, result.stderr
+    run_ids = contents(checkout.results("whole") / "drag.nc")["run_id"].ravel().tolist()
+    assert all((checkout.store / name).read_text() == "mine" for name in user_files)
+    (checkout.store / user_files[2]).unlink()
+    (checkout.store / user_files[1]).unlink()
+    remaining = spent_on(checkout.store)
+    assert all(remaining.get(run) == times[run] for run in run_ids)
+    return f"{refusal}\n    {result.stdout.strip()} {len(user_files)} files of the user's own are left, {len(run_ids)} runs kept"
 
 
-def alone(place: Place) -> str:
+def alone(checkout: Checkout) -> str:
     """Snakemake killed without its jobs: what these finish is not made again."""
-    config, log = place.sweep("alone"), place.folder / "alone.log"
-    place.forget()
+    config, log = checkout.sweep("alone"), checkout.folder / "alone.log"
+    checkout.forget()
     with log.open("w") as out:
-        process = place.start([*WORKFLOW, config], out)
-        while not list((place.results("alone") / "logs/batches").glob("*.log")):
+        process = checkout.start([*WORKFLOW, config], out)
+        while not list((checkout.results("alone") / "logs/batches").glob("*.log")):
             assert process.poll() is None, log.read_text()
             time.sleep(0.05)
         process.kill()
         process.wait()
     wait_for_group(process)
-    before = finished(place.store)
-    place.finish("alone")
-    remade = sum(finished(place.store)[path] != stamp for path, stamp in before.items())
-    assert before and not remade, f"{remade} of {len(before)} batches are made again"
-    return f"{len(before)} batches ended without it, none is made again\n    {same_as_whole(place, 'alone')}"
+    stamps = batches(checkout.store)
+    checkout.finish("alone")
+    remade = sum(batches(checkout.store)[path] != stamp for path, stamp in stamps.items())
+    assert stamps and not remade, f"{remade} of {len(stamps)} batches are made again"
+    return f"{len(stamps)} batches ended without it, none is made again\n    {same_as_whole(checkout, 'alone')}"
 
 
-def interrupted(place: Place) -> str:
+def interrupted(checkout: Checkout) -> str:
     """Ctrl-C, which a terminal sends to the whole group, at several moments of the jobs."""
-    config, log = place.sweep("interrupted"), place.folder / "interrupted.log"
-    told = []
+    config, log = checkout.sweep("interrupted"), checkout.folder / "interrupted.log"
+    lines = []
     for delay in (0.0, 0.2, 0.5, 1.0):
-        place.forget()  # else all may be there before the last
+        checkout.forget()  # else all may be there before the last
         with log.open("w") as out:
-            process = place.start([*WORKFLOW, config], out)
+            process = checkout.start([*WORKFLOW, config], out)
             assert wait_for("Simulate", log, process)
             time.sleep(delay)
             os.killpg(process.pid, signal.SIGINT)
             assert process.wait(60) != 0
-        said = log.read_text()
-        assert not list(place.results("interrupted").rglob(".*.part"))
-        told += [line for line in said.splitlines() if "run the same command to go on" in line]
-    assert len(told) == 4, said
-    place.finish("interrupted")
-    return f"{told[0]}\n    {same_as_whole(place, 'interrupted')}"
+        text = log.read_text()
+        assert not list(checkout.results("interrupted").rglob(".*.part"))
+        lines += [line for line in text.splitlines() if "run the same command to go on" in line]
+    assert len(lines) == 4, text
+    checkout.finish("interrupted")
+    return f"{lines[0]}\n    {same_as_whole(checkout, 'interrupted')}"
 
 
-def in_namespace(place: Place, name: str, script: str, words: str) -> str:
+def in_namespace(checkout: Checkout, name: str, script: str, words: str) -> str:
     """A shell script that may mount: it fails once, into {name}.first, and then ends well."""
     if os.geteuid() or not shutil.which("unshare"):
         return "not tried: to mount needs root"
-    run = place.run(["unshare", "-m", "sh", "-c", script])
-    texts = [(place.folder / f"{name}.{which}").read_text() for which in ("first", "second")]
+    run = checkout.run(["unshare", "-m", "sh", "-c", script])
+    texts = [(checkout.folder / f"{name}.{part}").read_text() for part in ("first", "second")]
     assert run.returncode == 0, f"{run.returncode} {run.stderr} {texts[-1][-3000:]}"
-    said = subprocess.CompletedProcess(script, 1, texts[0], "")
-    return f"{sentence(said, words)}\n    {same_as_whole(place, name)}"
+    process = subprocess.CompletedProcess(script, 1, texts[0], "")
+    return f"{sentence(process, words)}\n    {same_as_whole(checkout, name)}"
 
 
-def mounted(place: Place, name: str, mount: str, mend: str, words: str) -> str:
+def mounted(checkout: Checkout, name: str, mount: str, mend: str, words: str) -> str:
     """A workflow in a folder that is mounted; then mended and run again."""
-    command = " ".join([*WORKFLOW, place.sweep(name)])
-    place.forget()
-    place.results(name).mkdir(parents=True, exist_ok=True)
-    place.store.mkdir(parents=True, exist_ok=True)
+    command = " ".join([*WORKFLOW, checkout.sweep(name)])
+    checkout.forget()
+    checkout.results(name).mkdir(parents=True, exist_ok=True)
+    checkout.store.mkdir(parents=True, exist_ok=True)
     script = f"""
         {mount}
         {command} > {name}.first 2>&1 && exit 3
@@ -456,14 +454,14 @@ def mounted(place: Place, name: str, mount: str, mend: str, words: str) -> str:
         {command} > {name}.second 2>&1 || exit 4
         cp -r results kept && umount results/store && cp -r kept/. results && rm -r kept
     """
-    return in_namespace(place, name, script, words)
+    return in_namespace(checkout, name, script, words)
 
 
-def disk_full(place: Place) -> str:
+def disk_full(checkout: Checkout) -> str:
     """A store that holds the beds and not all runs, which is then made larger."""
     at = "results/store"
     return mounted(
-        place,
+        checkout,
         "full",
         f"mount -t tmpfs -o size=400k none {at}",
         f"mount -o remount,size=100m {at}",
@@ -471,9 +469,9 @@ def disk_full(place: Place) -> str:
     )
 
 
-def disk_full_everywhere(place: Place) -> str:
+def disk_full_everywhere(checkout: Checkout) -> str:
     """The same with Snakemake's own notes on that disk."""
-    command = " ".join([*WORKFLOW, place.sweep("everywhere")])
+    command = " ".join([*WORKFLOW, checkout.sweep("everywhere")])
     script = f"""
         mkdir small && mount -t tmpfs -o size=30m none small
         cp -r dem rules config profiles Snakefile README.md small && cd small
@@ -484,14 +482,14 @@ def disk_full_everywhere(place: Place) -> str:
         {command} > ../everywhere.second 2>&1 || exit 4
         mkdir -p ../results && cp -r results/everywhere ../results/
     """
-    return in_namespace(place, "everywhere", script, "the disk is full|No space left")
+    return in_namespace(checkout, "everywhere", script, "the disk is full|No space left")
 
 
-def read_only(place: Place) -> str:
+def read_only(checkout: Checkout) -> str:
     """A store that cannot be written."""
     at = "results/store"
     mount = f"mount -t tmpfs none {at} && mount -o remount,ro {at}"
-    return mounted(place, "readonly", mount, f"mount -o remount,rw {at}", "cannot be written")
+    return mounted(checkout, "readonly", mount, f"mount -o remount,rw {at}", "cannot be written")
 
 
 FAULTS = (

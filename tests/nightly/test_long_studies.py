@@ -12,8 +12,9 @@ from dem.sweep.config import load
 
 def part(study, name):
     """A module of a study, which may be removed; None then."""
-    here = study in studies.NAMES
-    return importlib.import_module(f"studies.{study}.{name}") if here else None
+    if study in studies.NAMES:
+        return importlib.import_module(f"studies.{study}.{name}")
+    return None
 
 
 CASES = sorted(part("verification", "results").CASES) if part("verification", "results") else []
@@ -38,19 +39,19 @@ def test_lammps_moves_undamped_beds_alike(small_bed):
     cases = {kind: scenes.make_case(bed.scene(), bed.state) for kind, bed in beds.items()}
     if reason := importlib.import_module("studies.common.peers.lammps").available():
         pytest.skip(reason)
-    found = results.compare_motion(cases, results.SMOKE)["trajectory_difference"]
-    assert found[0, 0] < 1e-12 and found[2, 0] < 1e-9
+    difference = results.compare_motion(cases, results.SMOKE)["trajectory_difference"]
+    assert difference[0, 0] < 1e-12 and difference[2, 0] < 1e-9
 
 
 @needs_study("stability")
 def test_stiff_and_extreme_cases_pass_in_a_short_form():
     """Each experiment of the catalogue, with all shapes of its first case."""
     results = part("stability", "results")
-    folder, seen = studies.FOLDERS["stability"], set()
+    folder, experiments = studies.FOLDERS["stability"], set()
     cases = part("stability", "catalogue").load(folder / "catalogue.yaml").cases
     for name, case in cases.items():
-        if case.experiment not in seen:
-            seen.add(case.experiment)
+        if case.experiment not in experiments:
+            experiments.add(case.experiment)
             short = case.model_copy(update={"change": case.change.model_copy(update=results.BRIEF)})
             for shape in case.shapes:
                 rows = results.verdicts(load(folder / "smoke.yaml"), shape, name, short)

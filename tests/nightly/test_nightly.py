@@ -9,32 +9,32 @@ from nightly import cluster, faults
 from nightly.mutants import MUTANTS, notices
 
 
-@pytest.mark.parametrize("mutant", MUTANTS, ids=lambda each: f"{each.file} {each.kind}")
+@pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: f"{mutant.file} {mutant.kind}")
 def test_a_quick_test_notices_a_fault_of_the_code(mutant):
     assert notices(mutant)
 
 
 @pytest.fixture(scope="module")
-def place(tmp_path_factory):
+def checkout(tmp_path_factory):
     """A copy of the sources with a sweep that nobody disturbed."""
     changes = {"sweep": faults.varied([1, 2]), "batch": 2, "figures": ["figure10", "figure13"]}
-    found = faults.Place(tmp_path_factory.mktemp("place"), **changes)
-    found.sweep("whole")
-    found.finish("whole")
-    return found
+    sources = faults.Checkout(tmp_path_factory.mktemp("checkout"), **changes)
+    sources.sweep("whole")
+    sources.finish("whole")
+    return sources
 
 
-@pytest.mark.parametrize("fault", faults.FAULTS, ids=lambda each: each.__name__)
-def test_a_disturbed_sweep_goes_on_to_the_same_bits(place, fault):
-    print(fault(place))
+@pytest.mark.parametrize("fault", faults.FAULTS, ids=lambda fault: fault.__name__)
+def test_a_disturbed_sweep_goes_on_to_the_same_bits(checkout, fault):
+    print(fault(checkout))
 
 
 @pytest.mark.parametrize(
     ("kills", "count"),
     [(faults.kills_of_compiling, 10), (faults.kills_of_a_run, 10), (faults.kills, 80)],
 )
-def test_kills_lose_nothing(place, kills, count):
-    print(kills(place, count, random.Random(0)))
+def test_kills_lose_nothing(checkout, kills, count):
+    print(kills(checkout, count, random.Random(0)))
 
 
 @pytest.mark.skipif(

@@ -46,7 +46,8 @@ def empty_bed(replicate, checkpoint):
 
 
 class Sweeps(RuleBasedStateMachine):
-    """seeds of two sweeps; made: how often each run was, allowed: how often it may have been made again."""
+    """seeds of two sweeps; run_counts: how often each run was made; allowed: how often it may have been
+    made again; user_files: texts of the user's own files."""
 
     def __init__(self):
         super().__init__()
@@ -54,17 +55,16 @@ class Sweeps(RuleBasedStateMachine):
         self.folder = Path(self.place.enter_context(tempfile.TemporaryDirectory())).resolve()
         self.place.enter_context(contextlib.chdir(self.folder))
         self.seeds = dict.fromkeys(NAMES, ())
-        self.made, self.allowed, self.left, self.own = Counter(), Counter(), {}, {}
+        self.run_counts, self.allowed, self.left, self.user_files = Counter(), Counter(), {}, {}
         self.store, self.damaged = Store(), set()
         patches = (
             mock.patch.object(making, "_run", self.run),
-            mock.patch.object(making, "_compile", lambda replicate, told: None),
             mock.patch.object(making, "make_bed", empty_bed),
             mock.patch.object(Path, "replace", lambda part, target: self.replace(part, target)),
         )
         self.really = Path.replace
-        for each in patches:
-            self.place.enter_context(each)
+        for patch in patches:
+            self.place.enter_context(patch)
 
     def teardown(self):
         self.place.close()
@@ -84,11 +84,12 @@ class Sweeps(RuleBasedStateMachine):
         store.bed(replicate, making.make_bed)
         if replicate.seed == FAILS:
             raise RunError("this run fails")  # whoever asks next tries again
-        self.made[replicate.id] += 1
-        own, sizes = replicate.configuration, replicate.configuration.module.sizes(replicate)
+        self.run_counts[replicate.id] += 1
+        configuration = replicate.configuration
+        sizes = configuration.module.sizes(replicate)
         return {
             name: np.full([sizes[dim] for dim in dims], value_of(replicate.id))
-            for name, (dims, *_) in own.module.layout.items()
+            for name, (dims, *_) in configuration.module.layout.items()
         }
 
     def replace(self, part, target):
@@ -125,10 +126,10 @@ class Sweeps(RuleBasedStateMachine):
     )
     def make(self, end, when, both, name):
         """One sweep, or both at a time, planned first and made in turns."""
-        names = [each for each in (NAMES if both else (name,)) if self.seeds[each]]
+        names = [sweep for sweep in (NAMES if both else (name,)) if self.seeds[sweep]]
         self.left = {end: when}
         try:
-            at_work = [self.state(each) for each in names]
+            at_work = [self.state(sweep) for sweep in names]
             jobs = [
                 [
                     (work, b.id)
@@ -145,31 +146,31 @@ class Sweeps(RuleBasedStateMachine):
             for job in jobs:
                 for work, batch in job:
                     making.make(work.store, batch)
-            for each, work in zip(names, at_work, strict=True):
-                combine_block(work, "drag", "drag", Path(f"results/{each}/drag.nc"))
+            for sweep, work in zip(names, at_work, strict=True):
+                combine_block(work, "drag", "drag", Path(f"results/{sweep}/drag.nc"))
         except (Killed, OSError) as error:
             assert self.left.get(end) == 0, error
             part = self.folder / f"results/store/runs/ab/.x.npz.{os.uname().nodename}.1.dem.part"
             part.parent.mkdir(parents=True, exist_ok=True)
             part.write_bytes(b"half")
         except InputError as error:  # it names a damaged file, which the user then removes
-            (path,) = [each for each in self.damaged if str(each) in str(error)]
+            (path,) = [file for file in self.damaged if str(file) in str(error)]
             path.unlink()
         else:
-            for each in names:
-                self.check(Path(f"results/{each}/drag.nc"), self.seeds[each])
+            for sweep in names:
+                self.check(Path(f"results/{sweep}/drag.nc"), self.seeds[sweep])
         self.left = {}
 
     def check(self, path, seeds):
         """A combined file has all runs of its sweep, each with what it gave."""
-        with xr.open_dataset(path) as found:
-            found.load()
-        assert tuple(found.seed.values) == seeds
+        with xr.open_dataset(path) as dataset:
+            dataset.load()
+        assert tuple(dataset.seed.values) == seeds
         for seed in seeds:
-            for case in found.case.values:
-                here = found.sel(case=case, seed=seed)
-                right = np.nan if seed == FAILS else value_of(str(here.run_id.values))
-                np.testing.assert_array_equal(here.max_overlap, right)
+            for case in dataset.case.values:
+                run = dataset.sel(case=case, seed=seed)
+                expected = np.nan if seed == FAILS else value_of(str(run.run_id.values))
+                np.testing.assert_array_equal(run.max_overlap, expected)
 
     @precondition(lambda self: self.files())
     @rule(data=st.data(), how=st.sampled_from(["flipped", "cut", "empty", "gone"]))
@@ -200,26 +201,25 @@ class Sweeps(RuleBasedStateMachine):
             for run in self.state(name).block("drag").unique()
         ]
         needed, beds = {run.id for run in runs}, {run.bed_id for run in runs}
-        before = self.files()
+        files = self.files()
         try:
             prune(self.store)
-        except InputError as error:
-            assert "nothing was removed" in str(error)
-            assert self.files() == before
+        except InputError:
+            assert self.files() == files
         else:
-            self.allowed.update(self.made.keys() - needed)
-            gone = {path.name.partition(".")[0] for path in set(before) - set(self.files())}
-            assert not gone & (needed | beds)  # checkpoints and beds too
+            self.allowed.update(self.run_counts.keys() - needed)
+            removed = {path.name.partition(".")[0] for path in set(files) - set(self.files())}
+            assert not removed & (needed | beds)  # checkpoints and beds too
 
     @rule(
         name=st.sampled_from(["store/batches/notes.txt", "store/beds/ab/mine.npz", "a/notes.txt"])
     )
-    def own_file(self, name):
+    def user_file(self, name):
         """The user puts a file of his own somewhere."""
         path = Path("results") / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(name)
-        self.own[path] = name
+        self.user_files[path] = name
 
     @rule(days=st.integers(-400, 400))
     def clock(self, days):
@@ -234,12 +234,12 @@ class Sweeps(RuleBasedStateMachine):
 
     @invariant()
     def no_run_is_made_again_without_a_reason(self):
-        for run, count in self.made.items():
+        for run, count in self.run_counts.items():
             assert count <= 1 + self.allowed[run]
 
     @invariant()
     def files_of_the_user_are_as_they_were(self):
-        for path, content in self.own.items():
+        for path, content in self.user_files.items():
             assert path.read_text() == content
 
     @invariant()
@@ -250,8 +250,8 @@ class Sweeps(RuleBasedStateMachine):
             except InputError as error:
                 assert path.name in str(error)
             else:
-                for run, failure, found in zip(*values.values(), strict=True):
-                    assert failure or (found == value_of(run)).all()
+                for run, failure, overlap in zip(*values.values(), strict=True):
+                    assert failure or (overlap == value_of(run)).all()
 
 
 TestSweeps = Sweeps.TestCase

@@ -15,13 +15,13 @@ BED_ALONE  True where it reads nothing but what makes the bed
 run(replicate, bed=None, progress=..., ...)   variables of a run by name; bed: at rest, packed here if None
 axes(configuration)                           values of the variables of AXIS, by name
 duration(replicate)                           time (s) that a run simulates, to estimate what it takes
-warm_up(replicate)                            compiles what a run needs
 All but run may be left out.
 """
 
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field, create_model
@@ -30,7 +30,7 @@ from dem.base.constants import constants, definitions, described
 from dem.base.errors import InputError, RunError
 from dem.base.plugins import find_module, load
 from dem.base.types import BOUNDS, Count, Number, Section, Unit, shown
-from dem.experiment.observables import OBSERVABLES, file_of, variables_of
+from dem.experiment.observables import OBSERVABLES, file_of
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
 
 EXPERIMENTS = described(Path(__file__).parent, "SECTIONS")
@@ -38,26 +38,29 @@ TYPES = {bool: bool, int: Count, float: Number, str: str}  # of values, by those
 
 
 def filled(name: str, values, sizes: dict[str, int]) -> np.ndarray:
-    """A variable with NaN up to the lengths of its dimensions; raises RunError where it is longer, or no
-    numbers."""
-    shape = tuple(sizes.values())
+    """A variable with NaN up to the lengths of its dimensions, also of rows that differ in length; raises
+    RunError where it is longer, or no numbers."""
+    if isinstance(values, list):
+        values = [filled(name, row, dict([*sizes.items()][1:])) for row in values]
+    array = np.full([*sizes.values()], np.nan)
     try:
         values = np.asarray(values, float)
+        array[tuple(slice(size) for size, _ in zip(values.shape, sizes, strict=True))] = values
     except (TypeError, ValueError):
-        raise RunError(f"the variable {name} is {shown(values)}; it must be numbers.") from None
-    if values.ndim != len(shape) or np.any(values.shape > np.array(shape)):
-        words = " and ".join(f"{size} along {dim}" for dim, size in sizes.items()) or "one value"
-        raise RunError(f"the variable {name} has the shape {values.shape}; it may have {words}.")
-    gaps = [(0, size - length) for size, length in zip(shape, values.shape, strict=True)]
-    return np.pad(values, gaps, constant_values=np.nan) if gaps else values
+        most = " and ".join(f"{size} along {dim}" for dim, size in sizes.items())
+        words = f"numbers, at most {most}" if sizes else "a number"
+        raise RunError(f"the variable {name} is {shown(values)}; it must be {words}.") from None
+    return array
 
 
+@dataclass
 class Experiment:
-    """A kind of experiment by its name or file, and the configuration that asks for it; only `code`,
-    and what needs it, runs a file of a user's own."""
+    """A kind of experiment by its name or file, and the configuration that asks for it; only `run`, `axes`
+    and `duration` run code of a file of a user's own."""
 
-    def __init__(self, name: str, beside: str | None = None, configuration=None):
-        self.name, self.beside, self.configuration = name, beside, configuration
+    name: str
+    beside: str | None = None
+    configuration: Any = None
 
     @property
     def label(self) -> str:
@@ -71,11 +74,6 @@ class Experiment:
             return Path(__file__).with_name(f"{self.name}.py")
         known = *EXPERIMENTS, *OBSERVABLES  # whose files of results have these names
         return find_module("experiment", self.name, self.beside, known, "run")
-
-    @property
-    def code(self):
-        """Its module, imported."""
-        return load(self.file)
 
     @property
     def constants(self) -> dict:
@@ -115,7 +113,7 @@ class Experiment:
     def run(self, replicate, *args, **options) -> dict:
         """Make one run; its variables by name, each as long as `sizes` says. Raises RunError where
         they are not those of its layout."""
-        values, sizes = self.code.run(replicate, *args, **options), self.sizes(replicate)
+        values, sizes = load(self.file).run(replicate, *args, **options), self.sizes(replicate)
         layout = self.layout
         if wrong := set(values if isinstance(values, dict) else ()) ^ layout.keys():
             raise RunError(
@@ -144,40 +142,16 @@ class Experiment:
 
     @property
     def layout(self) -> dict:
-        """The variables of a run, as in dem.io.dataset; raises InputError where two have one name."""
-        if not self.observed:
-            return self.constants["VARIABLES"]
-        layout = dict(OF_RUN)
-        for name in self.configuration.observables:
-            variables = variables_of(name, self.beside)
-            if twice := variables.keys() & layout.keys():
-                raise InputError(
-                    f"record.observables has {name!r}; runs have a variable {min(twice)} without it, "
-                    "rename that in your file."
-                )
-            layout |= variables
-        for name, path in (
-            ("top_y", "packing.pressure"),
-            ("cylinder_orientation", "cylinder.spin"),
-            ("second_orientation", "second.spin"),
-        ):
-            if self.configuration.at(path) is None:  # it does not move, or turn
-                layout.pop(name, None)
-        return layout
+        """The variables of a run, as in dem.io.dataset."""
+        at = self.configuration.at
+        layout = (OF_RUN if self.observed else {}) | self.table("VARIABLES")
+        absent = {name for name, path in self.table("NEEDED").items() if at(path) is None}
+        return {name: entry for name, entry in layout.items() if name not in absent}
 
     def variables(self, observable: str) -> dict:
         """Those of a combined file, by its name without .nc."""
-        if not self.observed:
-            return self.constants["VARIABLES"]
-        file = f"{observable}.py"
-        name = file if file in self.configuration.observables else observable
-        return variables_of(name, self.beside) | OF_RUN
-
-    @property
-    def names(self) -> set[str]:
-        """Names of the variables and dimensions of a run."""
-        layout = self.layout | self.along
-        return {*layout, *(dim for dims, *_ in layout.values() for dim in dims)}
+        file = {file.stem: file for file in self.files}[observable]
+        return constants(file)["VARIABLES"] | (OF_RUN if self.observed else {})
 
     def sizes(self, replicate) -> dict[str, int]:
         """Length of every dimension of a run."""
@@ -200,25 +174,25 @@ class Experiment:
 
     def duration(self, replicate) -> float | None:
         """Time (s) that a run simulates; None where it prepares beds, or is a file that would run here."""
-        if self.name not in EXPERIMENTS or not hasattr(self.code, "duration"):
+        if self.name not in EXPERIMENTS or "duration" not in definitions(self.file):
             return None
-        return self.code.duration(replicate)
+        return load(self.file).duration(replicate)
 
     def check(self) -> None:
         """Raise InputError where its file or one of an observable cannot be used."""
-        for name in self.configuration.observables:
-            file_of(name, self.beside)
-        lengths = self.lengths
+        lengths, layout = self.lengths, self.layout
         for dim, length in lengths.items():
             if type(length) is not int or length < 1:
                 raise InputError(
                     f"the dimension {dim} of SIZES has the length {length}; it must be a whole number from 1 on, or "
                     "the path of one."
                 )
-        layout, known = self.layout, {*lengths, "granule"}
-        taken = self.names & {*LABELS, *OF_STORE, *OF_SWEEP}
-        if taken := taken | layout.keys() & {*known, *self.along}:
-            raise InputError(f"{min(taken)} has two meanings in files of its runs; rename yours.")
+        known = {*lengths, "granule"}
+        names = [*LABELS, *OF_STORE, *OF_SWEEP, *{*known, *self.along}]
+        names += [*OF_RUN] * self.observed
+        names += [name for file in self.files for name in constants(file).get("VARIABLES", ())]
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise InputError(f"{min(twice)} has two meanings in files of its runs; rename yours.")
         for name, (dims, *_) in layout.items():
             if unknown := [dim for dim in dims if dim not in known]:
                 raise InputError(

@@ -6,15 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.base.plugins import load
 from dem.dynamics.result import Record
-from dem.experiment.bed import diameters, make_bed, modulus, solids, thickness
-from dem.experiment.box import ahead_of
+from dem.experiment.bed import make_bed, modulus, thickness
 from dem.experiment.config import Configuration
-from dem.experiment.observables import module_of
-from dem.experiment.resume import PartialRun, resumed, stacked
+from dem.experiment.resume import PartialRun, resumed
 from dem.experiment.run import Replicate
 from dem.experiment.scene import start
-from dem.experiment.snapshots import Snapshots
+from dem.experiment.snapshots import Snapshots, snapshots_of, variables_of
 from dem.io.dataset import WALLS
 from dem.packing.random import Bed
 
@@ -40,27 +39,8 @@ class RunData(NamedTuple):
     @property
     def snapshots(self) -> Snapshots:
         """The states as arrays, with all that is needed to draw and to measure them."""
-        c, height = self.replicate.configuration, np.full(len(self.states), self.bed.height)
-        every = len(self.record.time_step) // (len(height) - 1)
-        if c.packing.pressure is not None:
-            height[1:] = self.record.wall_offset[every - 1 :: every, -1]
-        drawn, sections = solids(self.replicate, self.bed.height), (c.cylinder, c.second)
-        angles = self.record.solid_angle[every - 1 :: every]
-        angles = np.vstack([[solid.angle for solid in drawn], angles]).T
-        displacement = np.linspace(0.0, c.cylinder.stroke, c.record.snapshots)
-        return Snapshots(
-            self.replicate,
-            height,
-            displacement,
-            drawn[0].position[1] + ahead_of(c.cylinder)[1] * displacement,
-            np.stack([state.position for state in self.states]),
-            np.stack([state.angle for state in self.states]),
-            diameters(self.replicate),
-            orientation=[
-                None if section.spin is None else angle
-                for section, angle in zip(sections, angles, strict=False)
-            ],
-        )
+        coordinates = axes(self.replicate.configuration) | {"box_height": self.bed.height}
+        return snapshots_of(self.replicate, coordinates | variables_of(self))
 
 
 def axes(configuration: Configuration) -> dict:
@@ -89,7 +69,7 @@ def run(
     """
     bed, c = bed or make_bed(replicate), replicate.configuration
     bins, every = c.record.bins, c.record.bins // (c.record.snapshots - 1)
-    observables = [module_of(name, c.beside) for name in c.record.observables]
+    observables = [load(file) for file in c.module.files[1:]]
     ledger = any(getattr(module, "LEDGER", False) for module in observables)
     simulation = start(replicate, bed, ledger=ledger, threads=1 if ledger else c.threads)
     interval = c.cylinder.stroke / c.cylinder.velocity / bins
@@ -99,27 +79,30 @@ def run(
         functions = (module.look for module in observables if hasattr(module, "look"))
         return {k: v for function in functions for k, v in function(simulation).items()}
 
-    partial = checkpoint and resumed(checkpoint, replicate, bed, simulation)
+    partial = checkpoint and resumed(checkpoint, replicate, simulation)
     partial = partial or PartialRun([], [simulation.state], [look()])
-    done, saved_at = partial.bins, time.monotonic()
+    done, saved_at = sum(len(record.time_step) for record in partial.records), time.monotonic()
     while done < bins:
         started = time.process_time()
-        partial.records.append(simulation.record(interval, min(every - done % every, BINS_A_CALL)))
-        done = partial.bins
+        count = min(every - done % every, BINS_A_CALL)
+        partial.records.append(simulation.record(interval, count))
+        done += count
         if done % every == 0:
             partial.states.append(simulation.state)
             partial.looks.append(look())
         partial.spent += time.process_time() - started
         progress(done / bins)
         if checkpoint is not None and time.monotonic() - saved_at > SAVED_EVERY:
-            partial.save(checkpoint, replicate, bed, simulation)
+            partial.save(checkpoint, replicate, simulation)
             saved_at = time.monotonic()
     data = RunData(replicate, bed, partial.record, partial.states)
-    values = {"run_time": partial.spent, "steps": simulation.steps} | stacked(partial.looks)
+    values = {name: [look[name] for look in partial.looks] for name in partial.looks[0]}
     for module in observables:
         if hasattr(module, "measure"):
             values |= module.measure(data)
     return values | {
+        "run_time": partial.spent,
+        "steps": simulation.steps,
         "box_height": bed.height,
         "packing_pressure": bed.pressure * modulus(replicate) / thickness(replicate),
         "packing_coordination_number": bed.coordination_number,

@@ -35,14 +35,10 @@ AXIS = {"jam_at": (("jam_at",), "1", "packing fraction")}
 STEP = 0.005  # of the packing fraction
 STEPS = 50  # at most
 SIZES = {"jam_at": STEPS}
+FRACTIONS = START + STEP * np.arange(STEPS)
 # load: mean normal force on the walls per length, over E* and the mean diameter
 NOISE = 5e-5  # a bed under less load may be at rest without being jammed
-ENOUGH = 1.1e-3  # here the line is long enough
-
-
-def is_enough(loads: list[float]) -> bool:
-    """Whether a line through the points above the noise is long enough."""
-    return sum(load > NOISE for load in loads) > 2 and loads[-1] > ENOUGH
+ENOUGH = 1.1e-3  # here a line through the points above the noise is long enough
 
 
 def line(fraction: np.ndarray, load: np.ndarray, power: float = 1.5) -> tuple[float, float]:
@@ -58,20 +54,21 @@ def line(fraction: np.ndarray, load: np.ndarray, power: float = 1.5) -> tuple[fl
 
 def axes(configuration: Configuration) -> dict:
     """Values along the dimensions that all runs share."""
-    return {"jam_at": START + STEP * np.arange(STEPS)}
+    return {"jam_at": FRACTIONS}
 
 
 def run(replicate: Replicate, bed=None, progress=lambda done: None) -> dict:
     """Grow the granules of a run until the bed is well above jamming; returns the variables of a run by
     name, NaN where no bed is found."""
-    packing, loads = replicate.configuration.packing, []
-    fractions, law = START + STEP * np.arange(STEPS), replicate.law
+    packing, law, loads = replicate.configuration.packing, replicate.law, []
     unit = law.scale(1.0, replicate.shape.diameter)
     try:
         press = Press(*room_of(replicate), packing.friction, PREPARATIONS[packing.preparation])
-        while len(loads) < STEPS and not is_enough(loads):
-            loads.append(press.press(fractions[len(loads)]) / unit)
-        jamming, slope = line(fractions[: len(loads)], np.array(loads), law.power)
+        for fraction in FRACTIONS:
+            loads.append(press.press(fraction) / unit)
+            if sum(load > NOISE for load in loads) > 2 and loads[-1] > ENOUGH:
+                break
+        jamming, slope = line(FRACTIONS[: len(loads)], np.array(loads), law.power)
     except PackingError:
         jamming = slope = np.nan
     return {

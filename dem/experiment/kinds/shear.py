@@ -8,7 +8,6 @@ da Cruz et al. (2005, Phys. Rev. E 72, 021309), with Hertzian contacts.
 
 import time
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -68,22 +67,6 @@ MIDDLE = 0.25  # of the height, on either side of the middle
 FALLS = 3.0
 
 
-class Cell(NamedTuple):
-    """Granules between rough walls, and how they are sheared.
-
-    state:  with the flow that is asked for
-    rate:   of shear that is asked for (1/s)
-    area:   of the lid (m2)
-    settle: time before anything is measured (s)
-    """
-
-    scene: Scene
-    state: State
-    rate: float
-    area: float
-    settle: float
-
-
 def rate_of(replicate: Replicate) -> float:
     """Rate of shear (1/s) of the inertial number I = rate sqrt(m / (pressure thickness))."""
     shear = replicate.configuration.shear
@@ -91,29 +74,25 @@ def rate_of(replicate: Replicate) -> float:
     return float(shear.inertial_number / np.sqrt(replicate.mean_density * area / shear.pressure))
 
 
-def make_cell(replicate: Replicate, bed: Bed) -> Cell:
-    """The bed of a run between rough walls, the upper one pressed down and moved."""
-    shear, diameter = replicate.configuration.shear, replicate.shape.diameter
-    scene, rate = make_scene(replicate, bed), rate_of(replicate)
-    height = bed.position[:, 1]
+def make_cell(replicate: Replicate, bed: Bed) -> tuple[Scene, State]:
+    """The bed of a run between rough walls, the upper one pressed down and moved, and in it the flow that is
+    asked for."""
+    shear, diameter, rate = (
+        replicate.configuration.shear,
+        replicate.shape.diameter,
+        rate_of(replicate),
+    )
+    scene, height = make_scene(replicate, bed), bed.position[:, 1]
     floor, lid = height < THICK * diameter, height > bed.height - THICK * diameter
     low, high = height[floor].max(), height[lid].min()
     speed = rate * (high - low)
-    area = bed.width * scene.thickness
-    force = shear.pressure * area
+    force = shear.pressure * (bed.width * scene.thickness)
     # yields to a wave of the bed, and keeps the pressure where the lid moves at much less than the shear
     damping = bed.width / diameter * np.sqrt(scene.mass.mean() * force / bed.width)
     drive = Drive((None, -force), float(scene.mass[lid].sum()), float(damping), (speed, 0.0))
-    scene = replace(scene, walls=None, held=[Held(floor), Held(lid, drive)])
     flow = np.clip(rate * (height - low), 0.0, speed)
     state = State(bed.position, np.column_stack([flow, np.zeros_like(flow)]), bed.angle)
-    fall = np.sqrt(2.0 * bed.height * scene.mass.sum() / force)
-    return Cell(scene, state, rate, area, max(shear.settle / rate, FALLS * float(fall)))
-
-
-def start(replicate: Replicate, cell: Cell) -> Simulation:
-    """The simulation of a cell."""
-    return Simulation(cell.scene, cell.state, **replicate.configuration.numerics.model_dump())
+    return replace(scene, walls=None, held=[Held(floor), Held(lid, drive)]), state
 
 
 def duration(replicate: Replicate) -> float:
@@ -122,34 +101,32 @@ def duration(replicate: Replicate) -> float:
     return (shear.settle + shear.strain) / rate_of(replicate)
 
 
-def warm_up(replicate: Replicate) -> None:
-    """Make the same run for an instant."""
-    instant = {"shear.settle": 0.0, "shear.strain": 1e-6, "shear.samples": 2}
-    configuration = replicate.configuration.changed(instant, replicate.label)
-    run(Replicate(configuration, *replicate.coordinates.values()))
-
-
 def run(replicate: Replicate, bed: Bed | None = None, progress=lambda done: None) -> dict:
     """Shear the bed of a run; returns the variables of a run by name. Raises RunError, also where a granule
     gets out between those that are held."""
-    shear = replicate.configuration.shear
-    cell = make_cell(replicate, bed or make_bed(replicate))
-    simulation = start(replicate, cell)
-    simulation.check_duration(cell.settle + shear.strain / cell.rate)
+    c, bed, rate = replicate.configuration, bed or make_bed(replicate), rate_of(replicate)
+    shear, (scene, state) = c.shear, make_cell(replicate, bed)
+    force = shear.pressure * (bed.width * scene.thickness)
+    fall = np.sqrt(2.0 * bed.height * scene.mass.sum() / force)
+    settle = max(shear.settle / rate, FALLS * float(fall))
+    simulation = Simulation(scene, state, **c.numerics.model_dump())
+    simulation.check_duration(settle + shear.strain / rate)
     started = time.process_time()
-    simulation.advance(cell.settle)
-    interval = shear.strain / shear.samples / cell.rate
-    samples = [_sample(simulation, cell, interval) for _ in range(shear.samples)]
+    simulation.advance(settle)
+    interval = shear.strain / shear.samples / rate
+    samples = [_sample(simulation, interval) for _ in range(shear.samples)]
     values = {name: np.array([sample[name] for sample in samples]) for name in samples[0]}
     return values | {"run_time": time.process_time() - started, "steps": simulation.steps}
 
 
-def _sample(simulation: Simulation, cell: Cell, interval: float) -> dict[str, float]:
+def _sample(simulation: Simulation, interval: float) -> dict[str, float]:
     """What is measured after an interval (s)."""
-    on_lid = simulation.record(interval, 1).held_force[0, 1] / cell.area
+    scene = simulation.scene
+    width = scene.periodic[0]
+    on_lid = simulation.record(interval, 1).held_force[0, 1] / (width * scene.thickness)
     state = simulation.state
     height = state.position[:, 1]
-    walls = [height[group.granules] for group in cell.scene.held]
+    walls = [height[group.granules] for group in scene.held]
     beyond = np.flatnonzero((height < walls[0].min()) | (height > walls[1].max()))
     if len(beyond):
         raise RunError(
@@ -162,13 +139,12 @@ def _sample(simulation: Simulation, cell: Cell, interval: float) -> dict[str, fl
     stress = simulation.stress(y=edges)
     both = (stress.contact + stress.kinetic)[0]
     inside = (height > edges[0]) & (height < edges[1])
-    radius = cell.scene.shape.bounding_radius
-    room = 2.0 * half * cell.scene.periodic[0]
+    below = _below(edges[:, None], height, scene.shape.bounding_radius).sum(axis=1)
     return {
         "shear_stress": -both[0, 1],
         "normal_stress": both[1, 1],
         "shear_rate": np.polyfit(height[inside], state.velocity[inside, 0], 1)[0],
-        "shear_fraction": np.diff(_below(edges[:, None], height, radius).sum(axis=1))[0] / room,
+        "shear_fraction": np.diff(below)[0] / (2.0 * half * width),
         "lid_shear_stress": -on_lid[0],
         "lid_normal_stress": on_lid[1],
         "shear_height": lid - floor,

@@ -5,17 +5,17 @@ dimensions, units, long name) that is read without running the file, and one or 
 functions that return values by these names: `look(simulation)` at each snapshot, and
 `measure(run)` at the end, from what the run recorded (dem.experiment.kinds.drag.RunData). Dimensions of
 its own are SIZES, AXIS and axes, as of kinds of experiment (dem.experiment.kinds). It has LEDGER =
-True if the simulation must keep an energy ledger.
+True if the simulation must keep an energy ledger, and NEEDED = {variable: path} of variables that are
+there only where the configuration has a value at a path.
 """
 
 from pathlib import Path
-from pkgutil import iter_modules
 
-from dem.base.constants import constants
-from dem.base.plugins import find_module, load
+from dem.base.constants import described
+from dem.base.plugins import find_module
 
 # Found and not listed, so that a new one does not change the code of runs without it.
-OBSERVABLES = tuple(sorted(module.name for module in iter_modules(__path__)))
+OBSERVABLES = described(Path(__file__).parent, "VARIABLES")
 
 
 def file_of(name: str, beside: str | None = None) -> Path:
@@ -26,13 +26,3 @@ def file_of(name: str, beside: str | None = None) -> Path:
     kinds = (path.stem for path in sorted(folder.parent.glob("kinds/[a-z]*.py")))
     known = *OBSERVABLES, *kinds  # whose files of results have these names
     return find_module("record.observables", name, beside, known, "measure", "look")
-
-
-def variables_of(name: str, beside: str | None = None) -> dict:
-    """The variables of an observable; its file is not run."""
-    return constants(file_of(name, beside))["VARIABLES"]
-
-
-def module_of(name: str, beside: str | None = None):
-    """The module of an observable, which is imported."""
-    return load(file_of(name, beside))

@@ -120,9 +120,9 @@ def fluctuation(before, after, diameter: float, periodic=None) -> np.ndarray:
     return np.where(count > 0, np.linalg.norm(moved - around, axis=1), np.nan)
 
 
-def layers_of(start, height: float, layers: int = LAYERS) -> np.ndarray:
+def layers_of(start, height: float) -> np.ndarray:
     """Layer (n,) of each granule, from the floor up, by where it starts."""
-    return np.clip((start[:, 1] / height * layers).astype(int), 0, layers - 1)
+    return np.clip((start[:, 1] / height * LAYERS).astype(int), 0, LAYERS - 1)
 
 
 def mixing(layers, position, diameter: float, periodic=None) -> float:

@@ -1,6 +1,6 @@
 """Place and angle of every granule at the snapshots."""
 
-from dem.experiment.snapshots import ORIENTATIONS
+from dem.experiment.snapshots import variables_of
 
 VARIABLES = {
     "cylinder_y": (("snapshot",), "m", "height of the axis of the cylinder above the floor"),
@@ -20,19 +20,14 @@ VARIABLES = {
     "granule_angle": (("snapshot", "granule"), "rad", "angle of the granule, anticlockwise"),
     "granule_diameter": (("granule",), "m", "volume diameter: diameter of the disc of equal area"),
 }
+# there is no such variable where the value at a path is none: what does not move, or turn
+NEEDED = {
+    "top_y": "packing.pressure",
+    "cylinder_orientation": "cylinder.spin",
+    "second_orientation": "second.spin",
+}
 
 
 def measure(run) -> dict:
     """Values of VARIABLES by name."""
-    snapshots = run.snapshots
-    values = {
-        "cylinder_y": snapshots.cylinder_y,
-        "granule_x": snapshots.position[:, :, 0],
-        "granule_y": snapshots.position[:, :, 1],
-        "granule_angle": snapshots.angle,
-        "granule_diameter": snapshots.diameters,
-    }
-    if run.replicate.configuration.packing.pressure is not None:
-        values["top_y"] = snapshots.height
-    turns = zip(ORIENTATIONS, snapshots.orientation, strict=False)
-    return values | {name: angle for name, angle in turns if angle is not None}
+    return variables_of(run)

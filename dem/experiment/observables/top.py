@@ -7,8 +7,7 @@ import math
 
 import numpy as np
 
-from dem.experiment.bed import diameters
-from dem.experiment.box import area_of_solids
+from dem.experiment.box import area_of_solids, diameters_of
 from dem.periodic import walled
 
 D = ("displacement",)
@@ -24,6 +23,6 @@ def measure(run) -> dict:
     height = (
         run.record.wall_offset[:, -1] if walled(periodic)[-1] else np.nan * run.record.time_step
     )
-    granules = 0.25 * math.pi * np.sum(np.square(diameters(run.replicate)))
+    granules = 0.25 * math.pi * np.sum(np.square(diameters_of(run.replicate)))
     room = c.box_width * height - area_of_solids(c)
     return {"top_height": height, "bed_fraction": granules / room}

@@ -11,10 +11,10 @@ from rich.console import Console
 from rich.table import Table
 
 from dem.analysis.drag import change, summarise
-from dem.analysis.tables import TextTable, numbers
+from dem.analysis.tables import TextTable
 from dem.base.statistics import Estimate, half_interval, ratio_interval
 from dem.report.info import drag_table
-from studies.common.findings import Findings, estimate, interval, span
+from studies.common.findings import Findings, estimate, interval, numbers, span
 
 __all__ = ["drag", "flow", "precise", "snapshots"]
 

@@ -2,8 +2,7 @@
 
 from rich.table import Table
 
-from dem.analysis.tables import numbers
-from studies.common.findings import estimate
+from studies.common.findings import estimate, numbers
 
 from .drag import drag
 

@@ -6,10 +6,9 @@ import pandas as pd
 import yaml
 from rich.table import Table
 
-from dem.analysis.tables import numbers
 from dem.contacts.force_law import damping_from_restitution, restitution_from_damping
 from dem.packing.cost import packing_time
-from studies.common.findings import Findings
+from studies.common.findings import Findings, numbers
 
 __all__ = ["ensembles", "large_beds", "off_centre", "overhead", "steps", "timings", "worst"]
 

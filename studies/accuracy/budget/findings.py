@@ -5,7 +5,6 @@ from functools import cached_property
 import numpy as np
 from rich.table import Table
 
-from dem.analysis.tables import numbers
 from studies.accuracy.budget import trial
 from studies.accuracy.budget.model import LEFT_OUT, PAPER, Settings
 from studies.accuracy.budget.spend import (
@@ -18,7 +17,7 @@ from studies.accuracy.budget.spend import (
     levels,
 )
 from studies.accuracy.budget.trial import NAMES, RUNS, Way
-from studies.common.findings import Findings, clock, estimate, percent
+from studies.common.findings import Findings, clock, estimate, numbers, percent
 
 __all__ = ["budget"]
 

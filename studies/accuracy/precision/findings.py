@@ -5,9 +5,8 @@ from functools import cached_property
 import pandas as pd
 from rich.table import Table
 
-from dem.analysis.tables import numbers
 from studies.accuracy.precision.stopping import FEW, ROUNDS
-from studies.common.findings import Findings, span
+from studies.common.findings import Findings, numbers, span
 
 __all__ = ["precision"]
 

@@ -20,7 +20,7 @@ from studies.accuracy.results import check, make
 from studies.common.results import runs
 
 CONFIG = Path(__file__).parents[3] / "config"
-HERE = Path(__file__).parent.parent
+STUDY = Path(__file__).parent.parent
 MEAN, SCATTER = 1000.0, 0.1
 
 
@@ -83,7 +83,7 @@ def series(length, runs=400, bins=1000, width=1e-5, seed=1):
     drag[:, 0] = rng.normal(size=runs)
     for k in range(1, bins):
         drag[:, k] = keep * drag[:, k - 1] + np.sqrt(1.0 - keep**2) * rng.normal(size=runs)
-    place = (np.arange(bins) + 0.5) * width
+    middle = (np.arange(bins) + 0.5) * width
     return xr.Dataset(
         {
             "replicate_drag": (
@@ -92,7 +92,7 @@ def series(length, runs=400, bins=1000, width=1e-5, seed=1):
             ),
             "replicate_time": ("replicate", np.ones(runs)),
         },
-        {"replicate_displacement": place},
+        {"replicate_displacement": middle},
         attrs={"window_start": 1e-3, "window_stop": 5e-3},
     )
 
@@ -118,7 +118,7 @@ def test_needed_replicates_reach_the_target_interval():
 
 def blocks(**steps):
     """A small sweep: two replicates, and blocks of some steps."""
-    data = yaml.safe_load((HERE / "smoke.yaml").read_text())
+    data = yaml.safe_load((STUDY / "smoke.yaml").read_text())
     data["sweep"]["blocks"] = {
         "replicates": {"shape": "c1", "seed": [1001, 1002]},
     } | {
@@ -168,7 +168,7 @@ def test_replicates_must_all_have_run(tmp_path):
 
 def test_the_bins_are_as_wide_as_the_papers():
     """So that a window means the same."""
-    paper, study = load(CONFIG / "paper.yaml"), load(HERE / "sweep.yaml")
+    paper, study = load(CONFIG / "paper.yaml"), load(STUDY / "sweep.yaml")
     width = paper.cylinder.stroke / paper.record.bins
     for name in study.blocks:
         configuration = study.block(name).first.configuration
@@ -196,5 +196,5 @@ def test_comparisons_are_shown_as_they_were_measured():
     assert accuracy.order("head-on, damped") == "1.25"
     assert accuracy.error("bed of discs", "Verlet") == 1.9e-7
     assert all(
-        accuracy.comparison(file.stem).row_count for file in (HERE / "comparisons").glob("*")
+        accuracy.comparison(file.stem).row_count for file in (STUDY / "comparisons").glob("*")
     )

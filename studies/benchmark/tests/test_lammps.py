@@ -26,17 +26,17 @@ def apart(small, steps, speed=1.0, of=np.max, same=False, **changes):
     step = 0.3 * dem.Simulation(scene, state).diagnose().critical_time_step
     ours = dem.Simulation(scene, state, time_step=step)
     ours.advance(steps * step)
-    with lammps.Run(scene, state, step, same=same) as theirs:
-        theirs.advance(steps)
-        position, other = ours.state.position, theirs.position
+    with lammps.Run(scene, state, step, same=same) as lammps_run:
+        lammps_run.advance(steps)
+        position, other = ours.state.position, lammps_run.position
     size = scene.shape.bounding_radius.mean()
     return of(np.abs(position - other)) / size, of(np.abs(position - state.position)) / size
 
 
 def test_without_friction_and_damping_motion_agrees_to_rounding(small_bed):
     """Same equations, same method. Dumbbells are compared at night."""
-    distance, moved = apart(small_bed("disc"), 100, friction=None, material=ELASTIC)
-    assert moved > 1e-3
+    distance, displacement = apart(small_bed("disc"), 100, friction=None, material=ELASTIC)
+    assert displacement > 1e-3
     assert distance < 1e-12
 
 
@@ -49,8 +49,8 @@ def test_with_friction_motion_differs_a_little(small_bed, kind, seed):
 
     Of eight beds of each kind: 0.08 to 0.17; a LAMMPS without friction is apart by 0.7 and more.
     """
-    distance, moved = apart(small_bed(kind, seed), 100, of=rms)
-    assert distance < 0.4 * moved
+    distance, displacement = apart(small_bed(kind, seed), 100, of=rms)
+    assert distance < 0.4 * displacement
 
 
 @pytest.mark.parametrize("seed", [1, 11])
@@ -60,16 +60,16 @@ def test_with_our_law_lammps_follows_our_motion(small_bed, kind, seed):
 
     Of eight beds of each kind: 0.016 to 0.033; a LAMMPS without damping is apart by 0.19 and more.
     """
-    distance, moved = apart(small_bed(kind, seed), 100, of=rms, same=True)
-    assert distance < 0.1 * moved
+    distance, displacement = apart(small_bed(kind, seed), 100, of=rms, same=True)
+    assert distance < 0.1 * displacement
 
 
 def test_softer_tangential_springs_are_handed_on(small_bed):
     """friction.stiffness of a hundredth: LAMMPS with Mindlin's own springs is as far off as
     granules move."""
     soft = dem.Friction(stiffness=0.01)
-    distance, moved = apart(small_bed("disc"), 100, of=rms, same=True, friction=soft)
-    assert distance < 0.1 * moved
+    distance, displacement = apart(small_bed("disc"), 100, of=rms, same=True, friction=soft)
+    assert distance < 0.1 * displacement
 
 
 def test_a_collision_returns_the_coefficient_of_restitution():

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from made import assert_shown_and_drawn, of_file
 from numpy.testing import assert_allclose
 from scipy.stats import qmc
+from sweeps import assert_shown_and_drawn, of_file
 from test_damage import ATTRS, COMBINED, FOREIGN, foreign
 from typer.testing import CliRunner
 
@@ -73,13 +73,13 @@ def verdicts(runs, **more):
 @pytest.mark.parametrize("paired", [True, False])
 def test_intervals_of_ratios_hold_the_truth_as_often_as_they_say(paired):
     """Of 2000 intervals at 95 % between 93 and 97 % hold the ratio of the true means."""
-    rng, held = np.random.default_rng(1), 0
+    rng, hits = np.random.default_rng(1), 0
     for _ in range(2000):
         bed = rng.normal(1.0, 0.1, 20) if paired else 1.0
         a, b = (mean * bed * rng.normal(1.0, 0.1, 20) for mean in (2.0, 1.0))
         low, high = Comparison(words="", a=a, b=b, paired=paired).interval()
-        held += low < 2.0 < high
-    assert 0.93 < held / 2000 < 0.97
+        hits += low < 2.0 < high
+    assert 0.93 < hits / 2000 < 0.97
 
 
 def test_pairing_takes_the_scatter_of_beds_out():
@@ -251,9 +251,9 @@ def test_every_run_of_the_study_is_a_row(smallest):
     packing = [run.configuration.packing.fraction for run in runs]
     assert dataset["run_packing"].values.tolist() == packing
     assert dataset["run_seed"].values.tolist() == [run.seed for run in runs]
-    ran = dataset["run_status"] == "ran"
-    assert ran.mean() > 0.8 and (dataset["run_drag"][ran] > 0.0).all()
-    assert dataset["run_drag"][~ran].isnull().all()
+    success = dataset["run_status"] == "ran"
+    assert success.mean() > 0.8 and (dataset["run_drag"][success] > 0.0).all()
+    assert dataset["run_drag"][~success].isnull().all()
 
 
 def test_a_run_that_failed_is_a_row_with_its_error():
@@ -365,21 +365,21 @@ def test_a_bed_has_pressure_only_above_its_jamming_fraction():
 @pytest.mark.parametrize(("turn", "expected"), [(0.0, 1.0), (np.pi / 2, -1.0), (np.pi, 1.0)])
 def test_alignment_tells_along_from_across(turn, expected):
     rng = np.random.default_rng(0)
-    before = rng.uniform(-2e-3, 2e-3, (200, 2))
-    moved = 1e-4 * rng.normal(size=(200, 2))
-    angle = np.arctan2(moved[:, 1], moved[:, 0]) + turn
+    start = rng.uniform(-2e-3, 2e-3, (200, 2))
+    displacement = 1e-4 * rng.normal(size=(200, 2))
+    angle = np.arctan2(displacement[:, 1], displacement[:, 0]) + turn
     angles = [angle, angle + np.pi / 2]
-    along, _ = alignment(before, before + moved, angles, (0.0, 0.0), 1e-3, 1e-3, 5e-4)
+    along, _ = alignment(start, start + displacement, angles, (0.0, 0.0), 1e-3, 1e-3, 5e-4)
     assert_allclose(along, [expected, -expected])
 
 
 def test_alignment_at_random_is_none_and_far_granules_do_not_count():
     rng = np.random.default_rng(0)
-    before = rng.uniform(-2e-3, 2e-3, (4000, 2))
-    after = before + 1e-4 * rng.normal(size=before.shape)
+    start = rng.uniform(-2e-3, 2e-3, (4000, 2))
+    end = start + 1e-4 * rng.normal(size=start.shape)
     angle = rng.uniform(0.0, 2.0 * np.pi, 4000)
-    assert np.abs(alignment(before, after, [angle], (0, 0), 1e-3, 1e-3, 5e-4)).max() < 0.06
-    assert np.isnan(alignment(before + 1.0, after + 1.0, [angle], (0, 0), 1e-3, 1e-3, 5e-4)).all()
+    assert np.abs(alignment(start, end, [angle], (0, 0), 1e-3, 1e-3, 5e-4)).max() < 0.06
+    assert np.isnan(alignment(start + 1.0, end + 1.0, [angle], (0, 0), 1e-3, 1e-3, 5e-4)).all()
 
 
 # What remains at equal distance from jamming

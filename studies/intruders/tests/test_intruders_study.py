@@ -14,7 +14,7 @@ from studies.catalogue import figures
 from studies.intruders import findings
 from studies.intruders.figures import intruders, pairs
 
-HERE = Path(__file__).parent.parent
+STUDY = Path(__file__).parent.parent
 
 
 def forces(drag, side, coordinates, solids=2) -> xr.Dataset:
@@ -35,7 +35,7 @@ def forces(drag, side, coordinates, solids=2) -> xr.Dataset:
 @pytest.mark.parametrize(("name", "figure"), [("sweep", "intruders"), ("pairs", "pairs")])
 def test_a_sweep_makes_what_its_figure_needs(name, figure):
     """Also the forces on each solid, which are no part of the paper's drag."""
-    block = load(HERE / f"{name}.yaml").block("drag")
+    block = load(STUDY / f"{name}.yaml").block("drag")
     assert figure in possible(block, figures())
     assert all("solids" in run.configuration.observables for run in block.runs.values())
 

@@ -14,7 +14,7 @@ from studies.catalogue import figures
 from studies.law import findings
 from studies.law.figures.law import plot
 
-HERE = Path(__file__).parent.parent
+STUDY = Path(__file__).parent.parent
 DRAG = np.array([[1000.0, 2000.0, 400.0], [1000.0, 2500.0, 600.0]])  # N, by law and shape
 
 
@@ -42,10 +42,10 @@ def runs() -> xr.Dataset:
 
 
 def test_the_sweep_packs_and_runs_under_each_law():
-    block = load(HERE / "sweep.yaml").block("drag")
+    block = load(STUDY / "sweep.yaml").block("drag")
     assert "law" in possible(block, figures())
-    known = [run.configuration.contact for run in block.runs.values()]
-    assert len({contact.law for contact in known}) == 3
+    contacts = [run.configuration.contact for run in block.runs.values()]
+    assert len({contact.law for contact in contacts}) == 3
 
 
 def test_shapes_are_compared_under_one_law(runs, tmp_path):

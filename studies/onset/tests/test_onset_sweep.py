@@ -2,15 +2,14 @@
 
 from pathlib import Path
 
-from dem.experiment.bed import diameters
-from dem.experiment.box import height_of_box
+from dem.experiment.box import diameters_of, height_of_box
 from dem.sweep.config import load
 
-HERE = Path(__file__).parent.parent
+STUDY = Path(__file__).parent.parent
 
 
 def test_boxes_of_the_sweep_are_about_square():
-    for run in load(HERE / "sweep.yaml").block("drag").runs.values():
+    for run in load(STUDY / "sweep.yaml").block("drag").runs.values():
         configuration = run.configuration
-        height = height_of_box(configuration, diameters(run))
+        height = height_of_box(configuration, diameters_of(run))
         assert 0.8 < height / configuration.box_width < 1.25

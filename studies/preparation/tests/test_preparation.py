@@ -12,12 +12,12 @@ from dem.sweep.config import load
 from studies.catalogue import figures
 from studies.preparation.figures.preparation import plot
 
-HERE = Path(__file__).parent.parent
+STUDY = Path(__file__).parent.parent
 
 
 def test_the_figure_shows_both_ways_and_their_ratio(tmp_path):
     """Where grown beds drag half as much, each mark of the ratio is at a half."""
-    assert "preparation" in possible(load(HERE / "sweep.yaml").block("drag"), figures())
+    assert "preparation" in possible(load(STUDY / "sweep.yaml").block("drag"), figures())
     dims = "packing_preparation", "box", "shape", "seed"
     drag = np.array([1000.0, 500.0])[:, None, None, None] * np.ones((2, 2, 3, 4))
     drag = drag * np.linspace(0.9, 1.1, 4)  # by seed

@@ -14,7 +14,7 @@ from studies.catalogue import figures
 from studies.pressure.figures.pressure import plot
 from studies.pressure.widths import LEAST, Widths
 
-HERE = Path(__file__).parent.parent
+STUDY = Path(__file__).parent.parent
 WIDTH = np.array([1.0, 2.0, 4.0, 1.0])
 BOXES = ["1", "2", "4", "high"]
 
@@ -75,12 +75,12 @@ def test_a_drag_that_only_walls_make_has_no_limit():
 def test_intervals_hold_the_truth_as_often_as_they_say(power):
     """Where the scatter is so small that the drags tell in which way the walls count; and of the
     drag in a box that is as wide as the first."""
-    held = []
+    hits = []
     for seed in range(100):
         widths = Widths(boxes(power, noise=0.02, seed=seed))
         limit, change = widths.limit("e1"), widths.change("e1", "high")
-        held.append([limit.low < 0.5 < limit.high, change.low < 1.0 < change.high])
-    share = np.mean(held, axis=0)
+        hits.append([limit.low < 0.5 < limit.high, change.low < 1.0 < change.high])
+    share = np.mean(hits, axis=0)
     assert (share >= 0.90).all() and (share <= 0.99).all()
 
 
@@ -108,7 +108,7 @@ def test_the_figure_shows_shapes_and_ratios(tmp_path):
 def test_every_bed_of_the_study_has_the_same_shape_of_neighbourhood():
     """Boxes of all sizes have as many granules per area as the paper's, as thick as any other, and
     the cylinder as far from the floor."""
-    paper, runs = load("config/paper.yaml"), load(HERE / "sweep.yaml").block("drag").runs
+    paper, runs = load("config/paper.yaml"), load(STUDY / "sweep.yaml").block("drag").runs
     for run in runs.values():
         configuration, shape = run.configuration, run.shape
         size = (

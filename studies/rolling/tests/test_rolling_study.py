@@ -14,13 +14,13 @@ from studies.catalogue import figures
 from studies.rolling import findings
 from studies.rolling.figures.rolling import plot
 
-HERE = Path(__file__).parent.parent
+STUDY = Path(__file__).parent.parent
 LABELS = ["c1", "mu 0.2", "mu 1", "e3"]
 DRAG = np.array([[1000.0, 2000.0, 4000.0, 500.0], [800.0, 1000.0, 2000.0, 1000.0]])  # N, by state
 
 
 def test_the_sweep_makes_what_its_figure_needs():
-    assert "rolling" in possible(load(HERE / "sweep.yaml").block("drag"), figures())
+    assert "rolling" in possible(load(STUDY / "sweep.yaml").block("drag"), figures())
 
 
 def test_discs_are_compared_with_other_granules(tmp_path):

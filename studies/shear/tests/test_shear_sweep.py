@@ -4,13 +4,13 @@ from pathlib import Path
 
 from dem.sweep.config import load
 
-HERE = Path(__file__).parent.parent
+STUDY = Path(__file__).parent.parent
 
 
 def test_every_bed_is_sheared_in_all_ways():
     """With friction in all contacts and with none, at the same inertial numbers."""
     beds = {}
-    for run in load(HERE / "sweep.yaml").block("drag").runs.values():
+    for run in load(STUDY / "sweep.yaml").block("drag").runs.values():
         configuration = run.configuration
         ways = beds.setdefault(run.bed_key(), set())
         ways.add(

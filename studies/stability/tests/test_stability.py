@@ -16,13 +16,13 @@ from studies.stability import catalogue, linear, results
 from studies.stability.scenes import start
 from studies.stability.watching import friction_excess, momenta, unlisted
 
-HERE = Path(__file__).parent.parent
+STUDY = Path(__file__).parent.parent
 SHORT = {"experiment": "draw", "shapes": ["c1"], "change": {"displacement": 5e-5}}
 
 
 @pytest.fixture(scope="module")
 def sweep():
-    return load(HERE / "smoke.yaml")
+    return load(STUDY / "smoke.yaml")
 
 
 def test_a_checkpoint_of_another_scene_is_refused(small_bed):
@@ -105,7 +105,7 @@ def test_a_bed_grows_beyond_its_limit_only(sweep):
 
 def test_a_sweep_that_is_no_study_is_refused():
     with pytest.raises(dem.InputError, match=r"sweep.blocks.map must vary shape, material"):
-        results.make(SweepState.of(HERE.parents[1] / "config/smoke.yaml"), 1, None)
+        results.make(SweepState.of(STUDY.parents[1] / "config/smoke.yaml"), 1, None)
 
 
 @pytest.mark.parametrize(
@@ -125,6 +125,6 @@ def test_a_wrong_catalogue_is_refused_in_words(tmp_path, case, words):
 
 
 def test_the_catalogue_names_experiments_and_shapes_that_exist(sweep):
-    cases = catalogue.load(HERE / "catalogue.yaml")
+    cases = catalogue.load(STUDY / "catalogue.yaml")
     assert {case.experiment for case in cases.cases.values()} == set(results.EXPERIMENTS)
     assert {*cases.shapes, *cases.limits.shapes} <= set(sweep.shapes)

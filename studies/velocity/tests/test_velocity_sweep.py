@@ -5,12 +5,12 @@ from pathlib import Path
 from dem.analysis.velocity import LEAST
 from dem.sweep.config import load
 
-HERE = Path(__file__).parent.parent
+STUDY = Path(__file__).parent.parent
 
 
 def test_every_bed_is_drawn_in_all_ways():
     """So that beds are their own control; without friction no contact has any."""
-    block = load(HERE / "sweep.yaml").block("drag")
+    block = load(STUDY / "sweep.yaml").block("drag")
     beds = {}
     for run in block.runs.values():
         configuration = run.configuration

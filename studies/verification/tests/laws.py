@@ -16,7 +16,7 @@ from tempfile import TemporaryDirectory
 
 ROOT = Path(__file__).parents[3]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
-from nightly.mutants import Mutant, made  # noqa: E402
+from nightly.mutants import Mutant, faulty_copy  # noqa: E402
 
 from dem.base import provenance  # noqa: E402
 from docs.data.kernels import digest  # noqa: E402
@@ -136,20 +136,20 @@ print(json.dumps(found))
 def notices(law: Mutant, *cases: str) -> dict[str, int | str]:
     """How many numbers of each case fail where a law is broken, or the error that ends it."""
     with TemporaryDirectory() as folder:
-        copy = made(law, Path(folder))
+        copy = faulty_copy(law, Path(folder))
         environment = os.environ | {
             "NUMBA_CACHE_DIR": str(copy / ".numba"),
             "PYTHONPATH": str(copy),
         }
-        ran = subprocess.run(
+        process = subprocess.run(
             [sys.executable, "-P", "-c", ASK, *cases],
             cwd=copy,
             env=environment,
             capture_output=True,
             text=True,
         )
-        assert ran.returncode == 0, ran.stderr
-        return json.loads(ran.stdout)
+        assert process.returncode == 0, process.stderr
+        return json.loads(process.stdout)
 
 
 def main():
@@ -158,11 +158,11 @@ def main():
     revision = provenance.git_revision()
     for number in words.parse_args().numbers or range(len(LAWS)):
         counts = notices(LAWS[number], *CASES)
-        kept = json.loads(FILE.read_text()) if FILE.exists() else {"laws": {}, "revisions": {}}
-        kept["laws"][LAWS[number].kind] = counts
-        kept["revisions"][LAWS[number].kind] = revision
-        kept.setdefault("kernels", {})[LAWS[number].kind] = digest()
-        FILE.write_text(json.dumps(kept, indent=1) + "\n")
+        data = json.loads(FILE.read_text()) if FILE.exists() else {"laws": {}, "revisions": {}}
+        data["laws"][LAWS[number].kind] = counts
+        data["revisions"][LAWS[number].kind] = revision
+        data.setdefault("kernels", {})[LAWS[number].kind] = digest()
+        FILE.write_text(json.dumps(data, indent=1) + "\n")
         print(LAWS[number].kind, counts, flush=True)
 
 

@@ -20,12 +20,12 @@ def test_a_case_says_its_question_its_source_and_its_tolerance():
 
 def test_what_is_expected_of_a_contact_comes_from_no_code_of_the_library():
     """The differential equation returns the restitution, and friction makes no energy."""
-    before = (0.3, -1.0, 0.2)
+    approach = (0.3, -1.0, 0.2)
     elastic = Contact(2.0, 0.4, 1.0, 1e6, 4e6, 0.0, 0.2)
-    after = elastic.collide((0.3, -1.0), 0.2)
-    energy = [u * u + v * v + 0.2 * w * w for u, v, w in (before, after)]
+    rebound = elastic.collide((0.3, -1.0), 0.2)
+    energy = [u * u + v * v + 0.2 * w * w for u, v, w in (approach, rebound)]
     smooth = elastic._replace(zeta=damping_ratio(0.3), friction=0.0)
-    assert energy[1] < energy[0] and after[1] == pytest.approx(1.0, rel=1e-6)
+    assert energy[1] < energy[0] and rebound[1] == pytest.approx(1.0, rel=1e-6)
     assert smooth.collide((0.3, -1.0), 0.2) == pytest.approx([0.3, 0.3, 0.2], rel=1e-6)
 
 

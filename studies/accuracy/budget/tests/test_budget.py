@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from made import SMOKE, run_all
+from sweeps import SMOKE, run_all
 
 from dem.sweep.config import parse
 from dem.sweep.state import SweepState
@@ -165,8 +165,8 @@ def test_two_levels_take_what_the_best_numbers_of_runs_take(dataset):
 def test_repetitions_show_a_bias_and_a_scatter(dataset):
     """Means that are a tenth too large are off by a tenth."""
     off = dataset.copy(deep=True)
-    mine = off["run_part"].values == "paper_1"
-    off["run_drag"][mine] = off["run_drag"][mine] * 1.1
+    rows = off["run_part"].values == "paper_1"
+    off["run_drag"][rows] = off["run_drag"][rows] * 1.1
     ways = tried(Shape(off, "c1"))
     for error in map(interval, (ways["paper"].repeated, ways["paper"].whole)):
         assert error[0] == pytest.approx(0.1, abs=0.02)
@@ -178,14 +178,16 @@ def test_repetitions_show_a_bias_and_a_scatter(dataset):
 def test_a_way_that_scatters_less_has_the_smaller_error_by_as_much(dataset):
     """By all runs and by the repetitions, within the intervals of the ratio."""
     wide = dataset.copy(deep=True)
-    mine = wide["run_part"].values == "paper_1"
-    wide["run_drag"][mine] = 3.0 * wide["run_drag"][mine] - 2.0 * wide["run_drag"][mine].mean("run")
+    rows = wide["run_part"].values == "paper_1"
+    wide["run_drag"][rows] = 3.0 * wide["run_drag"][rows] - 2.0 * wide["run_drag"][rows].mean("run")
     ways = [tried(Shape(wide, "c1"))]
-    before = [tried(Shape(dataset, "c1"))]
+    reference = [tried(Shape(dataset, "c1"))]
     for by in ("repeated", "whole"):
         value, low, high = ratio(ways, "recommended", "paper", by)
         assert low < 1.0 / 3.0 < high
-        assert value == pytest.approx(ratio(before, "recommended", "paper", by)[0] / 3.0, rel=0.25)
+        assert value == pytest.approx(
+            ratio(reference, "recommended", "paper", by)[0] / 3.0, rel=0.25
+        )
 
 
 def test_every_run_is_a_row_with_what_it_gave(tmp_path, monkeypatch):

@@ -34,21 +34,21 @@ def snakemake(folder, *arguments, configfile=SMOKE, sources=None) -> subprocess.
     sources = sources or folder
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(LIBRARIES)
-    with tempfile.TemporaryDirectory() as place:
-        said = [Path(place) / name for name in ("stdout", "stderr")]
+    with tempfile.TemporaryDirectory() as temporary:
+        files = [Path(temporary) / name for name in ("stdout", "stderr")]
         process = context.Process(
-            target=_run, args=(words, folder, sources, environment(sources), said)
+            target=_run, args=(words, folder, sources, environment(sources), files)
         )
         process.start()
         process.join()
-        return subprocess.CompletedProcess(words, process.exitcode, *(p.read_text() for p in said))
+        return subprocess.CompletedProcess(words, process.exitcode, *(p.read_text() for p in files))
 
 
-def _run(words, folder, sources, environment, said):
+def _run(words, folder, sources, environment, files):
     os.chdir(folder)
     os.environ.clear()
     os.environ.update(environment)
-    for number, path in enumerate(said, start=1):
+    for number, path in enumerate(files, start=1):
         os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND), number)
     assert "dem" not in sys.modules
     sys.path.insert(0, str(sources))

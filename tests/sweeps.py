@@ -52,7 +52,7 @@ def assert_shown_and_drawn(study: str, path: Path) -> None:
 
     run = CliRunner().invoke(app, [study, "info", str(path)])
     assert run.exit_code == 0, run.output
-    for name in [name for name, each in figures().items() if each.file == study]:
+    for name in [name for name, figure in figures().items() if figure.file == study]:
         assert_not_blank(draw(name, path, path.parent, figures())[1])
 
 
@@ -61,15 +61,15 @@ def run_all(work: SweepState) -> None:
     for name in work.sweep.blocks:
         while True:
             work.begin(name)
-            for each in work.batches(name):
-                if not work.store.file_of(each.id).is_file():
-                    making.make(work.store, each.id)
+            for batch in work.batches(name):
+                if not work.store.file_of(batch.id).is_file():
+                    making.make(work.store, batch.id)
             if not work.grow(name):
                 break
         combine_block(work, name, "drag", work.combined(name)[0])
 
 
-def made(folder: Path, beds: bool = False, **values) -> SweepState:
+def make_sweep(folder: Path, beds: bool = False, **values) -> SweepState:
     """A sweep of config/smoke.yaml with other values, made in `folder`/results, with its figures.
 
     beds: whether the figures of snapshots.nc are drawn too.
@@ -79,8 +79,8 @@ def made(folder: Path, beds: bool = False, **values) -> SweepState:
         (block,) = work.sweep.blocks
         chunks = work.batches(block)
         work.begin(block)
-        for each in chunks:
-            making.make(work.store, each.id)
+        for chunk in chunks:
+            making.make(work.store, chunk.id)
         for name in work.observables(block):
             combine_block(work, block, name, Path(f"results/{name}.nc"))
         for name in possible(work.block(block)) if beds else ():
