@@ -98,7 +98,7 @@ QUICK = {
     "test_onset.py": ("",),
     "test_claims.py": ("test_line_finds",),
     "test_damage.py": ("flipped_bit", "of_any_size"),
-    "test_compilation.py": ("copies_share_kernels",),
+    "test_compilation.py": ("copies_share_kernels", "class_of_ones_own"),
     "test_neighbors.py": ("lowest_patch",),
     "test_motion.py": ("work_of_a_driven",),
 }

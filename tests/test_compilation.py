@@ -196,6 +196,17 @@ def test_code_for_a_class_that_is_not_known_by_its_code_is_not_kept():
     assert add_all._cache._file(signature, compiles_for()) is None
 
 
+def test_machine_code_is_kept_for_one_code_of_a_class_of_ones_own(monkeypatch):
+    """After an edit of its file it is looked for elsewhere."""
+    assert add_all(Inner((), np.ones(2))) == 2.0
+    (signature,) = add_all.signatures
+    kept, codegen = set(), cpu_target.target_context.codegen()
+    for code in ("before", "after"):
+        monkeypatch.setitem(compilation.CODE, Inner, code)
+        kept.add(add_all._cache._file(signature, codegen))
+    assert len(kept) == 2 and None not in kept
+
+
 TINY = """
 from dem.jit.compilation import compiled
 

@@ -5,6 +5,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import meshio
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -14,6 +15,9 @@ from dem.experiment.bed import make_bed, solids
 from dem.experiment.box import area_of_solids, circles_of, height_of_box
 from dem.experiment.kinds import drag
 from dem.experiment.scene import make_scene
+from dem.experiment.snapshots import snapshots_of
+from dem.figures.export import export
+from dem.figures.frames import of_motion
 from dem.sweep.config import load
 
 CONFIG = Path(__file__).parent.parent / "config"
@@ -95,8 +99,9 @@ def test_a_cylinder_that_turns_freely_has_the_inertia_of_its_density():
     assert_allclose(plate.spin.inertia, thin, rtol=0.1)
 
 
-def test_a_run_draws_two_cylinders_to_the_right():
-    """Drag is against the motion, wherever it goes, and both are where the displacement says."""
+@pytest.fixture(scope="module")
+def pair():
+    """Two cylinders that are drawn to the right, of which the second turns; values of the run."""
     changes = {
         "cylinder.direction": 0.0,
         "cylinder.start": 0.5,
@@ -109,8 +114,13 @@ def test_a_run_draws_two_cylinders_to_the_right():
         "record.observables": ["drag", "solids", "snapshots"],
         "shapes.c1.granules": 150,
     }
-    replicate = run(changes, second={"diameter": 2e-3, "gap": 2e-3})
-    values = drag.run(replicate, make_bed(replicate))
+    replicate = run(changes, second={"diameter": 2e-3, "gap": 2e-3, "spin": 1e3})
+    return replicate, drag.run(replicate, make_bed(replicate))
+
+
+def test_a_run_draws_two_cylinders_to_the_right(pair):
+    """Drag is against the motion, wherever it goes, and both are where the displacement says."""
+    replicate, values = pair
     assert values["drag"][10:].mean() > 0.0
     assert values["solid_drag"].shape == (2, 20) and (values["solid_drag"][:, 10:] > 0.0).any()
     assert_allclose(values["drag"], values["solid_drag"][0])
@@ -119,6 +129,22 @@ def test_a_run_draws_two_cylinders_to_the_right():
     assert_allclose(
         values["box_height"], height_of_box(replicate.configuration, values["granule_diameter"])
     )
+
+
+def test_a_second_cylinder_that_turns_is_drawn_and_exported_at_its_angle(pair, tmp_path):
+    """1000 rad/s over 1 mm at 2 m/s, which is half a radian; the first stays at zero."""
+    replicate, values = pair
+    layout = replicate.configuration.module.layout
+    assert "second_orientation" in layout and "cylinder_orientation" not in layout
+    motion = snapshots_of(replicate, values | drag.axes(replicate.configuration))
+    assert_allclose(of_motion(motion).turn, [[0.0, 0.0], [0.0, 0.25], [0.0, 0.5]], atol=1e-9)
+    export(motion, tmp_path / "bed.pvd")
+    mesh = meshio.read(tmp_path / "bed0002.vtu")
+    solids = [mesh.cell_data["granule"][0].tolist().index(number) for number in (-1, -2)]
+    assert_allclose(mesh.cell_data["angle"][0][solids], [0.0, 0.5], atol=1e-9)
+    ring = mesh.points[mesh.cells[0].data[solids[1]]][:, :2]
+    first, second = ring[0], ring.mean(axis=0)
+    assert_allclose(np.arctan2(*(first - second)[::-1]), 0.5, atol=1e-6)
 
 
 REFUSED = {

@@ -389,6 +389,13 @@ REFUSED = {
     "solids[1] is 0.001 m inside solids[0]": lambda: dem.Scene(
         dem.Disc([R]), solids=[dem.Cylinder(2e-3, (0, 0)), dem.Cylinder(2e-3, (1e-3, 0))]
     ),
+    "solids[1] is 0.0043 m inside solids[0]": lambda: dem.Scene(  # a cross: no corner is inside
+        dem.Disc([R]),
+        solids=[dem.Solid(BLADE, (0.0, 0.0)), dem.Solid(BLADE, (0.0, 0.0), 0.5 * math.pi)],
+    ),
+    "solids[0] is 0.002 m inside wall 0": lambda: dem.Scene(
+        dem.Disc([R]), walls=[[0, -1, 0]], solids=dem.Solid(BLADE, (0.0, 2e-3), 0.5 * math.pi)
+    ),
     "solids[0] is 0.0005 m inside wall 0": lambda: dem.Scene(
         dem.Disc([R]), walls=[[0, -1, 0]], solids=dem.Cylinder(2e-3, (0, 0.5e-3))
     ),

@@ -1,5 +1,6 @@
 """The snapshots of one run, with all that is needed to draw and to measure them."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -15,13 +16,15 @@ from dem.packing.random import Bed
 from dem.periodic import Periods, periods_of
 from dem.solids import Solid
 
+ORIENTATIONS = "cylinder_orientation", "second_orientation"  # variables of a run
+
 
 class Snapshots(NamedTuple):
     """Snapshots s of granules n. SI units.
 
     height (s,): of the box, up to its top wall; displacement (s,); position (s, n, 2), not wrapped at
     periodic sides; angle (s, n); diameters (n,); drag (bins,) at drag_displacement (bins,), None where
-    it is not asked for; cylinder_orientation (s,), None where the cylinder does not turn.
+    it is not asked for; orientation: angles (s,) of each solid, None for one that does not turn.
     """
 
     replicate: Replicate
@@ -32,7 +35,7 @@ class Snapshots(NamedTuple):
     diameters: np.ndarray
     drag_displacement: np.ndarray | None = None
     drag: np.ndarray | None = None
-    cylinder_orientation: np.ndarray | None = None
+    orientation: Sequence[np.ndarray | None] = (None, None)
 
     @property
     def periodic(self) -> Periods:
@@ -65,13 +68,14 @@ class Snapshots(NamedTuple):
     def solids(self, snapshot: int) -> tuple[Solid, ...]:
         """The cylinder, and a second one, where they are at a snapshot."""
         ahead = np.array(ahead_of(self.replicate.configuration.cylinder))
-        first, *others = (
+        moved = (
             replace(solid, position=tuple(solid.position + self.displacement[snapshot] * ahead))
             for solid in solids(self.replicate, self.height[0])
         )
-        if self.cylinder_orientation is not None:
-            first = replace(first, angle=self.cylinder_orientation[snapshot])
-        return first, *others
+        return tuple(
+            solid if angle is None else replace(solid, angle=angle[snapshot])
+            for solid, angle in zip(moved, self.orientation, strict=False)
+        )
 
 
 def snapshots_of(replicate: Replicate, values: dict) -> Snapshots:
@@ -86,18 +90,18 @@ def snapshots_of(replicate: Replicate, values: dict) -> Snapshots:
         values["granule_diameter"],
         values.get("displacement"),
         values.get("drag"),
-        values.get("cylinder_orientation"),
+        [values.get(name) for name in ORIENTATIONS],
     )
 
 
 def variables_of(run) -> dict:
     """These variables, from what a run recorded (dem.experiment.kinds.drag.RunData)."""
     c, height = run.replicate.configuration, run.bed.height
-    cylinder, *_ = solids(run.replicate, height)
+    drawn = solids(run.replicate, height)
     x, y = np.stack([state.position for state in run.states]).transpose(2, 0, 1)
     displacement = np.linspace(0.0, c.cylinder.stroke, c.record.snapshots)
     values = {
-        "cylinder_y": cylinder.position[1] + ahead_of(c.cylinder)[1] * displacement,
+        "cylinder_y": drawn[0].position[1] + ahead_of(c.cylinder)[1] * displacement,
         "granule_x": x,
         "granule_y": y,
         "granule_angle": np.stack([state.angle for state in run.states]),
@@ -106,7 +110,8 @@ def variables_of(run) -> dict:
     every = c.record.bins // (c.record.snapshots - 1)
     if c.packing.pressure is not None:
         values["top_y"] = np.append(height, run.record.wall_offset[every - 1 :: every, -1])
-    if c.cylinder.spin is not None:
-        angle = run.record.solid_angle[every - 1 :: every, 0]
-        values["cylinder_orientation"] = np.append(cylinder.angle, angle)
+    for k, (solid, section) in enumerate(zip(drawn, (c.cylinder, c.second), strict=False)):
+        if section.spin is not None:
+            angle = run.record.solid_angle[every - 1 :: every, k]
+            values[ORIENTATIONS[k]] = np.append(solid.angle, angle)
     return values

@@ -5,12 +5,14 @@ from itertools import product
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import Polygon
+from matplotlib.patheffects import withStroke
 
 from dem.periodic import wrapped
 
 STEEL = {"facecolor": "white", "edgecolor": "black", "hatch": "xxxx", "zorder": 3}
 BEHIND = {"facecolor": "0.93", "edgecolor": "0.6", "hatch": "////", "linewidth": 0.0}  # walls
 SPACE = {"facecolor": "white", "edgecolor": "black", "linewidth": 1.4, "zorder": 0}
+RIM = [withStroke(linewidth=5.0, foreground="white")]  # of a mark, on the hatch of a solid
 MARGIN = 0.05  # of a view, around what it shows
 NECK = 11  # of the points of an outline, one in so many on each side: width where two parts meet
 
@@ -126,7 +128,7 @@ def draw(axes, frames, frame: int, view, contacts=None, strongest=1.0, **look) -
                 shown[1], linewidths=widths, colors="#b34700", capstyle="round", zorder=2
             ),
             PolyCollection(shown[2], **STEEL),
-            LineCollection(shown[3], linewidths=1.6, colors="black", zorder=4),
+            LineCollection(shown[3], linewidths=2.0, colors="black", zorder=4, path_effects=RIM),
         ):
             axes.add_collection(collection, autolim=False)
     xlim, ylim = 1e3 * view.T

@@ -7,13 +7,14 @@ import xarray as xr
 from rich.table import Table
 
 from dem.base.statistics import Estimate, mean_interval, ratio_interval
-from studies.common.findings import Findings, estimate, numbers
-from studies.intruders.figures.intruders import PLATE, WORDS, force
+from studies.common.findings import Findings, estimate, numbers, span
+from studies.intruders.figures.intruders import PLATE, WORDS, force, resistive
 from studies.intruders.figures.pairs import apart
 
-__all__ = ["intruders", "pairs"]
+__all__ = ["intruders", "pairs", "slow"]
 
 DIAMETER = 3.175e-3  # m
+ACROSS = PLATE + "0"  # the plate across the motion
 
 
 class Intruders(Findings):
@@ -47,10 +48,10 @@ class Intruders(Findings):
         """Mean drag relative to that of another intruder."""
         return ratio_interval(self.drags.sel(intruder=label), self.drags.sel(intruder=other))
 
-    def share(self, label: str) -> Estimate:
-        """Side force relative to the drag of the same intruder."""
-        drag, side = self.drags.sel(intruder=label), self.forces("side_force").sel(intruder=label)
-        return ratio_interval(side, drag)
+    def aside(self, label: str, other: str | None = None) -> Estimate:
+        """Side force relative to the drag of the same intruder, or of another."""
+        side = self.forces("side_force").sel(intruder=label)
+        return ratio_interval(side, self.drags.sel(intruder=other or label))
 
     def weakly(self, share: float, *labels: str) -> bool:
         """Whether drags of intruders are within a share of that of the cylinder, intervals
@@ -74,8 +75,27 @@ class Intruders(Findings):
         angle, interval included."""
         turned = {label: angle for label, angle in self.angles.items() if angle >= 30.0}
         return all(
-            self.share(label).high < np.tan(np.radians(angle)) for label, angle in turned.items()
+            self.aside(label).high < np.tan(np.radians(angle)) for label, angle in turned.items()
         )
+
+    def near_theory(self, share: float, most: float, side: bool = False) -> bool:
+        """Whether the mean drag, or side force, of plates turned by at most so many degrees is that
+        of resistive force theory to within a share of the drag at 0 degrees."""
+        kept = [(label, angle) for label, angle in self.angles.items() if angle <= most]
+        relative = self.aside if side else self.over
+        return all(
+            abs(relative(label, ACROSS).value - self.theory(angle, side)) < share
+            for label, angle in kept
+        )
+
+    def beyond_theory(self, label: str) -> bool:
+        """Whether the side force of a plate is greater, interval included."""
+        return self.aside(label, ACROSS).low > self.theory(self.angles[label], True)
+
+    @property
+    def pushed_most(self) -> float:
+        """Angle (degrees) of the plate at which the mean side force is greatest."""
+        return max(self.angles.items(), key=lambda each: self.side(each[0]).value)[1]
 
     def table(self) -> Table:
         """One row per outline."""
@@ -86,14 +106,21 @@ class Intruders(Findings):
         return table
 
     def plates(self) -> Table:
-        """One row per angle of the plate."""
-        table = numbers(
-            "angle, degrees", "beds", "drag, N", "side force, N", "side / drag", words=0
-        )
+        """One row per angle of the plate, beside resistive force theory."""
+        heads = "drag / drag at 0", "by theory", "side force / drag at 0", "by theory"
+        table = numbers("angle, degrees", "beds", "drag, N", "side force, N", *heads, words=0)
         for label, angle in self.angles.items():
             cells = estimate(self.drag(label), "", 0), estimate(self.side(label), "", 0)
-            table.add_row(f"{angle:g}", str(self.runs(label)), *cells, estimate(self.share(label)))
+            drag, side = (f"{value:.2f}" for value in resistive(angle))
+            over = estimate(self.over(label, ACROSS)) if angle else "1"
+            cells = *cells, over, drag, estimate(self.aside(label, ACROSS)), side
+            table.add_row(f"{angle:g}", str(self.runs(label)), *cells)
         return table
+
+    @staticmethod
+    def theory(degrees: float, side: bool = False) -> float:
+        """Drag, or side force, at an angle over the drag at 0 by resistive force theory."""
+        return round(float(resistive(degrees)[int(side)]), 2)
 
 
 class Pairs(Findings):
@@ -134,6 +161,17 @@ class Pairs(Findings):
         """Whether they are pushed together at all gaps from so many diameters on."""
         return all(self.apart(gap).high < 0.0 for gap in self.gaps if gap > least * DIAMETER)
 
+    def least(self, pair: str) -> float:
+        """Gap over the diameter at which the mean drag of both is least."""
+        gap = min(self.gaps, key=lambda gap: self.over(pair, gap).value)
+        return gap / DIAMETER
+
+    def turns(self) -> str:
+        """The widest gap at which they repel each other, and the next, in diameters of granules."""
+        size = float(self.dataset["diameter"].squeeze())
+        last = max(gap for gap in self.gaps if self.apart(gap).low > 0.0)
+        return span(last / size, min(gap for gap in self.gaps if gap > last) / size, "", 1)
+
     def alone(self, least: float, share: float) -> bool:
         """Whether each drags as much as a single one to within a share at all gaps from so many
         diameters on, interval included."""
@@ -155,4 +193,23 @@ class Pairs(Findings):
         return table
 
 
-intruders, pairs = Intruders(), Pairs()
+class Slow(Findings):
+    """Two slow cylinders side by side, slow.nc."""
+
+    name, command = "slow", "snakemake -j2 --configfile studies/intruders/slow.yaml"
+    source = "slow/solids.nc"
+
+    def apart(self, gap: float) -> Estimate:
+        """Force (N) that drives them apart."""
+        return mean_interval(apart(force(self.dataset, "solid_side_force").sel(second_gap=gap)))
+
+    def table(self) -> Table:
+        """One row per gap, beside faster cylinders."""
+        table = numbers("gap, mm", "force apart at 2 m/s, N", "at 0.5 m/s, N", words=0)
+        for gap in self.dataset["second_gap"].values.tolist():
+            forces = [estimate(each.apart(gap), "", 0) for each in (pairs, self)]
+            table.add_row(f"{1e3 * gap:.1f}", *forces)
+        return table
+
+
+intruders, pairs, slow = Intruders(), Pairs(), Slow()

@@ -149,7 +149,7 @@ MUTANTS = (
     Mutant("base/statistics.py", "constant", "stdtrit(freedom, 0.5 + 0.5 * level)", "stdtrit(freedom, level)", "tests/test_statistics.py"),
     Mutant("analysis/onset.py", "sign", "return y @ share - slope * middle", "return y @ share + slope * middle", "tests/test_onset.py"),
     # how kernels are compiled
-    Mutant("jit/compilation.py", "missing term", "*map(str, key), *code)", "*map(str, key))", "tests/test_plugins.py"),
+    Mutant("jit/compilation.py", "missing term", "*map(str, key), *code)", "*map(str, key))", "tests/test_compilation.py"),
     Mutant("jit/optional.py", "sign", "return lambda a, b: -b", "return lambda a, b: b", ELLIPSES),
     Mutant("jit/block_memory.py", "index", "load_outline(like[1:], values, at + step, step)", "load_outline(like[1:], values, at, step)", ELLIPSES),
 )  # fmt: skip

@@ -5,6 +5,7 @@ from dem.experiment.snapshots import variables_of
 VARIABLES = {
     "cylinder_y": (("snapshot",), "m", "height of the axis of the cylinder above the floor"),
     "cylinder_orientation": (("snapshot",), "rad", "angle of a cylinder that has a spin"),
+    "second_orientation": (("snapshot",), "rad", "angle of a second cylinder that has a spin"),
     "top_y": (
         ("snapshot",),
         "m",
@@ -20,7 +21,11 @@ VARIABLES = {
     "granule_diameter": (("granule",), "m", "volume diameter: diameter of the disc of equal area"),
 }
 # there is no such variable where the value at a path is none: what does not move, or turn
-NEEDED = {"top_y": "packing.pressure", "cylinder_orientation": "cylinder.spin"}
+NEEDED = {
+    "top_y": "packing.pressure",
+    "cylinder_orientation": "cylinder.spin",
+    "second_orientation": "second.spin",
+}
 
 
 def measure(run) -> dict:

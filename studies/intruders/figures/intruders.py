@@ -21,6 +21,20 @@ WORDS = {
     "tip": "wedge, tip ahead",
     "base": "wedge, base ahead",
 }
+# N/cm3, of Li, Zhang and Goldman (2013) for granules of any kind, as public implementations have them
+B11, B_11, C11, C01, C_11 = 0.212, 0.055, -0.124, 0.253, 0.007
+
+
+def resistive(degrees) -> np.ndarray:
+    """Drag and side force (2, ...) by resistive force theory on a plate that moves level, relative
+    to the drag at 0 degrees, across the motion.
+
+    They are means of a plate and its mirror image, in which what gravity adds cancels: of the
+    Fourier series in twice the angle the even part for the drag, the odd part for the side force.
+    """
+    twice = 2.0 * np.radians(degrees)
+    forces = C01 - (C11 + C_11) * np.cos(twice), (B11 - B_11) * np.sin(twice)
+    return np.array(forces) / (C01 - C11 - C_11)
 
 
 def force(dataset: xr.Dataset, name: str) -> xr.DataArray:
@@ -50,6 +64,12 @@ def plot(dataset: xr.Dataset) -> Figure:
         if angles:
             means = [mean_interval(values.sel(intruder=label)) for label in angles]
             style.intervals(right, [*angles.values()], means, **look)
+    if PLATE + "0" in angles:
+        degrees = np.linspace(0.0, 90.0, 91)
+        scale = float(drag.sel(intruder=PLATE + "0").mean())
+        look = {"color": "0.5", "linewidth": 1.0, "zorder": 0}
+        words = ["resistive force theory", "_"]  # one for both
+        right.plot(degrees, scale * resistive(degrees).T, label=words, **look)
     left.set_yticks(
         range(len(outlines)), [WORDS.get(outline, outline) for outline in outlines[::-1]]
     )
@@ -62,6 +82,6 @@ def plot(dataset: xr.Dataset) -> Figure:
         )
     left.set_title("Outlines of one width")
     right.set_title("A plate, 0: across the motion")
-    style.legend(figure, right, ncols=2)
+    style.legend(figure, right, ncols=3)
     figure.suptitle("Drag and side force of intruders (bars: 95 % intervals)")
     return figure
