@@ -36,7 +36,7 @@ OF_RUN = {
     "run_time": (
         (),
         "s",
-        "processor time of the run; the first run of a process loads or compiles kernels too",
+        "processor time of the run, without compiling",
     ),
     "steps": ((), "1", "number of time steps of the run"),
     "box_height": ((), "m", "height of the box"),
@@ -71,7 +71,7 @@ OF_STORE = {  # of a run in a file of many
     "spent": (
         (),
         "s",
-        "processor time of bed, run and observables, with compiling where it was the first",
+        "processor time of bed, run and observables, without compiling",
     ),
     "failure": ((), None, "why there is no run, and its values are missing"),
     "failure_reason": ((), None, "the error that stopped the run, empty where none did"),

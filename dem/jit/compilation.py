@@ -11,6 +11,7 @@ import gc
 import multiprocessing
 import pickle
 import sys
+import time
 from contextlib import suppress
 from pathlib import Path
 
@@ -24,6 +25,7 @@ from numba.core.serialize import dumps
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.base.messages import say
+from dem.base.plugins import note
 from dem.base.sources import (
     PACKAGE,
     UNREADABLE,
@@ -51,22 +53,24 @@ def classes_in(kind):
         yield from classes_in(part)
 
 
-@functools.cache
-def code_of(cls: type) -> str | None:
-    """Hash of the code of a class, empty for those of this package.
+CODE: dict[type, str] = {}  # hash of the code of each class that is not of this package
 
-    None in a script, a notebook or a function: such a class may depend on more than is written in
-    its file.
+
+def remember(cls: type) -> None:
+    """Note by which code a class is known, while Python imports its file.
+
+    Not of a class in a script, a notebook or a function: such a class may depend on more than is
+    written in its file.
     """
     file = getattr(sys.modules.get(cls.__module__), "__file__", None)
-    if file and Path(file).resolve().is_relative_to(PACKAGE):
-        return ""
-    if not file or cls.__module__ == "__main__" or "<locals>" in cls.__qualname__:
-        return None
-    try:
-        return code_hash(plugin_codes(Path(file).resolve()))
-    except UNREADABLE:
-        return None
+    is_whole = cls.__module__ != "__main__" and "<locals>" not in cls.__qualname__
+    if file and is_whole and not _is_of_package(cls):
+        with suppress(*UNREADABLE):
+            CODE[cls] = code_hash(note(Path(file).resolve()))
+
+
+def _is_of_package(cls: type) -> bool:
+    return cls.__module__.partition(".")[0] == PACKAGE.name
 
 
 class KernelCache(FunctionCache):
@@ -102,9 +106,9 @@ class KernelCache(FunctionCache):
     def _file(self, sig, codegen) -> Path | None:
         """The file for some types of arguments; None where the code of a class is unknown."""
         classes = [cls for kind in sig for cls in classes_in(kind)]
-        if None in map(code_of, classes):
+        if not all(_is_of_package(cls) or cls in CODE for cls in classes):
             return None
-        code = [f"{cls.__module__}.{cls.__qualname__} {code_of(cls)}" for cls in classes]
+        code = [f"{cls.__module__}.{cls.__qualname__} {CODE.get(cls, '')}" for cls in classes]
         key = (numba.__version__, sys.implementation.cache_tag, *self._index_key(sig, codegen))
         name = f"{self._py_func.__module__}.{self._py_func.__qualname__}".replace("<locals>.", "")
         return self._cache_path / f"{name}-{digest(*map(str, key), *code)}.nbc"
@@ -139,6 +143,8 @@ class Part(CPUDispatcher):
 class Kernel(CPUDispatcher):
     """A compiled function: a kernel where Python calls it, a part where compiled code does."""
 
+    compiling = 0.0  # processor time (s) that this process has compiled, or loaded, kernels
+
     def __init__(self, function, allocates: bool):
         options = {"nogil": True, "_nrt": allocates, "forceinline": False, **OPTIONS, **NO_WRAPPERS}
         self.part = Part(function, **options)
@@ -147,11 +153,12 @@ class Kernel(CPUDispatcher):
 
     def compile(self, sig):
         """Without garbage collection, which takes a sixth of the time and finds little."""
-        enabled = gc.isenabled()
+        enabled, started = gc.isenabled(), time.process_time()
         gc.disable()
         try:
             return super().compile(sig)
         finally:
+            Kernel.compiling += time.process_time() - started
             if enabled:
                 gc.enable()
 
@@ -161,6 +168,11 @@ class Kernel(CPUDispatcher):
 
     def get_overload(self, sig):
         return self.part.get_overload(sig)
+
+
+def computing() -> float:
+    """Processor time (s) of this process without that of compiling."""
+    return time.process_time() - Kernel.compiling
 
 
 @functools.cache

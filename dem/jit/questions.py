@@ -9,7 +9,7 @@ import functools
 from numba.extending import overload, register_jitable
 
 from dem.base.errors import InputError
-from dem.jit.compilation import INLINED
+from dem.jit.compilation import INLINED, remember
 
 
 def question(stub):
@@ -63,3 +63,4 @@ def register(cls, *functions, questions, members, usual, **renamed):
             )
     for name, function in functions.items():
         known[name].answers[cls] = register_jitable(**INLINED)(function)  # one may call another
+    remember(cls)

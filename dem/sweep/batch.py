@@ -5,7 +5,6 @@ last run did since its checkpoint. A run that fails is a row with its reason.
 """
 
 import json
-import time
 import traceback
 from contextlib import suppress
 from pathlib import Path
@@ -18,6 +17,7 @@ from dem.base.sources import PACKAGE, run_codes
 from dem.experiment.bed import make_bed
 from dem.experiment.run import Replicate
 from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, write
+from dem.jit.compilation import computing
 from dem.packing.random import Bed
 from dem.periodic import periods_of
 from dem.sweep.store import Store
@@ -68,7 +68,7 @@ def _rows_of(store: Store, batch: str, *names: str) -> dict[str, dict]:
 
 def _row(store: Store, replicate: Replicate, progress) -> dict:
     """What a run gives, made and kept in the store."""
-    started = time.process_time()
+    started = computing()
     try:
         values = _run(store, replicate, progress) | {"failure": 0, "failure_reason": ""}
     except RunError as error:
@@ -77,7 +77,7 @@ def _row(store: Store, replicate: Replicate, progress) -> dict:
         if (place := _place(error, replicate)) is None:
             raise
         values = failed_row(f"{place}: {type(error).__name__}: {error}")
-    values["spent"] = time.process_time() - started
+    values["spent"] = computing() - started
     store.keep(replicate.id, values)
     store.run_of(replicate.id, ".checkpoint.npz").unlink(missing_ok=True)
     return values

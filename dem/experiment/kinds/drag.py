@@ -15,6 +15,7 @@ from dem.experiment.run import Replicate
 from dem.experiment.scene import start
 from dem.experiment.snapshots import Snapshots, snapshots_of, variables_of
 from dem.io.dataset import WALLS
+from dem.jit.compilation import computing
 from dem.packing.random import Bed
 
 SECTIONS = {"cylinder": True, "record": True}
@@ -83,14 +84,14 @@ def run(
     partial = partial or PartialRun([], [simulation.state], [look()])
     done, saved_at = sum(len(record.time_step) for record in partial.records), time.monotonic()
     while done < bins:
-        started = time.process_time()
+        started = computing()
         count = min(every - done % every, BINS_A_CALL)
         partial.records.append(simulation.record(interval, count))
         done += count
         if done % every == 0:
             partial.states.append(simulation.state)
             partial.looks.append(look())
-        partial.spent += time.process_time() - started
+        partial.spent += computing() - started
         progress(done / bins)
         if checkpoint is not None and time.monotonic() - saved_at > SAVED_EVERY:
             partial.save(checkpoint, replicate, simulation)
