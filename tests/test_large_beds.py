@@ -185,7 +185,7 @@ def test_threads_are_no_part_of_a_run():
 
 def test_a_file_that_is_read_in_pieces_may_hold_texts(tmp_path, monkeypatch):
     """The one run of a large bed is such a file; its identity is a text."""
-    monkeypatch.setattr("dem.io.lazily.CHECKED", 0)
+    monkeypatch.setattr("dem.io.lazily.SMALL", 0)
     path = tmp_path / "run.nc"
     xr.Dataset(
         {

@@ -100,15 +100,19 @@ def test_words_choose_how_ellipses_meet(make):
     assert dem.Scene(default._replace(contact="geometric_potential")).shape.contact == other.contact
 
 
-def test_simulate_lists_the_options_of_a_simulation():
-    """In its signature, with the same defaults; an energy ledger has no place in a Result."""
-    options = inspect.signature(dem.Simulation).parameters
-    parameters = inspect.signature(dem.simulate).parameters
-    assert not any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters.values())
-    assert set(options) - set(parameters) == {"ledger"}
-    assert set(parameters) - set(options) == {"duration", "frames"}
-    for name in set(parameters) & set(options):
-        assert parameters[name].default == options[name].default
+def test_simulate_hands_the_options_on_to_a_simulation(small_bed):
+    """Its docstring has them all; an energy ledger has no place in a Result."""
+    options = inspect.signature(dem.Simulation).parameters.keys()
+    taken = inspect.signature(dem.simulate).parameters.keys()
+    assert all(name in dem.simulate.__doc__ for name in options - taken - {"ledger"})
+    small = small_bed("disc")
+    usual, half = (
+        dem.simulate(small.scene(), small.state, 1e-6, **words)
+        for words in ({}, {"step_fraction": 0.15})
+    )
+    assert half.time_step < 0.8 * usual.time_step
+    with pytest.raises(dem.InputError, match="step_fraction"):
+        dem.simulate(small.scene(), small.state, 1e-6, step_fraction=-1.0)
 
 
 def test_a_state_is_arrays_whatever_it_was_made_of():

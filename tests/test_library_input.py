@@ -147,7 +147,6 @@ MISTAKES = {
     "the nearest is friction": lambda: dem.run_experiment(SMOKE | {"frction": {"granule": 0.1}}),
     "the nearest is c1": lambda: dem.run_experiment(SMOKE | {"shape": "C1"}),
     "it must be a number, in m": lambda: dem.run_experiment(SMOKE | {"box_width": "8 mm"}),
-    "the nearest is smoke.yaml": lambda: dem.load_sweep("config/smoek.yaml"),
 }
 SMOKE = {"extends": "config/smoke.yaml", "shape": "c1"}
 

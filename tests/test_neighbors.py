@@ -38,7 +38,8 @@ def owned(kind, n):
     if kind is Disc:
         return Disc(np.ones(n)), np.arange(n)
     owner = np.resize([0, 1, 1, 2, 2, 2], n) + np.arange(n) // 6 * 3
-    return Clump(np.ones((n, 3)), owner, np.searchsorted(owner, np.arange(owner[-1] + 2))), owner
+    first = np.searchsorted(owner, np.arange(owner[-1] + 2))
+    return Clump(np.ones((n, 3)), owner, first, np.ones((owner[-1] + 1, 2))), owner
 
 
 @given(parts(), st.sampled_from([Disc, Clump]))

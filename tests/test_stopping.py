@@ -319,7 +319,7 @@ def test_a_chunk_gives_the_bits_of_single_runs(tmp_path):
 
 
 def test_memory_of_combining_does_not_grow_with_the_runs(tmp_path):
-    """Ten times the chunks take less than twice the memory that Python hands out."""
+    """The memory that Python hands out grows by less than what 45 more runs have."""
     import tracemalloc
 
     record = smoke().dump()["record"] | {"observables": ["drag"]}
@@ -337,7 +337,7 @@ def test_memory_of_combining_does_not_grow_with_the_runs(tmp_path):
         combined(many, tmp_path)
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
-    assert peaks[1] < 2.0 * peaks[0]
+    assert peaks[1] - peaks[0] < 45 * sum(np.asarray(value).nbytes for value in row.values())
 
 
 def test_what_killed_processes_left_is_cleared_away(tmp_path):

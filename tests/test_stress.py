@@ -277,8 +277,11 @@ def test_the_edges_of_bins_close_a_wedge():
         ),
         ({"y": [0.0]}, "it must hold two or more edges of bins that rise, in m"),
         ({"y": [0.0, 2e-3, 1e-3]}, "it must hold two or more edges of bins that rise, in m"),
-        ({"x": [0.0, np.nan]}, r"and nan is at \[1\], in m"),
-        ({"x": 10}, "x is 10; it must hold real numbers"),
+        (
+            {"x": [0.0, np.nan]},
+            r"x is \[0.0, nan\]; it must hold two or more edges of bins that rise",
+        ),
+        ({"x": 10}, "x is 10; it must hold two or more edges of bins that rise, in m"),
     ],
 )
 def test_edges_that_are_none_are_refused(small_bed, edges, sentence):

@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import socket
+import sys
 import time
 from concurrent.futures import Future, ProcessPoolExecutor
 from multiprocessing import get_context
@@ -73,6 +74,11 @@ def unseen(plan):
     return *task_of(plan)[:2], 0
 
 
+def without_folder(folder):
+    """A worker of another machine has no folder of the client on its path."""
+    sys.path[:] = [path for path in sys.path if path != folder]
+
+
 def test_a_cluster_of_dask_leaves_what_this_process_leaves(tmp_path, monkeypatch):
     """Also where its workers see neither the store of the client nor files of the user; and it stays open.
 
@@ -97,14 +103,19 @@ def test_a_cluster_of_dask_leaves_what_this_process_leaves(tmp_path, monkeypatch
         distributed.Client(local) as client,
     ):
         upload = client.upload_file
+
+        def upload_and_spoil(path, load):
+            """The client's own file, which it needs for what it names, would now fail a worker."""
+            upload(path, load)
+            Path(path).write_text(Path(path).read_text() + "\n1 / 0\n")
+
         for sent in (task_of, unseen):
+            client.run(without_folder, str(tmp_path))
             monkeypatch.setattr(cluster, "task_of", sent)
             shutil.rmtree("results")
             np.testing.assert_array_equal(drag_of(file, client), alone)
-            monkeypatch.setattr(
-                client, "upload_file", lambda path, load: (upload(path, load), Path(path).unlink())
-            )
-        assert not list(tmp_path.glob("*.py"))
+            monkeypatch.setattr(client, "upload_file", upload_and_spoil)
+        assert all("1 / 0" in path.read_text() for path in tmp_path.glob("*.py"))
         assert not [*machine.glob("store/batches/*.[nj]*")]
         executed = client.run(lambda dask_worker: dask_worker.state.executed_count)
         assert sum(executed.values()) == 4 and min(executed.values()) > 0

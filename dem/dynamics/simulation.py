@@ -432,10 +432,13 @@ class Simulation:
         Raises
         ------
         InputError
-            If the checkpoint is of another scene. The simulation is then unchanged.
+            If the checkpoint is of another scene, or lacks arrays. The simulation is then
+            unchanged.
         """
         if not np.array_equal(saved.get("scene"), self._fingerprint()):  # type: ignore[arg-type]
             raise InputError("saved is no checkpoint of this simulation; it is of another scene.")
+        if lacking := self.checkpoint().keys() - saved.keys():
+            raise InputError(f"saved is no whole checkpoint; it lacks {min(lacking)}.")
         engine = self.engine
         world = replaced(engine.world, saved, "world")
         if engine.table.alone:  # a granule is its own only constituent: one array for both

@@ -6,6 +6,7 @@ combined files name their runs.
 
 import os
 from collections.abc import Iterator
+from contextlib import nullcontext, suppress
 from pathlib import Path
 
 from dem.base.errors import InputError
@@ -15,11 +16,11 @@ from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 
 
-def sweeps(store: Store) -> Iterator[tuple[Path, set[str], set[str]]]:
+def sweeps(store: Store, strict: bool = True) -> Iterator[tuple[Path, set[str], set[str]]]:
     """Folders of results beside a store: each with the runs, and the beds, that it needs.
 
     Raises InputError where that cannot be known: a configuration that cannot be read, or a folder
-    that is a link to what is away.
+    that is a link to what is away. strict: False for the runs of combined files alone there.
     """
     for name, folders, files in os.walk(store.folder.parent, followlinks=True):
         folder = Path(name)
@@ -32,9 +33,10 @@ def sweeps(store: Store) -> Iterator[tuple[Path, set[str], set[str]]]:
                 )
         runs, beds = {run for path in folder.glob("*.nc") for run in combined_runs(path)}, set()
         if CONFIG in files:
-            state = SweepState.of(folder / CONFIG)
-            beds = {run.bed_id for run in state.replicates()}
-            runs |= state.runs()
+            with nullcontext() if strict else suppress(InputError):
+                state = SweepState.of(folder / CONFIG)
+                beds = {run.bed_id for run in state.replicates()}
+                runs |= state.runs()
         if runs:
             yield folder, runs, beds
 
@@ -42,7 +44,7 @@ def sweeps(store: Store) -> Iterator[tuple[Path, set[str], set[str]]]:
 def usage(store: Store) -> list[tuple[str, int]]:
     """Folders of results, each with how many of the stored runs it needs, and how many none needs."""
     stored = {run for batch in store.batches() for run in batch.runs}
-    needed = {str(folder): stored & runs for folder, runs, _ in sweeps(store)}
+    needed = {str(folder): stored & runs for folder, runs, _ in sweeps(store, strict=False)}
     counts = {folder: len(runs) for folder, runs in needed.items()}
     return [*counts.items(), ("no sweep", len(stored.difference(*needed.values())))]
 

@@ -172,9 +172,12 @@ class Store:
                 self.run_of(run, end).unlink(missing_ok=True)
 
     def files(self) -> Iterator[Path]:
-        """All files that a store writes, but for locks."""
-        for names in ("batches/*.nc", "batches/*.json", "runs/*/*.npz", "beds/*/*.npz"):
-            yield from sorted(self.folder.glob(names))
+        """All files that a store writes, but for locks; others are the user's."""
+        batch, run = (count * "[0-9a-f]" for count in (16, 32))
+        for names in (f"batches/{batch}.*", f"runs/*/{run}.*", f"beds/*/{run}.*"):
+            for path in sorted(self.folder.glob(names)):
+                if path.suffix in (".nc", ".json", ".npz"):
+                    yield path
 
 
 def _save(path: Path, values: dict) -> None:
