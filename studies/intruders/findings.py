@@ -81,11 +81,11 @@ class Intruders(Findings):
     def near_theory(self, share: float, most: float, side: bool = False) -> bool:
         """Whether the mean drag, or side force, of plates turned by at most so many degrees is that
         of resistive force theory to within a share of the drag at 0 degrees."""
-        kept = [(label, angle) for label, angle in self.angles.items() if angle <= most]
         relative = self.aside if side else self.over
         return all(
             abs(relative(label, ACROSS).value - self.theory(angle, side)) < share
-            for label, angle in kept
+            for label, angle in self.angles.items()
+            if angle <= most
         )
 
     def beyond_theory(self, label: str) -> bool:
@@ -95,7 +95,7 @@ class Intruders(Findings):
     @property
     def pushed_most(self) -> float:
         """Angle (degrees) of the plate at which the mean side force is greatest."""
-        return max(self.angles.items(), key=lambda each: self.side(each[0]).value)[1]
+        return max(self.angles.items(), key=lambda turned: self.side(turned[0]).value)[1]
 
     def table(self) -> Table:
         """One row per outline."""
@@ -205,11 +205,11 @@ class Slow(Findings):
 
     def table(self) -> Table:
         """One row per gap, beside faster cylinders."""
-        table = numbers("gap, mm", "force apart at 2 m/s, N", "at 0.5 m/s, N", words=0)
-        for gap in self.dataset["second_gap"].values.tolist():
-            forces = [estimate(each.apart(gap), "", 0) for each in (pairs, self)]
-            table.add_row(f"{1e3 * gap:.1f}", *forces)
-        return table
+        rows = (
+            (f"{1e3 * gap:.1f}", *(estimate(speed.apart(gap), "", 0) for speed in (pairs, self)))
+            for gap in self.dataset["second_gap"].values.tolist()
+        )
+        return numbers("gap, mm", "force apart at 2 m/s, N", "at 0.5 m/s, N", words=0, rows=rows)
 
 
 intruders, pairs, slow = Intruders(), Pairs(), Slow()

@@ -57,9 +57,8 @@ class Velocity(Findings):
         """Velocity (m/s) at which the drag is a tenth above its limit; infinite where it never is."""
 
         def reached(law: Law) -> np.ndarray:
-            with np.errstate(divide="ignore", invalid="ignore"):
-                velocity = (0.1 / law.rise) ** (1.0 / law.exponent)
-            return np.where(law.rise > 0.0, velocity, np.inf)
+            with np.errstate(divide="ignore"):
+                return (0.1 / np.fmax(law.rise, 0.0)) ** (1.0 / law.exponent)
 
         return self._of_laws(reached)
 
