@@ -140,9 +140,11 @@ def test_a_second_cylinder_that_turns_is_drawn_and_exported_at_its_angle(pair, t
     assert_allclose(of_motion(motion).turn, [[0.0, 0.0], [0.0, 0.25], [0.0, 0.5]], atol=1e-9)
     export(motion, tmp_path / "bed.pvd")
     mesh = meshio.read(tmp_path / "bed0002.vtu")
-    solids = [mesh.cell_data["granule"][0].tolist().index(number) for number in (-1, -2)]
-    assert_allclose(mesh.cell_data["angle"][0][solids], [0.0, 0.5], atol=1e-9)
-    ring = mesh.points[mesh.cells[0].data[solids[1]]][:, :2]
+    numbers, angles = (np.concatenate(mesh.cell_data[name]) for name in ("granule", "angle"))
+    solids = [numbers.tolist().index(number) for number in (-1, -2)]
+    assert_allclose(angles[solids], [0.0, 0.5], atol=1e-9)
+    polygons = [corners for block in mesh.cells for corners in block.data]
+    ring = mesh.points[polygons[solids[1]]][:, :2]
     first, second = ring[0], ring.mean(axis=0)
     assert_allclose(np.arctan2(*(first - second)[::-1]), 0.5, atol=1e-6)
 

@@ -23,7 +23,7 @@ from dem.shapes import Kind
 if TYPE_CHECKING:
     from dem.experiment.config import Configuration  # which imports this file
 
-LAYOUT = 1  # of the files of runs: raise it where a variable comes, goes or has another meaning
+LAYOUT = 2  # of the files of runs: raise it where a variable comes, goes or has another meaning
 # what a bed depends on, beside its shape and how densely it is packed
 BED_KEYS = (
     "box_width",
