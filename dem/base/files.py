@@ -54,12 +54,17 @@ def atomic(path: Path) -> Iterator[Path]:
         yield part
         part.replace(path)
     except (OSError, RuntimeError) as error:  # of HDF5, which does not say why
-        full = shutil.disk_usage(path.parent).free < 1_000_000  # bytes
+        full = is_full(path.parent)
         if full or str(error).startswith("NetCDF"):
             raise OSError(_cannot(path, "the disk is full" if full else str(error))) from None
         raise
     finally:
         part.unlink(missing_ok=True)
+
+
+def is_full(folder: Path) -> bool:
+    """Whether a disk has less than a megabyte left."""
+    return shutil.disk_usage(folder).free < 1_000_000
 
 
 def write_changed(path: Path, text: str) -> None:
