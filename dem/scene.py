@@ -211,7 +211,7 @@ class Scene:
             solid.is_round or type(solid.outline) is type(self.shape) or is_of_discs(self.shape)
         ):
             raise InputError(
-                f"{name} is a {type(solid.outline).__name__}; among granules of "
+                f"{name} has the outline {type(solid.outline).__name__}; among granules of "
                 f"{type(self.shape).__name__} it must be round, one of those, or a dem.Polygon."
             )
         ring = solid.placed(solid.position, solid.angle)

@@ -105,6 +105,11 @@ def no_lever(shape, dx, dy, one, other, guess):
     return c._replace(t1=0.0, t2=0.0), converged
 
 
+def no_overlap(shape, dx, dy, one, other, guess):
+    c, converged = find_contact(shape, dx, dy, one, other, guess)
+    return c._replace(overlap=-1.0), converged
+
+
 def biased_normal(shape, dx, dy, one, other, guess):
     c, converged = find_contact(shape, dx, dy, one, other, guess)
     return c._replace(nx=c.nx - 0.05 * c.ny, ny=c.ny + 0.05 * c.nx), converged
@@ -172,6 +177,7 @@ WRONG = {
     "area is 0.00153479 m2": lambda patch: dem.Superellipse(SIZES, SIZES, 1e-9 * SIZES),
     "levers of a contact": lambda patch: with_answer(find_contact=no_lever),
     "swapping them changes it": lambda patch: with_answer(find_contact=no_second_lever),
+    "nearly coincide must touch": lambda patch: with_answer(find_contact=no_overlap),
     "normal of a contact": lambda patch: with_answer(find_contact=biased_normal),
     "circle": lambda patch: with_answer(circle=larger_circle),
     "bounces would make or lose energy": lambda patch: dem.Ellipse.of_size(

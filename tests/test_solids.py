@@ -406,7 +406,7 @@ REFUSED = {
     "solids[0] has a radius of 0.0001 m; it must be more than 0.0002 m": lambda: dem.Scene(
         dem.Disc([R]), solids=dem.Solid(dem.plate(4e-3, 0.2e-3), (0, 0))
     ),
-    "solids[0] is a Ellipse; among granules of Superellipse it must be round": lambda: dem.Scene(
+    "solids[0] has the outline Ellipse; among granules of Superellipse it must be round": lambda: dem.Scene(
         dem.Superellipse([R], [R], [0.2 * R]),
         solids=dem.Solid(dem.Ellipse([2e-3], [1e-3]), (0, 0)),
     ),

@@ -253,6 +253,9 @@ def _contacts(shape):
 
     for away, *angles in np.random.default_rng(1).uniform(0.0, 2.0 * np.pi, (PAIRS, 3)):
         direction = away, angles
+        if not excess(NEAREST * reach, *direction) > 0.0 >= excess(reach, *direction):
+            yield "granules that nearly coincide must touch, and those apart must not."
+            return
         distance = brentq(excess, NEAREST * reach, reach, direction, xtol=0.1 * depth)
         at = place_at(distance, *direction)
         force, swapped = _pair(shape, at)[1], _pair(shape, at, (1, 0))[1]
