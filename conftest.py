@@ -20,7 +20,8 @@ from workflows import snakemake
 
 import dem
 from dem import shapes
-from dem.experiment.box import height_of_box, sample_diameters
+from dem.experiment.box import height_of_box
+from dem.experiment.granule_sizes import sample_diameters
 from dem.experiment.sections import ShapeSection
 from dem.sweep.config import load
 

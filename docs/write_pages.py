@@ -25,7 +25,7 @@ from findings import FILES, fill  # noqa: E402
 from gallery import OF_MEANS  # noqa: E402
 
 from dem.base.files import atomic  # noqa: E402
-from dem.base.sources import codes  # noqa: E402
+from dem.base.source_hash import codes  # noqa: E402
 from dem.figures.catalogue import draw  # noqa: E402
 from studies.catalogue import figures  # noqa: E402
 

@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 
 from dem.base.messages import say
-from dem.base.sources import code_hash, codes, files_of, run_codes, with_imports
+from dem.base.source_hash import code_hash, codes, files_of, run_codes, with_imports
 from dem.experiment.config import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
 from dem.figures.catalogue import FIGURES, wanted

@@ -12,7 +12,7 @@ from test_shear import values as sheared_values
 import dem
 from conftest import CONFIG
 from dem.base.errors import InputError
-from dem.base.sources import ROOT
+from dem.base.source_hash import ROOT
 from dem.dynamics.energy import balance
 from dem.experiment.bed import make_bed
 from dem.experiment.config import of_values

@@ -16,7 +16,7 @@ from numba.core.runtime import rtsys
 from numba.core.runtime._nrt_python import memsys_enable_stats
 
 from conftest import posix
-from dem.base.sources import ROOT
+from dem.base.source_hash import ROOT
 from dem.jit import compilation
 from dem.jit.address import FEW, another, as_before, by_address, changeable, given, local
 from dem.jit.compilation import compiled, computing, inlined

@@ -15,9 +15,10 @@ from jsonschema import Draft202012Validator
 from conftest import CONFIG
 from dem.base.errors import InputError
 from dem.base.yaml_file import read
-from dem.experiment.box import height_of_box, sample_diameters
+from dem.experiment.box import height_of_box
+from dem.experiment.granule_sizes import sample_diameters
 from dem.sweep.config import Sweep, load, parse, save
-from dem.sweep.schema import schema
+from dem.sweep.json_schema import schema
 
 FILES = [
     path
@@ -285,7 +286,7 @@ def test_saved_configuration_is_the_same(tmp_path):
 
 
 def test_the_schema_of_editors_is_that_of_the_code():
-    """After a change: python -m dem.sweep.schema."""
+    """After a change: python -m dem.sweep.json_schema."""
     assert json.loads((CONFIG / "schema.json").read_text(encoding="utf-8")) == schema()
 
 

@@ -17,7 +17,8 @@ from conftest import STIFF, assert_not_blank
 from dem.analysis.one_run import open_run, read_snapshots
 from dem.base.errors import InputError
 from dem.cli.app import app
-from dem.experiment.box import diameters_of, width_of
+from dem.experiment.granule_sizes import diameters_of
+from dem.experiment.intruders import width_of
 from dem.experiment.observables import flow as measures
 from dem.experiment.snapshots import Snapshots
 from dem.figures.bed import draw, view_of

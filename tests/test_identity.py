@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from dem.base import sources
-from dem.base.sources import PACKAGE, ROOT, RUNS, code_hash, codes, files_of
-from dem.experiment import run
+from dem.base import source_hash
+from dem.base.source_hash import PACKAGE, ROOT, RUNS, code_hash, codes, files_of
+from dem.experiment import identity
 from dem.experiment.config import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
 from dem.io import dataset
@@ -33,7 +33,10 @@ EDITS = {  # file: what is added, or what is put in place of what
     "motion.py": LINE,
     "periodic.py": LINE,
     "base/types.py": LINE,
-    "experiment/box.py": ("default_rng([seed, 0])", "default_rng([seed, 1])"),
+    "experiment/box.py": LINE,
+    "experiment/granule_sizes.py": ("default_rng([seed, 0])", "default_rng([seed, 1])"),
+    "experiment/intruders.py": LINE,
+    "experiment/run.py": ("or plain.restitution", "or 0.9"),
     "experiment/scene.py": LINE,
     "experiment/kinds/drag.py": ("BINS_A_CALL = 20", "BINS_A_CALL = 21"),
     "experiment/observables/drag.py": LINE,
@@ -45,7 +48,8 @@ HARMLESS = {
     "base/files.py": LINE,
     "io/dataset.py": LINE,
     "experiment/config.py": LINE,
-    "experiment/resume.py": LINE,
+    "experiment/identity.py": LINE,
+    "experiment/run_checkpoint.py": LINE,
     "experiment/kinds/heat.py": "SECTIONS = {}\n",
     "experiment/observables/heat.py": "VARIABLES = {}\n",
     "sweep/store.py": LINE,
@@ -81,15 +85,16 @@ def test_a_run_is_made_again_only_where_its_numbers_may_change(package, name, ed
         path.unlink() if text is None else path.write_text(text)
 
 
-BASE = "constants", "errors", "files", "plugins", "messages", "sources"
+BASE = "constants", "errors", "files", "plugins", "messages", "source_hash"
 # imported by what makes runs: read, check, write or say something, and set no number
 NO_NUMBERS = {
     *(f"base/{name}.py" for name in BASE),
     "experiment/config.py",  # values, which are part of the identity themselves
+    "experiment/sections.py",
     "experiment/kinds/__init__.py",
     "experiment/observables/__init__.py",
-    "experiment/resume.py",
-    "experiment/run.py",
+    "experiment/run_checkpoint.py",
+    "experiment/identity.py",
     "io/dataset.py",  # names of variables, whose layout has a version
 }
 
@@ -108,7 +113,7 @@ def test_all_that_sets_a_number_of_a_run_is_known():
 
 def test_a_run_depends_on_versions(monkeypatch):
     first = next(load("config/smoke.yaml").block("drag").unique()).id
-    monkeypatch.setattr(run, "compilers", lambda: "numba 0.1")
+    monkeypatch.setattr(identity, "compilers", lambda: "numba 0.1")
     assert next(load("config/smoke.yaml").block("drag").unique()).id != first
 
 
@@ -125,7 +130,7 @@ def test_another_layout_of_the_files_of_runs_has_another_version():
     # names, dimensions and units; words may change
     layout = [{name: entry[:2] for name, entry in table.items()} for table in tables]
     digest = hashlib.sha256(json.dumps(layout, sort_keys=True).encode()).hexdigest()[:16]
-    assert LAYOUTS[run.LAYOUT] == digest
+    assert LAYOUTS[identity.LAYOUT] == digest
 
 
 # Without the two packages that it imports, which other installations may not have.
@@ -133,7 +138,7 @@ HASH = """
 import sys, types
 sys.modules["platformdirs"] = types.SimpleNamespace(user_cache_path=None)
 sys.modules["lazy_loader"] = types.SimpleNamespace(attach_stub=lambda *_: (None, None, None))
-from dem.base.sources import PACKAGE, code_hash, codes
+from dem.base.source_hash import PACKAGE, code_hash, codes
 print(sys.version_info[:2], code_hash(codes(sorted(PACKAGE.rglob("*.py")))))
 """
 
@@ -156,10 +161,10 @@ def test_hashes_are_those_of_every_python():
 @pytest.mark.parametrize("damage", [None, "", "{"])
 def test_a_note_of_hashes_is_used_and_a_damaged_one_made_again(tmp_path, monkeypatch, damage):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    first = sources._codes_of_all_runs.__wrapped__()
+    first = source_hash._codes_of_all_runs.__wrapped__()
     (note,) = tmp_path.rglob("*.json")
     if damage is None:
-        monkeypatch.setattr(sources, "_code", None)
+        monkeypatch.setattr(source_hash, "_code", None)
     else:
         note.write_text(damage)
-    assert sources._codes_of_all_runs.__wrapped__() == first == json.loads(note.read_text())
+    assert source_hash._codes_of_all_runs.__wrapped__() == first == json.loads(note.read_text())

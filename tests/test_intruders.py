@@ -11,8 +11,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 import dem
-from dem.experiment.bed import make_bed, solids
-from dem.experiment.box import area_of_solids, circles_of, height_of_box
+from dem.experiment.bed import make_bed
+from dem.experiment.box import height_of_box
+from dem.experiment.intruders import area_of_solids, circles_of, solids
 from dem.experiment.kinds import drag
 from dem.experiment.scene import make_scene
 from dem.experiment.snapshots import snapshots_of

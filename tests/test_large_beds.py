@@ -12,7 +12,7 @@ from sweeps import SMOKE
 from twin import Twin
 
 import dem
-from dem.dynamics.contact_list import list_contacts
+from dem.dynamics.contact_output import list_contacts
 from dem.dynamics.world import PATCH
 from dem.experiment.bed import make_bed
 from dem.packing.constant_pressure import pack_under

@@ -13,7 +13,7 @@ from test_pressure import area_of, replicate
 from twin import Twin
 
 import dem
-from dem.base.sources import ROOT
+from dem.base.source_hash import ROOT
 from dem.experiment.bed import make_bed
 from dem.experiment.scene import make_scene
 from dem.laws import LAWS as NAMES

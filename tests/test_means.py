@@ -15,7 +15,7 @@ from dem.analysis.drag import summarise
 from dem.analysis.means import compared, means, table_of, write_means
 from dem.analysis.tables import TextTable
 from dem.base.errors import InputError
-from dem.base.sources import ROOT
+from dem.base.source_hash import ROOT
 from dem.base.statistics import mean_interval
 from dem.cli.app import app
 from dem.cli.show import plain_console, print_or_write

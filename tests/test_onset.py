@@ -8,7 +8,7 @@ import xarray as xr
 
 from dem.analysis.onset import LEAST, limits
 from dem.base.errors import InputError
-from dem.dynamics.contact_list import ContactList
+from dem.dynamics.contact_output import ContactList
 from dem.experiment.bed import room_of
 from dem.experiment.config import parse
 from dem.experiment.kinds import jamming, onset

@@ -15,7 +15,7 @@ import xarray as xr
 import yaml
 
 from conftest import needs_study, posix
-from dem.base.sources import ROOT
+from dem.base.source_hash import ROOT
 from docs.data.kernels import digest
 
 DOCS = ROOT / "docs"

@@ -13,7 +13,7 @@ from test_neighbors import FORMS, owned, parts, solid
 import dem
 from dem.dynamics.assembly import assemble, granule_table, order_of
 from dem.dynamics.cell_list import near_pairs, near_surface
-from dem.dynamics.contact_list import list_contacts
+from dem.dynamics.contact_output import list_contacts
 from dem.dynamics.energy import balance
 from dem.dynamics.forces import forces
 from dem.dynamics.neighbor_list import rebuild_neighbor_list

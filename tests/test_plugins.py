@@ -18,7 +18,7 @@ from workflows import snakemake
 
 import dem
 from conftest import posix
-from dem.base.sources import ROOT
+from dem.base.source_hash import ROOT
 from dem.experiment.config import of_values
 from dem.figures.catalogue import draw
 from dem.report.build import build

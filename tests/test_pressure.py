@@ -10,9 +10,11 @@ from matplotlib.figure import Figure
 
 from dem.base.errors import InputError, PackingError
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import make_bed, solids
-from dem.experiment.box import diameters_of, height_of_box
+from dem.experiment.bed import make_bed
+from dem.experiment.box import height_of_box
 from dem.experiment.config import parse
+from dem.experiment.granule_sizes import diameters_of
+from dem.experiment.intruders import solids
 from dem.experiment.kinds import drag
 from dem.experiment.scene import make_scene
 from dem.experiment.snapshots import snapshots_of

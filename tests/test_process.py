@@ -18,7 +18,7 @@ from test_plugins import SHAPE
 import dem
 from conftest import CONFIG, posix
 from dem.base import plugins, sources
-from dem.base.sources import PACKAGE
+from dem.base.source_hash import PACKAGE
 from dem.experiment.run import Replicate
 from dem.report.info import summary
 from dem.report.status import status

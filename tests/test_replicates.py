@@ -19,7 +19,7 @@ import dem
 from conftest import posix
 from dem.analysis.means import means
 from dem.base.errors import InputError, RunError
-from dem.base.sources import ROOT
+from dem.base.source_hash import ROOT
 from dem.base.statistics import half_interval, ratio_interval
 from dem.report.info import summary as summary_of
 from dem.report.status import status

@@ -10,7 +10,7 @@ import pytest
 
 import dem
 from conftest import CONFIG
-from dem.contacts.response import rolling_moment
+from dem.contacts.rolling import rolling_moment
 from dem.laws.protocol import force, measure
 from dem.sweep.config import load
 

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.stats import qmc
 
-from dem.base.sources import ROOT
+from dem.base.source_hash import ROOT
 
 NAMES = ["one", "two", "three"]
 

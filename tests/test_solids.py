@@ -406,9 +406,11 @@ REFUSED = {
     "solids[0] has a radius of 0.0001 m; it must be more than 0.0002 m": lambda: dem.Scene(
         dem.Disc([R]), solids=dem.Solid(dem.plate(4e-3, 0.2e-3), (0, 0))
     ),
-    "solids[0] has the outline Ellipse; among granules of Superellipse it must be round": lambda: dem.Scene(
-        dem.Superellipse([R], [R], [0.2 * R]),
-        solids=dem.Solid(dem.Ellipse([2e-3], [1e-3]), (0, 0)),
+    "solids[0] has the outline Ellipse; among granules of Superellipse it must be round": lambda: (
+        dem.Scene(
+            dem.Superellipse([R], [R], [0.2 * R]),
+            solids=dem.Solid(dem.Ellipse([2e-3], [1e-3]), (0, 0)),
+        )
     ),
     "Turn.inertia is 0.0; it must be positive": lambda: dem.Turn(0.0),
     "species must be the number of the material of each of the 1 granules, below 2": lambda: (

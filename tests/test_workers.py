@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 import dem
 from conftest import CONFIG
 from dem.base.errors import InputError, RunError
-from dem.base.sources import cache_folder
+from dem.base.source_hash import cache_folder
 from dem.cli.app import app
 from dem.io.dataset import read
 from dem.sweep import cluster, workers

@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
-from dem.base import sources
+from dem.base import source_hash
 from dem.base.constants import constants, definitions
 from dem.base.errors import InputError
 
@@ -72,8 +72,8 @@ def find(key: str, word: str, beside: str | None, known: tuple[str, ...]) -> Pat
     if not file.is_file():
         raise InputError(f"{start}there is no file {file}.")
     try:
-        sources.planned_codes(file)
-    except sources.UNREADABLE as error:
+        source_hash.planned_codes(file)
+    except source_hash.UNREADABLE as error:
         reason = " ".join(str(error).split())
         raise InputError(f"{start}{file} cannot be read ({reason}).") from None
     return file
@@ -108,8 +108,8 @@ def _is_entry(entry) -> bool:
 
 def refresh() -> None:
     """Parse files of users again from now on; raises InputError where this package has changed."""
-    sources.refuse_edits()
-    for function in (sources.planned_codes, sources.run_hash, constants, definitions):
+    source_hash.refuse_edits()
+    for function in (source_hash.planned_codes, source_hash.run_hash, constants, definitions):
         function.cache_clear()
 
 
@@ -119,13 +119,13 @@ def load(file: Path) -> ModuleType:
     Raises InputError where it cannot be imported, or has changed since this process imported it:
     Python would go on with its old code.
     """
-    if file.is_relative_to(sources.PACKAGE):
-        return importlib.import_module(_name(file, sources.ROOT))
-    if note(file) != sources.planned_codes(file):
-        raise InputError(sources.EDITED.format(file))
+    if file.is_relative_to(source_hash.PACKAGE):
+        return importlib.import_module(_name(file, source_hash.ROOT))
+    if note(file) != source_hash.planned_codes(file):
+        raise InputError(source_hash.EDITED.format(file))
     files = {
         _name(path, file.parent): path.resolve()
-        for path in sources.with_imports(file)
+        for path in source_hash.with_imports(file)
         if path.is_relative_to(file.parent)
     }
     for name, path in files.items():
@@ -161,7 +161,7 @@ def _file_of(name: str) -> Path:
 
 def note(file: Path) -> dict[str, str]:
     """Note the code of a file that is being imported, and of what it imports; returns it."""
-    return _imported.setdefault(file, sources.plugin_codes(file))
+    return _imported.setdefault(file, source_hash.plugin_codes(file))
 
 
 def _name(file: Path, folder: Path) -> str:

@@ -5,7 +5,7 @@ import platform
 import subprocess
 from functools import cache
 
-from dem.base.sources import ROOT
+from dem.base.source_hash import ROOT
 
 
 @cache

@@ -10,6 +10,7 @@ c = alpha sqrt(m* K), E* and G* the effective moduli (Pa), m* the effective mass
 import math
 
 from dem.jit.compilation import inlined
+from dem.jit.optional import minus, optional, times
 from dem.laws.protocol import TINY
 
 
@@ -37,6 +38,40 @@ def mindlin(spring, measured, last, stiffness, slip):
 def capped(force, limit):
     """Coulomb: the force (N), at most limit in size."""
     return min(max(force, -limit), limit)
+
+
+@optional
+def dissipated_power(account, force, rate):
+    """Power (W) that a force or a moment takes: minus that on what moves at `rate` (m/s, rad/s)."""
+    return -force * rate
+
+
+@inlined
+def spring_and_dashpot(history, p, limit, stiffness, dashpot, elastic, slip, account):
+    """Force (N) or moment (N m) of a spring that contact p remembers, and of a dashpot.
+
+    The spring is capped first, then spring and dashpot, so that friction does no positive work.
+    stiffness: over the measure of the law; elastic: constant and measure of the law, the measure in
+    the last step, constant and root of the dashpot; slip: in this step (m or rad), and its rate at
+    the full step. Returns also the powers (W) that dashpot and spring take, None without an energy
+    ledger.
+    """
+    _, measured, last, _, _ = elastic
+    distance, rate = slip
+    spring = capped(mindlin(history[p], measured, last, stiffness, distance), limit)
+    history[p] = spring
+    total = capped(minus(spring, times(dashpot, rate)), limit)
+    return (
+        total,
+        dissipated_power(account, total - spring, rate),
+        dissipated_power(account, spring, rate),
+    )
+
+
+@inlined
+def effective_radius(one, two):
+    """R* (m) of two radii, of which the second is zero for a flat body."""
+    return one * two / (one + two) if two > 0.0 else one
 
 
 def effective_modulus(*materials):

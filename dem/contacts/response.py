@@ -7,10 +7,11 @@ M on body 2 and -M on constituent 1 oppose the rotation of one relative to the o
 
 import math
 
-from dem.contacts.force_law import capped, damped, mindlin
+from dem.contacts.force_law import damped, dissipated_power, spring_and_dashpot
+from dem.contacts.rolling import rolling_moment
 from dem.jit.compilation import inlined
 from dem.jit.optional import either, given, minus, optional, plus, times
-from dem.laws.protocol import force, measure, slope, stiffness
+from dem.laws.protocol import force, measure, stiffness
 
 
 @optional
@@ -47,28 +48,6 @@ def damped_force(damping, elastic, root, rate):
     return damped(elastic, root, damping, rate)
 
 
-@inlined
-def spring_and_dashpot(history, p, limit, stiffness, dashpot, elastic, slip, account):
-    """Force (N) or moment (N m) of a spring that contact p remembers, and of a dashpot.
-
-    The spring is capped first, then spring and dashpot, so that friction does no positive work.
-    stiffness: over the measure of the law; elastic: constant and measure of the law, the measure in
-    the last step, constant and root of the dashpot; slip: in this step (m or rad), and its rate at
-    the full step. Returns also the powers (W) that dashpot and spring take, None without an energy
-    ledger.
-    """
-    _, measured, last, _, _ = elastic
-    distance, rate = slip
-    spring = capped(mindlin(history[p], measured, last, stiffness, distance), limit)
-    history[p] = spring
-    total = capped(minus(spring, times(dashpot, rate)), limit)
-    return (
-        total,
-        dissipated_power(account, total - spring, rate),
-        dissipated_power(account, spring, rate),
-    )
-
-
 @optional
 def friction_force(friction, contacts, p, normal, elastic, slip, account):
     """Tangential force: see `spring_and_dashpot`, and dem.dynamics.world.COEFFICIENT."""
@@ -78,29 +57,6 @@ def friction_force(friction, contacts, p, normal, elastic, slip, account):
     dashpot = times(times(friction[2, p], damping), root)
     history = contacts.tangential_force
     return spring_and_dashpot(history, p, limit, stiffness, dashpot, elastic, slip, account)
-
-
-@inlined
-def rolling_stiffness(contacts, p, constant):
-    """Rolling stiffness of contact p over the measure of the law: 3 (mu_r R_r)^2 times that of the
-    normal force; constant: of the law."""
-    arm = contacts.rolling[0, p]
-    return 3.0 * arm * arm * slope(contacts.law, constant, 1.0)
-
-
-@optional
-def rolling_moment(rolling, contacts, p, normal, elastic, rotation, account):
-    """Moment on body 2: see `spring_and_dashpot`, and dem.dynamics.world.Contacts."""
-    constant, _, _, _, root = elastic
-    limit, stiffness = rolling[0, p] * normal, rolling_stiffness(contacts, p, constant)
-    history, dashpot = contacts.rolling_moment, rolling[1, p] * root
-    return spring_and_dashpot(history, p, limit, stiffness, dashpot, elastic, rotation, account)
-
-
-@optional
-def dissipated_power(account, force, rate):
-    """Power (W) that a force or a moment takes: minus that on what moves at `rate` (m/s, rad/s)."""
-    return -force * rate
 
 
 @inlined

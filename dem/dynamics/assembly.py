@@ -11,7 +11,7 @@ from dem.contacts.force_law import (
     effective_modulus,
     effective_shear_modulus,
 )
-from dem.dynamics.boundaries import fastest
+from dem.dynamics.boundary_motion import fastest
 from dem.dynamics.diagnostics import step_alone, usual_overlap
 from dem.dynamics.world import (
     ALPHA,

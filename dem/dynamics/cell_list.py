@@ -187,18 +187,3 @@ def near_surface(surface, boundaries, constituents, radius, skin, period):
                 constituent[count], partner[count] = i, b
                 count += 1
     return constituent[:count].copy(), partner[:count].copy()
-
-
-@compiled(allocates=True)
-def match(constituent, partner, old_constituent, old_partner):
-    """Row of each contact in the old list, -1 for a new one; both lists are in ascending order."""
-    source, q = np.full(constituent.shape[0], -1), 0
-    for p in range(constituent.shape[0]):
-        i, j = constituent[p], partner[p]
-        while q < old_constituent.shape[0] and (
-            old_constituent[q] < i or (old_constituent[q] == i and old_partner[q] < j)
-        ):
-            q += 1
-        if q < old_constituent.shape[0] and old_constituent[q] == i and old_partner[q] == j:
-            source[p] = q
-    return source

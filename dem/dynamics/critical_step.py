@@ -26,7 +26,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.contacts.response import dashpot_constant, measure_of, rolling_stiffness
+from dem.contacts.response import dashpot_constant, measure_of
+from dem.contacts.rolling import rolling_stiffness
 from dem.dynamics.world import DAMPING_RATIO, STIFFNESS_RATIO
 from dem.jit.compilation import inlined
 from dem.jit.optional import times

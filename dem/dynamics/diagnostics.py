@@ -7,8 +7,8 @@ import numpy as np
 
 from dem.contacts.blocks import last_normal, shifted
 from dem.contacts.response import stiffness_of
-from dem.dynamics.boundaries import driven_acceleration, fastest
-from dem.dynamics.contact_list import deeper, geometries
+from dem.dynamics.boundary_motion import driven_acceleration, fastest
+from dem.dynamics.contact_output import deeper, geometries
 from dem.dynamics.critical_step import (
     COLUMNS,
     Body,

@@ -14,8 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.contacts.force_law import TINY
-from dem.contacts.response import measure_of, rolling_stiffness
-from dem.dynamics.contact_list import measured
+from dem.contacts.response import measure_of
+from dem.contacts.rolling import rolling_stiffness
+from dem.dynamics.contact_output import measured
 from dem.dynamics.forces import greater
 from dem.dynamics.world import STIFFNESS_RATIO, at_full_steps
 from dem.jit.block_memory import ACCOUNTS, WORK

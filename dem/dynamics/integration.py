@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from dem.dynamics.boundaries import boundaries_moved, move_boundaries, move_held
+from dem.dynamics.boundary_motion import boundaries_moved, move_boundaries, move_held
 from dem.dynamics.forces import (
     add_forces_across_patches,
     boundary_forces,

@@ -5,8 +5,10 @@ import math
 import numpy as np
 
 from dem.contacts.blocks import shifted, sizes_of
-from dem.contacts.response import rolling_stiffness
-from dem.dynamics.cell_list import image, match, near_pairs, near_surface
+from dem.contacts.force_law import effective_radius
+from dem.contacts.rolling import set_rolling
+from dem.dynamics.cell_list import image, near_pairs, near_surface
+from dem.dynamics.contact_history import carried, match
 from dem.dynamics.world import (
     ALPHA,
     FRICTION,
@@ -32,18 +34,6 @@ from dem.shapes.rotation import set_orientation
 def zeros_like(old, shape):
     """Zeros of another shape, of a kind that the old list has."""
     return None if old is None else np.zeros(shape)
-
-
-@inlined
-def carried(old, source):
-    """What each contact remembers from row source[p] of the old list; 0 if it was not there."""
-    if old is None:
-        return None
-    new = np.zeros(source.shape[0])
-    for p in range(source.shape[0]):
-        if source[p] >= 0:
-            new[p] = old[source[p]]
-    return new
 
 
 @optional
@@ -119,12 +109,6 @@ def inverse_masses_of(world, g):
 
 
 @inlined
-def effective_radius(one, two):
-    """R* (m) of two radii, of which the second is zero for a flat body."""
-    return one * two / (one + two) if two > 0.0 else one
-
-
-@inlined
 def set_constants(contacts, p, law, shape, radii, mass, inverse_masses):
     """Constants of contact p from its row of GranuleTable.laws, the radii of both bodies (m; zero of
     a flat one) and its effective mass m* (kg).
@@ -147,18 +131,6 @@ def set_constants(contacts, p, law, shape, radii, mass, inverse_masses):
         for c in range(2):  # where neither body yields, the mass is m* itself
             both = inverse_masses[0][c] + inverse_masses[1][c]
             contacts.mass_ratio[c, p] = mass * both if both > 0.0 else 1.0
-
-
-@optional
-def set_rolling(rolling, contacts, p, partner, radii, squares):
-    """Rolling resistance of contact p of a disc with another (partner 0), a wall (1), a solid (2).
-
-    rolling: GranuleTable.rolling; radii: as for `set_constants`; squares: mass times radius squared
-    (kg m2), of both bodies as of two springs in a row; 3/2 of it is I_r, about the contact.
-    """
-    contacts.rolling[0, p] = rolling[partner] * effective_radius(radii[0], radii[1])
-    constant = rolling_stiffness(contacts, p, contacts.stiffness[p])
-    contacts.rolling[1, p] = 2.0 * rolling[3] * math.sqrt(1.5 * squares * constant)
 
 
 @inlined

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from dem.base.files import atomic, check_output
-from dem.dynamics.contact_list import ContactList
+from dem.dynamics.contact_output import ContactList
 from dem.scene import ARRAYS, Scene, State
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from dem.base.errors import InputError
 from dem.base.types import Count, NotNegative, Number, Time, Unit, Velocity, checked
 from dem.dynamics.assembly import SKIN, assemble, granule_table, order_of, ordered, skin_for
 from dem.dynamics.checkpoint import fingerprint, replaced, written
-from dem.dynamics.contact_list import ContactList, list_contacts
+from dem.dynamics.contact_output import ContactList, list_contacts
 from dem.dynamics.diagnostics import Diagnostics
 from dem.dynamics.energy import Ledger, balance, energies, fallen
 from dem.dynamics.engine import Engine, failure

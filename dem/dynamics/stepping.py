@@ -4,8 +4,8 @@ import math
 from itertools import repeat
 from typing import NamedTuple
 
-from dem.dynamics.boundaries import boundaries_moved, move_boundaries
-from dem.dynamics.contact_list import contact_summary, deeper
+from dem.dynamics.boundary_motion import boundaries_moved, move_boundaries
+from dem.dynamics.contact_output import contact_summary, deeper
 from dem.dynamics.diagnostics import Diagnostics, begin_scan, diagnose, end_scan, scan_pairs
 from dem.dynamics.energy import kinetic
 from dem.dynamics.forces import displaced, forces

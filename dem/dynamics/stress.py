@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from dem.base.errors import InputError
 from dem.base.types import MOST, Unit, array, must
-from dem.dynamics.contact_list import ContactList
+from dem.dynamics.contact_output import ContactList
 from dem.dynamics.world import World
 from dem.jit.columns import X, Y
 from dem.scene import Scene, State

@@ -5,41 +5,12 @@ import math
 import numpy as np
 
 from dem.base.errors import InputError
+from dem.experiment.granule_sizes import diameters_of
+from dem.experiment.intruders import ahead_of, area_of_solids, circles_of
 from dem.periodic import ROOM
 from dem.shapes import KINDS
 
-RATIOS = {"ellipse": 2.0, "plate": 6.0}  # length over width, where cylinder.aspect_ratio is none
-ROUNDED = 1.0 / 12.0  # of the diameter: radius of the corners of a square or a wedge
-# by outline: corners, anticlockwise, over half the width between them; those of a wedge are lower by sqrt(3)
-CORNERS = {
-    "plate": [(-1.0, 0.0), (1.0, 0.0)],
-    "square": [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)],
-    "wedge": [(-1.0, -1.0), (1.0, -1.0), (0.0, 2.0)],
-}
 NOMINAL = 0.84  # packing fraction that tells where a bed under a pressure has its cylinder
-
-
-def sample_parts(replicate) -> np.ndarray:
-    """Of which shape of a mixture (n,) each granule is, in the numbers nearest to their shares."""
-    shape = replicate.shape
-    ends = np.cumsum([0.0, *(shape.mixture or {None: 1.0}).values()])
-    counts = np.diff(np.rint(ends * shape.granules).astype(int))
-    rng = np.random.default_rng([replicate.seed, 2])
-    return rng.permutation(np.repeat(np.arange(len(counts)), counts))
-
-
-def sample_diameters(shape, spread: float, seed: int, mean=None) -> np.ndarray:
-    """Volume diameters (n,) in m: uniform within +- spread of the mean, of a shape if absent."""
-    rng = np.random.default_rng([seed, 0])
-    mean = shape.diameter if mean is None else mean
-    return mean * rng.uniform(1.0 - spread, 1.0 + spread, shape.granules)
-
-
-def diameters_of(replicate) -> np.ndarray:
-    """Volume diameters (n,) in m of the granules, of a mixture each about the mean of its shape."""
-    means = np.array([part.diameter for part in replicate.parts])[sample_parts(replicate)]
-    spread = replicate.configuration.packing.size_spread
-    return sample_diameters(replicate.shape, spread, replicate.seed, means)
 
 
 def height_of_box(configuration, diameters: np.ndarray | float, count: int = 1) -> float:
@@ -54,69 +25,10 @@ def height_of_box(configuration, diameters: np.ndarray | float, count: int = 1) 
     return (granules / fraction + area) / configuration.box_width
 
 
-def width_of(cylinder) -> float:
-    """Width (m) of an ellipse or a plate, whose length is the diameter."""
-    return cylinder.diameter / (cylinder.aspect_ratio or RATIOS[cylinder.outline])
-
-
-def polygon_of(section) -> tuple[list[tuple[float, float]], float] | None:
-    """Corners (m), anticlockwise, and radius (m) of the outline of a cylinder; None if it is no
-    polygon."""
-    outline = getattr(section, "outline", None)  # a second cylinder is round
-    if outline not in CORNERS:
-        return None
-    radius = 0.5 * width_of(section) if outline == "plate" else ROUNDED * section.diameter
-    half = 0.5 * section.diameter - radius
-    slope = math.sqrt(3.0) if outline == "wedge" else 1.0
-    return [(x * half, y * half / slope) for x, y in CORNERS[outline]], radius
-
-
-def area_of_solids(configuration) -> float:
-    """Area (m2) that the cylinder and a second one take."""
-    one, second = configuration.cylinder, configuration.second
-    if one is None:
-        return 0.0
-    if polygon := polygon_of(one):
-        corners, radius = polygon
-        edges = list(zip(corners, [*corners[1:], corners[0]], strict=True))
-        area = 0.5 * sum(a * d - b * c for (a, b), (c, d) in edges)
-        area += radius * sum(math.dist(*edge) for edge in edges) + math.pi * radius**2
-    elif one.outline == "ellipse":
-        area = 0.25 * math.pi * one.diameter * width_of(one)
-    else:
-        area = 0.25 * math.pi * one.diameter**2
-    return area + 0.25 * math.pi * second.diameter**2 if second else area
-
-
-def radius_of(cylinder) -> float:
-    """Radius (m) of the circle that holds the outline of the cylinder."""
-    if polygon := polygon_of(cylinder):
-        corners, radius = polygon
-        return radius + max(math.hypot(*corner) for corner in corners)
-    return 0.5 * cylinder.diameter
-
-
-def ahead_of(cylinder) -> tuple[float, float]:
-    """Unit vector along the motion."""
-    if cylinder.direction is None:
-        return 0.0, 1.0
-    return math.cos(cylinder.direction), math.sin(cylinder.direction)
-
-
-def circles_of(configuration, height: float) -> list[tuple[float, float, float]]:
-    """Position (m) and radius of the circle (m) that holds each solid, at the start in a box of a
-    height (m)."""
-    one, second = configuration.cylinder, configuration.second
-    x, y = 0.5 * configuration.box_width, one.start * height
-    if second is None:
-        return [(x, y, radius_of(one))]
-    (ahead_x, ahead_y), apart = ahead_of(one), second.gap + 0.5 * (one.diameter + second.diameter)
-    beside, along = apart * math.cos(second.bearing), apart * math.sin(second.bearing)
-    dx, dy = beside * ahead_y + along * ahead_x, along * ahead_y - beside * ahead_x
-    return [
-        (x - 0.5 * dx, y - 0.5 * dy, radius_of(one)),
-        (x + 0.5 * dx, y + 0.5 * dy, 0.5 * second.diameter),
-    ]
+def nominal_height(replicate) -> float:
+    """Height (m) of the box of a run; where packing.pressure is given, at the packing fraction
+    NOMINAL, because that of the bed is known only once it is packed around the cylinder."""
+    return height_of_box(replicate.configuration, diameters_of(replicate))
 
 
 def length_of(shape, diameter: float) -> float:

@@ -30,6 +30,7 @@ from dem.base.types import (
     unit_of,
 )
 from dem.experiment.box import check_room
+from dem.experiment.granule_sizes import mean_shape
 from dem.experiment.kinds import EXPERIMENTS, Experiment
 from dem.experiment.run import Replicate
 from dem.experiment.sections import (
@@ -213,13 +214,7 @@ class Configuration(Section):
 
     def shape_of(self, label: str) -> ShapeSection:
         """A shape; a mixture with the kind of its shapes, and the means of their sizes."""
-        shape, parts = self.shapes[label], self.parts_of(label)
-        if not shape.mixture:
-            return shape
-        shares = [*shape.mixture.values()]
-        diameter, ratio = np.dot(shares, [[part.diameter, part.ratio] for part in parts]).tolist()
-        means = {"kind": parts[0].kind, "diameter": diameter, "aspect_ratio": ratio}
-        return shape.model_copy(update=means)
+        return mean_shape(self.shapes[label], self.parts_of(label))
 
     def kind_of(self, shape: str) -> Kind:
         """The kind of granules of a shape; raises InputError where its file cannot be used."""

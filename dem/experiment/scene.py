@@ -5,8 +5,10 @@ import math
 import numpy as np
 
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import shaped, solids, thickness
-from dem.experiment.box import diameters_of
+from dem.experiment.bed import shaped
+from dem.experiment.box import nominal_height
+from dem.experiment.granule_sizes import diameters_of
+from dem.experiment.intruders import solids
 from dem.experiment.run import Replicate
 from dem.io.dataset import WALLS
 from dem.material import Friction, Rolling
@@ -27,19 +29,25 @@ def granules(replicate: Replicate):
 def make_scene(replicate: Replicate, bed: Bed) -> Scene:
     """The scene of the run."""
     c, rolling, materials = replicate.configuration, replicate.rolling, replicate.materials
+    height = bed.height if c.packing.pressure is None else nominal_height(replicate)
     return Scene(
         shape=granules(replicate),
         material=materials if len(materials) > 1 else materials[0],
-        friction=Friction(*dict(c.friction).values()),  # in the same order
+        friction=Friction(**_coefficients(c.friction)),
         walls=_walls(replicate, bed),
-        solids=solids(replicate, bed.height),
+        solids=solids(replicate, height),
         gravity=(0.0, -c.gravity) if c.gravity > 0.0 else None,
-        thickness=thickness(replicate),
+        thickness=replicate.thickness,
         periodic=bed.periodic,
-        rolling=rolling and Rolling(*dict(rolling).values()),
+        rolling=rolling and Rolling(**_coefficients(rolling)),
         law=replicate.law,
         species=replicate.species,
     )
+
+
+def _coefficients(section) -> dict:
+    """Values of a section by the names of the library, where the cylinder is a solid."""
+    return {"solid" if name == "cylinder" else name: value for name, value in section}
 
 
 def _walls(replicate: Replicate, bed: Bed) -> list[Wall]:
@@ -54,7 +62,7 @@ def _walls(replicate: Replicate, bed: Bed) -> list[Wall]:
     for name, plane in zip(names, () if planes is None else planes, strict=True):
         motion, material = (0.0, 0.0), c.at(f"walls.{name}.material")
         if name == "top" and (pressure := c.packing.pressure):
-            density, area = replicate.mean_density, bed.width * thickness(replicate)
+            density, area = replicate.mean_density, bed.width * replicate.thickness
             motion = Drive(
                 force=(None, -pressure * area),
                 mass=density * area * replicate.shape.diameter,

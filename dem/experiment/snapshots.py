@@ -6,10 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.dynamics.contact_list import ContactList
+from dem.dynamics.contact_output import ContactList
 from dem.dynamics.simulation import Simulation
-from dem.experiment.bed import shaped, solids
-from dem.experiment.box import ahead_of, diameters_of
+from dem.experiment.bed import shaped
+from dem.experiment.granule_sizes import diameters_of
+from dem.experiment.intruders import ahead_of, solids
 from dem.experiment.run import Replicate
 from dem.experiment.scene import make_scene
 from dem.packing.random import Bed

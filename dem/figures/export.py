@@ -6,7 +6,7 @@ import meshio
 import numpy as np
 
 from dem.base.files import atomic
-from dem.experiment.box import ahead_of
+from dem.experiment.intruders import ahead_of
 from dem.experiment.snapshots import Snapshots
 from dem.figures.bed import placed
 from dem.figures.frames import mean_velocity, sums_of_forces

@@ -9,7 +9,7 @@ from matplotlib.ticker import EngFormatter
 from pydantic import InstanceOf
 
 from dem.base.types import checked
-from dem.dynamics.contact_list import ContactList
+from dem.dynamics.contact_output import ContactList
 from dem.dynamics.result import Result
 from dem.experiment.observables.flow import layers_of
 from dem.experiment.snapshots import Snapshots

@@ -26,7 +26,7 @@ from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.base.messages import say
 from dem.base.plugins import note
-from dem.base.sources import (
+from dem.base.source_hash import (
     PACKAGE,
     UNREADABLE,
     cache_folder,

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from dem.base.errors import PackingError
-from dem.dynamics.contact_list import list_contacts
+from dem.dynamics.contact_output import list_contacts
 from dem.dynamics.simulation import Simulation
 from dem.material import Friction
 from dem.packing.job import Job

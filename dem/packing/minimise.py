@@ -19,7 +19,7 @@ import numpy as np
 from dem.base.errors import PackingError
 from dem.dynamics.assembly import SKIN_OF_PACKING, assemble, granule_table, order_of, ordered
 from dem.dynamics.checkpoint import replaced
-from dem.dynamics.contact_list import contact_summary, list_contacts
+from dem.dynamics.contact_output import contact_summary, list_contacts
 from dem.dynamics.diagnostics import critical_step
 from dem.dynamics.forces import (
     add_forces_across_patches,

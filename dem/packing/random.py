@@ -17,7 +17,7 @@ from pydantic import Field
 from dem.base.errors import InputError, PackingError
 from dem.base.types import Count, Length, checked
 from dem.contacts.force_law import effective_modulus
-from dem.dynamics.contact_list import list_contacts
+from dem.dynamics.contact_output import list_contacts
 from dem.dynamics.numerics import OneOrMore
 from dem.dynamics.world import World
 from dem.jit.columns import X, Y

@@ -13,7 +13,7 @@ import numpy as np
 
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
-from dem.base.sources import PACKAGE, run_codes
+from dem.base.source_hash import PACKAGE, run_codes
 from dem.experiment.bed import make_bed
 from dem.experiment.run import Replicate
 from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, write

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from dem.base.errors import InputError, RunError
 from dem.base.provenance import compilers
-from dem.base.sources import PACKAGE, run_hash, with_imports
+from dem.base.source_hash import PACKAGE, run_hash, with_imports
 from dem.sweep.store import Store
 from dem.sweep.workers import Workers, is_seen, make_batch, task_of
 

@@ -13,7 +13,7 @@ from dem.base.errors import InputError
 from dem.base.files import write_changed
 from dem.base.messages import did_you_mean
 from dem.base.plugins import refresh, with_folder
-from dem.base.sources import ROOT
+from dem.base.source_hash import ROOT
 from dem.base.types import Coefficient, Count, Density, Label, Section, must, parsed
 from dem.base.yaml_file import read
 from dem.experiment.config import Configuration, model_of

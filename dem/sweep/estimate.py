@@ -13,7 +13,7 @@ import numpy as np
 from dem.base.errors import InputError
 from dem.base.files import is_full
 from dem.base.provenance import versions
-from dem.base.sources import run_codes
+from dem.base.source_hash import run_codes
 from dem.experiment.config import of_values
 from dem.experiment.run import Replicate
 from dem.io.dataset import read

@@ -18,7 +18,7 @@ from filelock import FileLock, Timeout
 from dem.base.errors import InputError
 from dem.base.files import atomic, write_changed
 from dem.base.provenance import compilers
-from dem.base.sources import digest
+from dem.base.source_hash import digest
 from dem.experiment.config import of_values
 from dem.experiment.run import Replicate
 from dem.io.dataset import read

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from dem.base.errors import InputError, RunError
 from dem.base.files import write_changed
-from dem.base.sources import cache_folder
+from dem.base.source_hash import cache_folder
 from dem.sweep.store import Batch, Store, batch_id
 
 PERIOD = 0.5  # s between two reports of progress

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from findings import FILES
 
-from dem.base.sources import ROOT
+from dem.base.source_hash import ROOT
 from dem.figures.catalogue import draw, drawable_from
 from dem.io.lazily import open_lazily
 from studies import catalogue

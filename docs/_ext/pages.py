@@ -15,7 +15,7 @@ import reference
 from docutils.nodes import SkipNode
 from latex2mathml.converter import convert
 
-from dem.base.sources import ROOT
+from dem.base.source_hash import ROOT
 
 STUDIES = ROOT / "docs/_generated/studies"
 LINK = re.compile(r"\]\(([^)\s#:]+)(#[^)\s]*)?\)")

@@ -7,7 +7,7 @@ from pathlib import Path
 import typer
 from typer.cli import get_docs_for_click
 
-from dem.base.sources import ROOT
+from dem.base.source_hash import ROOT
 from dem.base.types import LEAST, section_of, unit_of
 from dem.cli.app import app
 from dem.experiment.config import SECTIONS, Configuration

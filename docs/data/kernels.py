@@ -5,7 +5,7 @@ python docs/data/kernels.py        that of today
 
 from pathlib import Path
 
-from dem.base.sources import KERNELS, PACKAGE, code_hash, codes, files_of
+from dem.base.source_hash import KERNELS, PACKAGE, code_hash, codes, files_of
 
 
 def digest(package: Path = PACKAGE) -> str:

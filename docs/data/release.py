@@ -16,7 +16,7 @@ from tempfile import TemporaryDirectory
 import xarray as xr
 
 from dem.base.files import atomic
-from dem.base.sources import ROOT
+from dem.base.source_hash import ROOT
 from dem.io.dataset import FORMAT
 
 HERE = Path(__file__).parent

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
-from dem.experiment.box import height_of_box, sample_diameters
+from dem.experiment.box import height_of_box
+from dem.experiment.granule_sizes import sample_diameters
 from dem.material import Friction, Material
 from dem.packing.random import Bed, pack
 from dem.scene import Scene, State

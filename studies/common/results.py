@@ -29,7 +29,7 @@ import numpy as np
 
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
-from dem.base.sources import run_hash
+from dem.base.source_hash import run_hash
 from dem.experiment.run import Replicate
 from dem.io.dataset import global_attributes, read, write
 from dem.sweep.expand import Block

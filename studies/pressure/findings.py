@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from rich.table import Table
 
-from dem.experiment.box import sample_diameters
+from dem.experiment.granule_sizes import sample_diameters
 from studies.common.findings import Findings, estimate, numbers
 from studies.pressure.widths import Widths
 

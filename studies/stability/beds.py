@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
-from dem.experiment.box import diameters_of
+from dem.experiment.granule_sizes import diameters_of
 from dem.experiment.scene import make_scene
 from dem.shapes.disc import Disc
 from dem.shapes.ellipse import Ellipse

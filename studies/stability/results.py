@@ -14,7 +14,7 @@ from itertools import chain
 import numpy as np
 
 from dem.base.errors import InputError, RunError
-from dem.base.sources import ROOT
+from dem.base.source_hash import ROOT
 from dem.sweep.config import Sweep
 from studies.common.results import along, columns, is_smoke, runs
 from studies.stability import beds, bodies, linear

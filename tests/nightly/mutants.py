@@ -14,7 +14,7 @@ import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
-from dem.base.sources import cache_folder
+from dem.base.source_hash import cache_folder
 
 PROJECT = Path(__file__).parents[2]
 COPIED = shlex.split(
@@ -60,7 +60,7 @@ MUTANTS = (
     Mutant("contacts/force_law.py", "constant", "-(math.pi - 2.0 * psi)", "-(math.pi - psi)", BOX),
     Mutant("contacts/response.py", "time", "rate = -plus(velocity[0], change[0])", "rate = -velocity[0]", BOX),
     Mutant("contacts/response.py", "sign", "minus(gx * nx + gy * ny, times(t2", "plus(gx * nx + gy * ny, times(t2", ELLIPSES),
-    Mutant("contacts/response.py", "order", "capped(mindlin(history[p], measured, last, stiffness, distance), limit)", "mindlin(history[p], measured, last, stiffness, distance)", BOX),
+    Mutant("contacts/force_law.py", "order", "capped(mindlin(history[p], measured, last, stiffness, distance), limit)", "mindlin(history[p], measured, last, stiffness, distance)", BOX),
     Mutant("contacts/loops.py", "sign", "gx, gy, -torque, 0.0)", "gx, gy, torque, 0.0)", BOX),
     Mutant("contacts/blocks.py", "index", "+= two[j + FIVE]", "+= two[j + SIX]", SMOOTH),
     Mutant("contacts/blocks.py", "sign", "+= contacts.shift_x[p]", "-= contacts.shift_x[p]", DUMBBELLS),
@@ -77,17 +77,17 @@ MUTANTS = (
     Mutant("contacts/blocks.py", "missing call", "values[lane.ROOT + k] = mean_root(law, overlap, change, length)", "pass", BOX),
     Mutant("dynamics/integration.py", "sign", "rotate(orientation, i, angle[i], dt * spin)", "rotate(orientation, i, angle[i], -dt * spin)", ELLIPSES),
     Mutant("dynamics/integration.py", "dropped wait", "        barrier(thread)\n        if leads(thread):\n            boundary_forces", "        if leads(thread):\n            boundary_forces", TWO_THREADS),
-    Mutant("dynamics/boundaries.py", "time", "impulses[b, c] += kick * contact_forces", "impulses[b, c] += dt * contact_forces", BOX),
-    Mutant("dynamics/boundaries.py", "time", "after, 0.5 * (time + stop), c)", "after, stop, c)", SMOOTH),
-    Mutant("dynamics/boundaries.py", "sign", "end, c) - motion[b, VX + c]", "end, c) + motion[b, VX + c]", SMOOTH),
-    Mutant("dynamics/boundaries.py", "factor", "account[WORK] -= 0.5 * kick", "account[WORK] -= kick", "tests/test_motion.py::test_the_work_of_a_driven_boundary_is_what_it_loses"),
-    Mutant("dynamics/boundaries.py", "sign", "boundaries.angle[b], dt * motion[b, W])", "boundaries.angle[b], -dt * motion[b, W])", SOLIDS),
+    Mutant("dynamics/boundary_motion.py", "time", "impulses[b, c] += kick * contact_forces", "impulses[b, c] += dt * contact_forces", BOX),
+    Mutant("dynamics/boundary_motion.py", "time", "after, 0.5 * (time + stop), c)", "after, stop, c)", SMOOTH),
+    Mutant("dynamics/boundary_motion.py", "sign", "end, c) - motion[b, VX + c]", "end, c) + motion[b, VX + c]", SMOOTH),
+    Mutant("dynamics/boundary_motion.py", "factor", "account[WORK] -= 0.5 * kick", "account[WORK] -= kick", "tests/test_motion.py::test_the_work_of_a_driven_boundary_is_what_it_loses"),
+    Mutant("dynamics/boundary_motion.py", "sign", "boundaries.angle[b], dt * motion[b, W])", "boundaries.angle[b], -dt * motion[b, W])", SOLIDS),
     Mutant("dynamics/neighbor_list.py", "missing term", "mass * both if both > 0.0 else 1.0", "1.0", SMOOTH),
     Mutant("dynamics/diagnostics.py", "missing term", "squared += 2.0 * skin * driven_acceleration", "squared += 0.0 * driven_acceleration", "tests/test_motion.py::test_the_work_of_a_driven_boundary_is_what_it_loses"),
-    Mutant("dynamics/neighbor_list.py", "memory lost", "new[p] = old[source[p]]", "new[p] = 0.0", BOX),
+    Mutant("dynamics/contact_history.py", "memory lost", "new[p] = old[source[p]]", "new[p] = 0.0", BOX),
     Mutant("dynamics/neighbor_list.py", "missing term", "lowest[home] = min(lowest[home], other)", "lowest[home] = home", "tests/test_neighbors.py"),
     Mutant("dynamics/cell_list.py", "missing term", "reach = radius[i] + radius[j] + skin", "reach = radius[i] + radius[j]", BOX),
-    Mutant("dynamics/cell_list.py", "comparison", "old_partner[q] < j)", "old_partner[q] <= j)", BOX),
+    Mutant("dynamics/contact_history.py", "comparison", "old_partner[q] < j)", "old_partner[q] <= j)", BOX),
     Mutant("dynamics/stepping.py", "comparison", "if steps - candidate_since >= QUIET:", "if candidate_dt < math.inf:", HELD),
     Mutant("dynamics/stepping.py", "missing call", "view = rebuild_neighbor_list(view, table)\n            budget", "budget", BOX),
     Mutant("dynamics/stepping.py", "not cleared", "impulses[b, c] -= seen[b, c]", "impulses[b, c] -= 0.0", RUN),
@@ -117,7 +117,7 @@ MUTANTS = (
     Mutant("experiment/observables/drag.py", "sign", '"drag": -(total @ along)', '"drag": (total @ along)', RUN),
     Mutant("experiment/kinds/jamming.py", "constant", "load[start:] ** (1.0 / power)", "load[start:] ** (3.0 / 2.0)", "studies/claims/tests/test_claims.py::test_line_finds_where_pressure_begins"),
     Mutant("experiment/kinds/onset.py", "constant", "HOLDING = 3", "HOLDING = 2", "tests/test_onset.py"),
-    Mutant("experiment/run.py", "missing term", '"packing.fraction", "packing.friction"', '"packing.fraction"', SWEEP),
+    Mutant("experiment/identity.py", "missing term", '"packing.fraction", "packing.friction"', '"packing.fraction"', SWEEP),
     # sweeps, their store, files and numbers
     Mutant("sweep/grouping.py", "index", "for run in batch.runs:\n", "for run in batch.runs[1:]:\n", SWEEP),
     Mutant("sweep/batch.py", "missing call", "    store.keep(replicate.id, values)\n", "", STORE),

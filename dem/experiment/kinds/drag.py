@@ -8,10 +8,10 @@ import numpy as np
 
 from dem.base.plugins import load
 from dem.dynamics.result import Record
-from dem.experiment.bed import make_bed, modulus, thickness
+from dem.experiment.bed import make_bed, modulus
 from dem.experiment.config import Configuration
-from dem.experiment.resume import PartialRun, resumed
 from dem.experiment.run import Replicate
+from dem.experiment.run_checkpoint import PartialRun, resumed
 from dem.experiment.scene import start
 from dem.experiment.snapshots import Snapshots, snapshots_of, variables_of
 from dem.io.dataset import WALLS
@@ -105,7 +105,7 @@ def run(
         "run_time": partial.spent,
         "steps": simulation.steps,
         "box_height": bed.height,
-        "packing_pressure": bed.pressure * modulus(replicate) / thickness(replicate),
+        "packing_pressure": bed.pressure * modulus(replicate) / replicate.thickness,
         "packing_coordination_number": bed.coordination_number,
         "packing_net_force": bed.net_force,
         "packing_max_overlap": bed.max_overlap,

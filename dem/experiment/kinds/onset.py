@@ -9,7 +9,7 @@ bed is chosen nearer to that by the same factor. Of a linear bed it is the load 
 import numpy as np
 
 from dem.base.errors import PackingError
-from dem.dynamics.contact_list import ContactList
+from dem.dynamics.contact_output import ContactList
 from dem.experiment.bed import room_of
 from dem.experiment.run import Replicate
 from dem.laws.hertz import Hertz

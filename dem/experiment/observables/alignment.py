@@ -6,7 +6,7 @@ does is the difference to the angles at the start of the same granules.
 
 import numpy as np
 
-from dem.experiment.box import ahead_of
+from dem.experiment.intruders import ahead_of
 from dem.periodic import nearest_image
 
 S = ("snapshot",)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dem.experiment.box import ahead_of
+from dem.experiment.intruders import ahead_of
 from dem.periodic import walled
 
 D = ("displacement",)

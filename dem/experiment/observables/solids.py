@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dem.experiment.box import ahead_of
+from dem.experiment.intruders import ahead_of
 
 SIZES = {"solid": "solids"}
 AXIS = {"solid": (("solid",), None, "what is drawn through the bed")}

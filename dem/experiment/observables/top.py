@@ -7,7 +7,8 @@ import math
 
 import numpy as np
 
-from dem.experiment.box import area_of_solids, diameters_of
+from dem.experiment.granule_sizes import diameters_of
+from dem.experiment.intruders import area_of_solids
 from dem.periodic import walled
 
 D = ("displacement",)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dem.base.sources import ROOT
+from dem.base.source_hash import ROOT
 from dem.base.statistics import mean_interval
 from dem.sweep.precision import Until
 from studies.accuracy.precision.sources import Source, again, gamma, lognormal, mixture, normal

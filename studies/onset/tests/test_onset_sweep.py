@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from dem.experiment.box import diameters_of, height_of_box
+from dem.experiment.box import height_of_box
+from dem.experiment.granule_sizes import diameters_of
 from dem.sweep.config import load
 
 STUDY = Path(__file__).parent.parent

@@ -1,4 +1,4 @@
-"""The schema of sweep files, by which editors complete and check them: python -m dem.sweep.schema
+"""The schema of sweep files, by which editors complete and check them: python -m dem.sweep.json_schema
 
 It writes config/schema.json from the models. No key is required there, because a file may extend
 another; what is missing, and what does not fit together, is said when the file is read.
@@ -7,7 +7,7 @@ another; what is missing, and what does not fit together, is said when the file 
 import json
 
 from dem.base.files import atomic
-from dem.base.sources import ROOT
+from dem.base.source_hash import ROOT
 from dem.experiment.config import entries
 from dem.sweep.axis import RUNS
 from dem.sweep.config import Sweep

@@ -42,6 +42,9 @@ RUNS = (
     "base/types.py",
     "experiment/bed.py",
     "experiment/box.py",
+    "experiment/granule_sizes.py",
+    "experiment/intruders.py",
+    "experiment/run.py",
     "experiment/scene.py",
     "experiment/snapshots.py",
 )
