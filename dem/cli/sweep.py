@@ -167,7 +167,7 @@ def simulate(
     """
     start_lean()
     from dem.base.errors import InputError
-    from dem.experiment import resume
+    from dem.experiment import run_checkpoint
     from dem.experiment.bed import make_bed
     from dem.packing.cost import progress
     from dem.sweep.axis import changes_of_words
@@ -187,7 +187,7 @@ def simulate(
         )
     half_packed = None
     if checkpoint:
-        resume.is_resumable(checkpoint, run)  # refuses another file
+        run_checkpoint.is_resumable(checkpoint, run)  # refuses another file
         half_packed = checkpoint.with_name(f"{checkpoint.name}.bed.npz")
     for sentence in slow_beds([run]):
         say(sentence)
