@@ -17,7 +17,7 @@ from test_plugins import SHAPE
 
 import dem
 from conftest import CONFIG, posix
-from dem.base import plugins, sources
+from dem.base import plugins, source_hash
 from dem.base.source_hash import PACKAGE
 from dem.experiment.run import Replicate
 from dem.report.info import summary
@@ -164,9 +164,9 @@ def of_first(file) -> Replicate:
 
 def test_an_edited_package_is_one_sentence_and_nothing_is_written(file, monkeypatch):
     """Its old code goes on in this process."""
-    sources.run_hash()
+    source_hash.run_hash()
     path = PACKAGE / "scene.py"
-    monkeypatch.setitem(sources._first_read, path, b"EDITED = True")
+    monkeypatch.setitem(source_hash._first_read, path, b"EDITED = True")
     for call in (dem.run_sweep, dem.load_sweep):
         with pytest.raises(dem.InputError, match=OLD.format(r"scene\.py")):
             call(file)
@@ -242,9 +242,9 @@ def test_workers_end_with_the_process_that_started_them(tmp_path, compiles):
         "sweep.yaml",
         f"extends: {CONFIG}/smoke.yaml\nresults: results/many\nsweep: {{case: [c1], seed: 1 to 400}}\n",
     )
-    cache = tmp_path / "cache" if compiles else sources.cache_folder()
+    cache = tmp_path / "cache" if compiles else source_hash.cache_folder()
     command = [sys.executable, "-m", "dem", "sweep", "sweep.yaml", "-j2"]
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(cache), "PYTHONPATH": str(sources.ROOT)}
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(cache), "PYTHONPATH": str(source_hash.ROOT)}
     options = {"cwd": tmp_path, "env": environment, "start_new_session": True}
     with subprocess.Popen(
         command, **options, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
