@@ -50,9 +50,10 @@ def tiled(bed: Bed, side: int) -> State:
     too.
     """
     tile = np.stack(np.divmod(np.arange(side**2), side), axis=-1)[:, None]
-    place = bed.position / [bed.width, bed.height]
+    size = [bed.width, bed.height]
+    place = bed.position / size
     place = tile + np.where(tile % 2, 1.0 - place, place)
-    return State((place * [bed.width, bed.height]).reshape(-1, 2))
+    return State((place * size).reshape(-1, 2))
 
 
 def bytes_a_granule(world) -> float:
