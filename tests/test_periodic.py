@@ -23,7 +23,6 @@ from dem.figures.bed import shifts
 from dem.packing.compaction import Press
 from dem.packing.random import SOFT as UNIT
 from dem.packing.random import Room
-from dem.shapes import KINDS
 
 PITCH = 1e-3  # m
 SOFT = dem.Material(2500.0, 1e8, 0.3, 0.7)
@@ -44,8 +43,8 @@ def packed(periodic="xy", cylinder=CYLINDER):
     return shape, dem.pack(shape, side, side, cylinder, 1, periodic)
 
 
-def crowd(kind):
-    """Granules on a grid that press on each other across the sides, shaken, around a cylinder, in a box
+def crowd():
+    """Dumbbells on a grid that press on each other across the sides, shaken, around a cylinder, in a box
     that repeats itself along x and y."""
     rng, side = np.random.default_rng(1), 7
     position = PITCH * np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2)
@@ -53,9 +52,8 @@ def crowd(kind):
     distance = np.hypot(*least_image(position - CYLINDER.position, periodic).T)
     position = position[distance > CYLINDER.radius + 0.4 * PITCH]
     n = len(position)
-    ratio = KINDS[kind].aspect_ratio or 1.4
     scene = dem.Scene(
-        KINDS[kind].shape.of_size(rng.uniform(1.0, 1.1, n) * PITCH, ratio),
+        dem.Dumbbell.of_size(rng.uniform(1.0, 1.1, n) * PITCH),
         SOFT,
         dem.Friction(),
         solids=CYLINDER,
@@ -169,10 +167,9 @@ def test_a_solid_lists_every_part_near_one_of_its_images(bed, size, form):
     assert list(part) == list(np.flatnonzero(near)) and not other.any()
 
 
-@pytest.mark.parametrize("kind", ["disc", "dumbbell"])
-def test_where_the_box_begins_changes_no_motion(kind):
+def test_where_the_box_begins_changes_no_motion():
     """A bed moves alike wherever the sides of the box cut it, whichever image of a granule is given."""
-    scene, state = crowd(kind)
+    scene, state = crowd()
     period = np.array([length or 0.0 for length in scene.periodic])
     images = np.random.default_rng(2).integers(-3, 4, state.position.shape)
     runs = []
@@ -219,10 +216,9 @@ def test_a_polygon_across_the_sides_is_met_as_one_in_the_middle():
             assert_allclose(two, one, rtol=0.0, atol=1e-12 * np.abs(one).max())
 
 
-@pytest.mark.parametrize("kind", ["disc", "dumbbell"])
-def test_a_bed_that_travels_through_the_sides_moves_as_one_at_rest(kind):
+def test_a_bed_that_travels_through_the_sides_moves_as_one_at_rest():
     """Galilei's law: springs of friction and the normals of contacts last when granules cross a side."""
-    scene, state = crowd(kind)
+    scene, state = crowd()
     velocity, time = np.array([12.0, -8.0]), 600 * STEP
     resting = dem.Simulation(scene, state, 0.5 * STEP)
     fast = replace(scene, solids=replace(CYLINDER, velocity=tuple(velocity)))
@@ -241,10 +237,9 @@ def test_a_bed_that_travels_through_the_sides_moves_as_one_at_rest(kind):
         assert_allclose(two, one, rtol=0.0, atol=1e-6 * np.abs(one).max())
 
 
-@pytest.mark.parametrize("kind", ["disc", "dumbbell"])
-def test_momentum_is_kept_across_the_sides(kind):
+def test_momentum_is_kept_across_the_sides():
     """But for that which the cylinder takes."""
-    scene, state = crowd(kind)
+    scene, state = crowd()
     run, mass = dem.Simulation(scene, state, STEP), scene.mass[:, None]
     run.advance(1000 * STEP)
     run.collect_impulses()
