@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, InstanceOf, PlainValidator, WrapValidator
 
 from dem.base.errors import InputError
-from dem.base.types import MOST, Acceleration, Length, array, checked, must
+from dem.base.types import MOST, Acceleration, Length, array, checked, must, refuse
 from dem.laws.hertz import Hertz
 from dem.laws.protocol import is_law
 from dem.material import Friction, Material, Rolling
@@ -214,6 +214,10 @@ class Scene:
                 f"{name} has the outline {type(solid.outline).__name__}; among granules of "
                 f"{type(self.shape).__name__} it must be round, one of those, or a dem.Polygon."
             )
+        elif type(solid.outline) is type(self.shape):
+            one, other = (getattr(s, "exponent", None) for s in (solid.outline, self.shape))
+            if one != other:
+                refuse(f"{name}.outline.exponent", one, f"be that of the granules, {other:g}")
         ring = solid.placed(solid.position, solid.angle)
         over = ring @ self.planes[:, :2].T - self.planes[:, 2]
         if (over > TOUCHING * solid.radius).any():

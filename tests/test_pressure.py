@@ -14,7 +14,6 @@ from dem.experiment.bed import make_bed
 from dem.experiment.box import height_of_box
 from dem.experiment.config import parse
 from dem.experiment.granule_sizes import diameters_of
-from dem.experiment.intruders import solids
 from dem.experiment.kinds import drag
 from dem.experiment.scene import make_scene
 from dem.experiment.snapshots import snapshots_of
@@ -118,7 +117,7 @@ def test_more_pressure_makes_a_lower_box_around_the_same_cylinder():
     """The cylinder is where it is before the height is known."""
     beds = {pressure: bed_under(pressure) for pressure in (5e6, PRESSURE)}
     assert beds[5e6].height > beds[PRESSURE].height
-    places = {solids(replicate(p), bed.height)[0].position for p, bed in beds.items()}
+    places = {make_scene(replicate(p), bed).solids[0].position for p, bed in beds.items()}
     assert len(places) == 1
 
 
@@ -131,7 +130,7 @@ def test_a_box_too_low_for_the_stroke_is_refused():
     """Of the box at a packing fraction of 0.84 the stroke leaves a micrometre; the bed is lower."""
     run, bed = replicate(HIGH), bed_under(HIGH)
     nominal = height_of_box(run.configuration, diameters_of(run))
-    (at,) = solids(run, bed.height)
+    (at,) = make_scene(run, bed).solids
     stroke = nominal - at.position[1] - at.radius - 1e-6
     assert bed.height < nominal
     with pytest.raises(PackingError, match="would leave it during its stroke; at most"):

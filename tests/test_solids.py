@@ -412,6 +412,10 @@ REFUSED = {
             solids=dem.Solid(dem.Ellipse([2e-3], [1e-3]), (0, 0)),
         )
     ),
+    "solids[0].outline.exponent is 4.0; it must be that of the granules, 3.": lambda: dem.Scene(
+        dem.Superellipse([R], [R], [0.2 * R], 3.0),
+        solids=dem.Solid(dem.Superellipse([2e-3], [1e-3], [2e-4], 4.0), (0, 0)),
+    ),
     "Turn.inertia is 0.0; it must be positive": lambda: dem.Turn(0.0),
     "species must be the number of the material of each of the 1 granules, below 2": lambda: (
         dem.Scene(dem.Disc([R]), [GLASS, STEEL])

@@ -38,9 +38,13 @@ def _yielding(mass_ratio, damping, p, nx, ny):
 
 
 @optional
-def dashpot_constant(damping, mass_ratio, p, nx, ny):
-    """alpha sqrt(m* K) of contact p, with the effective mass m* along its normal."""
-    return either(_yielding(mass_ratio, damping, p, nx, ny), damping[p])
+def dashpot_constant(damping, mass_ratio, p, nx, ny, radius, constant):
+    """alpha sqrt(m* K) of contact p, with the effective mass m* along its normal.
+
+    radius: not None where R* is that at the contact; then `damping` lacks the root of K, `constant`.
+    """
+    known = either(_yielding(mass_ratio, damping, p, nx, ny), damping[p])
+    return either(times(given(radius, math.sqrt(constant)), known), known)
 
 
 @optional
@@ -97,7 +101,8 @@ def respond(contacts, p, geometry, velocity, change, root, dt, account):
     constant = stiffness_of(contacts, p, geometry.radius)
     elastic = force(contacts.law, constant, overlap, measured)
     rate = -plus(velocity[0], change[0])
-    damping = dashpot_constant(contacts.damping, contacts.mass_ratio, p, geometry.nx, geometry.ny)
+    nx, ny, radius = geometry.nx, geometry.ny, geometry.radius
+    damping = dashpot_constant(contacts.damping, contacts.mass_ratio, p, nx, ny, radius, constant)
     normal = either(damped_force(damping, elastic, root, rate), elastic)
     damped_normal = dissipated_power(given(damping, account), normal - elastic, -rate)
     last = entry(contacts.measure, p)  # before friction overwrites it

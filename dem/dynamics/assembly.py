@@ -36,6 +36,7 @@ from dem.laws.protocol import length, slope
 from dem.motion import Drive, PrescribedMotion, Turn
 from dem.periodic import wrapped
 from dem.scene import ARRAYS, Scene, State, reach
+from dem.shapes.ellipse import Ellipse
 from dem.shapes.protocol import is_alone
 from dem.solids import Polygon
 
@@ -339,6 +340,15 @@ def contacts(
     )
 
 
+def meeting(outlines, shape):
+    """Outlines of solids that granules meet as each other; with one R* a pair, if these are discs."""
+    if not isinstance(outlines, Ellipse):
+        return outlines
+    if not isinstance(shape, Ellipse):
+        return outlines._replace(hertz_radius=None)
+    return outlines._replace(contact=shape.contact, hertz_radius=shape.hertz_radius)
+
+
 def surfaces(scene: Scene, table: GranuleTable, drive: np.ndarray) -> dict[str, Surface | None]:
     """Walls, and solids by their outlines, as members of a World."""
     walls, r = len(scene.walls), len(drive)
@@ -371,7 +381,7 @@ def surfaces(scene: Scene, table: GranuleTable, drive: np.ndarray) -> dict[str, 
         number = np.zeros(r, np.int64)  # of the outline of each boundary
         number[[*others]] = range(len(others))
         one, *more = others.values()
-        outlines = one.appended(*more).take(number)
+        outlines = meeting(one.appended(*more).take(number), scene.shape)
         members["outlines"] = surface([*others], outlines=outlines)
     if polygons:
         listed = Faces(np.cumsum(first), np.concatenate(faces), rounding)

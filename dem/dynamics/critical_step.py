@@ -127,13 +127,14 @@ def add_pair(rows, pair, k, c, direction, weights):
 def add_contact(contacts, p, bounds, geometry, pair, one, two):
     """Stiffness and damping of contact p between two bodies, in a pair of rows.
 
-    geometry: overlap (m; negative: a gap), normal, and constant K of the law.
+    geometry: overlap (m; negative: a gap), normal, constant K of the law, and None unless R* is that
+    at the contact.
     """
-    overlap, nx, ny, constant = geometry
+    overlap, nx, ny, constant, radius = geometry
     law, rows, held = contacts.law, bounds.rows, max(overlap, bounds.least)
     friction, rolling, measured = contacts.friction, contacts.rolling, measure_of(contacts, p, held)
     damping = times(
-        dashpot_constant(contacts.damping, contacts.mass_ratio, p, nx, ny),
+        dashpot_constant(contacts.damping, contacts.mass_ratio, p, nx, ny, radius, constant),
         root(law, held, measured),
     )
     k = slope(law, constant, measured)

@@ -25,7 +25,7 @@ from dem.jit.columns import FX, FY, TAU, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either
 from dem.laws.protocol import impact_overlap, length, measure, root, slope, stiffest
-from dem.shapes.protocol import collect, first_of, outline, owner_of, solve_contact
+from dem.shapes.protocol import collect, first_of, local_radius, outline, owner_of, solve_contact
 
 
 class Diagnostics(NamedTuple):
@@ -123,7 +123,7 @@ def scan_pairs(world, table, bounds, begin, end, spare):
             body_1 = body_of(view, table, g, i, normal, (n1 + apart, t1))
             body_2 = body_of(view, table, h, j, normal, (-n2 - apart, t2))
             pair = body_1.row if i >= low else spare, body_2.row if j < high else spare
-            geometry = overlap, nx, ny, stiffness_of(contacts, p, rho)
+            geometry = overlap, nx, ny, stiffness_of(contacts, p, rho), rho
             add_contact(contacts, p, bounds, geometry, pair, body_1, body_2)
     return touching, worst
 
@@ -151,7 +151,8 @@ def scan_contacts(surface, world, table, bounds, worst):
             dx, dy = shifted(contacts, p, moving[b, X] - motion[i, X], moving[b, Y] - motion[i, Y])
             x, y = n1 * nx - t1 * ny - dx, n1 * ny + t1 * nx - dy
             far = x * ny - y * nx, x * nx + y * ny
-        two, geometry = boundary_of(world, constants, b, far), (overlap, nx, ny, constant)
+        two = boundary_of(world, constants, b, far)
+        geometry = overlap, nx, ny, constant, local_radius(world.shape)
         add_contact(contacts, p, bounds, geometry, (one.row, two.row), one, two)
     return worst
 

@@ -123,7 +123,8 @@ def set_constants(contacts, p, law, shape, radii, mass, inverse_masses):
         other = two if two > 0.0 else one
         contacts.length[p] = length(contacts.law, law[SHARE], one, other, radius)
     if contacts.damping is not None:
-        contacts.damping[p] = law[ALPHA] * math.sqrt(mass * constant)
+        known = constant if local_radius(shape) is None else 1.0
+        contacts.damping[p] = law[ALPHA] * math.sqrt(mass * known)
     if contacts.friction is not None:
         for c in range(LAW - FRICTION):
             contacts.friction[c, p] = law[FRICTION + c]

@@ -37,7 +37,7 @@ class Contacts(NamedTuple):
     length : ndarray of shape (m,) or None
         Its second constant (m), of laws that have one.
     damping : ndarray of shape (m,) or None
-        Dashpot constant alpha sqrt(m* K).
+        Dashpot constant alpha sqrt(m* K); alpha sqrt(m*) where R* is that at the contact.
     mass_ratio : ndarray of shape (2, m) or None
         m/m* for a normal along x and along y, where a driven boundary yields; the dashpot constant
         is then that of the mass m. None where none yields.

@@ -6,7 +6,7 @@ import numpy as np
 
 from dem.base.errors import InputError, PackingError
 from dem.contacts.force_law import effective_modulus
-from dem.experiment.box import NOMINAL, nominal_height
+from dem.experiment.box import NOMINAL, height_of_box
 from dem.experiment.granule_sizes import diameters_of, sample_parts
 from dem.experiment.intruders import ahead_of, solids
 from dem.experiment.run import Replicate
@@ -49,7 +49,7 @@ def _moduli(replicate: Replicate) -> list[float]:
 def room_of(replicate: Replicate) -> tuple:
     """The granules of a bed, and the room in which they are packed."""
     c, diameters, young = replicate.configuration, diameters_of(replicate), _moduli(replicate)
-    height = nominal_height(replicate)
+    height = height_of_box(c, diameters)
     room = Room(
         c.box_width,
         height,

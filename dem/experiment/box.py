@@ -25,10 +25,11 @@ def height_of_box(configuration, diameters: np.ndarray | float, count: int = 1) 
     return (granules / fraction + area) / configuration.box_width
 
 
-def nominal_height(replicate) -> float:
-    """Height (m) of the box of a run; where packing.pressure is given, at the packing fraction
-    NOMINAL, because that of the bed is known only once it is packed around the cylinder."""
-    return height_of_box(replicate.configuration, diameters_of(replicate))
+def start_height(replicate, height: float) -> float:
+    """Height (m) of the box by which cylinders are placed in a bed of a height (m): the same, or where
+    packing.pressure is given that at NOMINAL, in which the bed was packed around them."""
+    c = replicate.configuration
+    return height if c.packing.pressure is None else height_of_box(c, diameters_of(replicate))
 
 
 def length_of(shape, diameter: float) -> float:

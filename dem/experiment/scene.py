@@ -6,7 +6,7 @@ import numpy as np
 
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import shaped
-from dem.experiment.box import nominal_height
+from dem.experiment.box import start_height
 from dem.experiment.granule_sizes import diameters_of
 from dem.experiment.intruders import solids
 from dem.experiment.run import Replicate
@@ -29,13 +29,12 @@ def granules(replicate: Replicate):
 def make_scene(replicate: Replicate, bed: Bed) -> Scene:
     """The scene of the run."""
     c, rolling, materials = replicate.configuration, replicate.rolling, replicate.materials
-    height = bed.height if c.packing.pressure is None else nominal_height(replicate)
     return Scene(
         shape=granules(replicate),
         material=materials if len(materials) > 1 else materials[0],
         friction=Friction(**_coefficients(c.friction)),
         walls=_walls(replicate, bed),
-        solids=solids(replicate, height),
+        solids=solids(replicate, start_height(replicate, bed.height)),
         gravity=(0.0, -c.gravity) if c.gravity > 0.0 else None,
         thickness=replicate.thickness,
         periodic=bed.periodic,

@@ -9,6 +9,7 @@ import numpy as np
 from dem.dynamics.contact_output import ContactList
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import shaped
+from dem.experiment.box import start_height
 from dem.experiment.granule_sizes import diameters_of
 from dem.experiment.intruders import ahead_of, solids
 from dem.experiment.run import Replicate
@@ -98,7 +99,7 @@ def snapshots_of(replicate: Replicate, values: dict) -> Snapshots:
 def variables_of(run) -> dict:
     """These variables, from what a run recorded (dem.experiment.kinds.drag.RunData)."""
     c, height = run.replicate.configuration, run.bed.height
-    drawn = solids(run.replicate, height)
+    drawn = solids(run.replicate, start_height(run.replicate, height))
     x, y = np.stack([state.position for state in run.states]).transpose(2, 0, 1)
     displacement = np.linspace(0.0, c.cylinder.stroke, c.record.snapshots)
     values = {

@@ -36,9 +36,12 @@ class Mutant(NamedTuple):
 
 
 BOX, DISCS, SMOOTH = (TWIN.format(scene) for scene in ("box of discs", "discs", "smooth discs"))
-SOLIDS, TURNED = TWIN.format("discs around solids"), TWIN.format("ellipses around solids")
+SOLIDS, TURNED = (
+    TWIN.format("discs around solids"),
+    TWIN.format("ellipses of local radius around solids"),
+)
 DUMBBELLS, ELLIPSES = TWIN.format("dumbbells"), TWIN.format("ellipses")
-LOCAL, CHORD = TWIN.format("ellipses of local radius"), TWIN.format("ellipses by the chord")
+LOCAL, CHORD = TURNED, TWIN.format("ellipses by the chord")
 SUPER, ONE_THREAD, TWO_THREADS = TWIN.format("superellipses"), LARGE.format(1), LARGE.format(2)
 RUN = "tests/test_twin.py::test_a_run_of_a_configuration_is_that_of_the_model"
 HELD = "tests/test_step.py::test_the_time_step_is_held_where_the_bound_goes_up_and_down"
