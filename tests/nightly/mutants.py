@@ -63,6 +63,8 @@ MUTANTS = (
     Mutant("contacts/force_law.py", "constant", "-(math.pi - 2.0 * psi)", "-(math.pi - psi)", BOX),
     Mutant("contacts/response.py", "time", "rate = -plus(velocity[0], change[0])", "rate = -velocity[0]", BOX),
     Mutant("contacts/response.py", "sign", "minus(gx * nx + gy * ny, times(t2", "plus(gx * nx + gy * ny, times(t2", ELLIPSES),
+    Mutant("contacts/response.py", "missing term", "either(times(given(radius, math.sqrt(constant)), known), known)", "known", LOCAL),
+    Mutant("dynamics/assembly.py", "missing term", "meeting(one.appended(*more).take(number), scene.shape)", "one.appended(*more).take(number)", LOCAL),
     Mutant("contacts/force_law.py", "order", "capped(mindlin(history[p], measured, last, stiffness, distance), limit)", "mindlin(history[p], measured, last, stiffness, distance)", BOX),
     Mutant("contacts/loops.py", "sign", "gx, gy, -torque, 0.0)", "gx, gy, torque, 0.0)", BOX),
     Mutant("contacts/blocks.py", "index", "+= two[j + FIVE]", "+= two[j + SIX]", SMOOTH),
