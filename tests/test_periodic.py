@@ -194,7 +194,7 @@ def test_where_the_box_begins_changes_no_motion():
 
 def test_a_polygon_across_the_sides_is_met_as_one_in_the_middle():
     """Forces are those of the bed half a period away, whichever image of a granule is given."""
-    scene, state = crowd("disc")
+    scene, state = crowd()
     corners = PITCH * np.array([[-0.8, -0.6], [0.9, -0.5], [0.1, 0.9]])
     wedge = dem.Solid(dem.Polygon(corners, 0.5 * PITCH), (0.0, 0.0), 0.4, (0.3, 0.2), 500.0)
     period = np.array(scene.periodic)
