@@ -11,7 +11,6 @@ from dem.contacts.blocks import last_normal, put, shifted
 from dem.contacts.response import measure_of, respond, stiffness_of
 from dem.dynamics.checkpoint import copied
 from dem.dynamics.world import Surface
-from dem.jit.address import by_address
 from dem.jit.columns import VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either, given
@@ -134,13 +133,12 @@ def deepest_of(surface, others, world, table, worst):
 def contact_summary(world, table):
     """Number of pairs of constituents that touch, greatest overlap over the smaller radius, its
     constituent."""
-    view, none = by_address(world), (0.0, 0)
-    others = view.boundaries.motion
-    touching, worst = deepest_of(pairs_of(view), view.constituents, view, table, none)
-    worst = deepest_of(view.walls, others, view, table, worst)[1]
-    worst = deepest_of(view.circles, others, view, table, worst)[1]
-    worst = deepest_of(view.outlines, others, view, table, worst)[1]
-    worst = deepest_of(view.polygons, others, view, table, worst)[1]
+    none, others = (0.0, 0), world.boundaries.motion
+    touching, worst = deepest_of(pairs_of(world), world.constituents, world, table, none)
+    worst = deepest_of(world.walls, others, world, table, worst)[1]
+    worst = deepest_of(world.circles, others, world, table, worst)[1]
+    worst = deepest_of(world.outlines, others, world, table, worst)[1]
+    worst = deepest_of(world.polygons, others, world, table, worst)[1]
     return touching, worst[0], worst[1]
 
 

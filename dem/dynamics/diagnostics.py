@@ -20,7 +20,7 @@ from dem.dynamics.critical_step import (
 from dem.dynamics.energy import kinetic
 from dem.dynamics.forces import clear, greater
 from dem.dynamics.world import INVERSE_MASS
-from dem.jit.address import by_address, local
+from dem.jit.address import local
 from dem.jit.columns import FX, FY, TAU, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either
@@ -96,9 +96,8 @@ def scan_pairs(world, table, bounds, begin, end, spare):
     many pairs touch, and the greatest relative overlap with its constituent, of the pairs that
     begin with these granules.
     """
-    view = by_address(world)
-    shape, motion, orientation = view.shape, view.constituents, view.orientation
-    contacts, table, radius = local(view.pairs), local(table), table.radius
+    shape, motion, orientation = world.shape, world.constituents, world.orientation
+    contacts, table, radius = local(world.pairs), local(table), table.radius
     touching, worst = 0, (0.0, 0)
     clear(bounds.rows, begin, end)
     low, high = first_of(shape, begin), first_of(shape, end)
@@ -120,8 +119,8 @@ def scan_pairs(world, table, bounds, begin, end, spare):
             # the points are on the surfaces of both bodies, not in the middle of a gap
             apart, t1, t2 = 0.5 * min(overlap, 0.0), either(t1, 0.0), either(t2, 0.0)
             g, h, normal = owner_of(shape, i), owner_of(shape, j), (nx, ny)
-            body_1 = body_of(view, table, g, i, normal, (n1 + apart, t1))
-            body_2 = body_of(view, table, h, j, normal, (-n2 - apart, t2))
+            body_1 = body_of(world, table, g, i, normal, (n1 + apart, t1))
+            body_2 = body_of(world, table, h, j, normal, (-n2 - apart, t2))
             pair = body_1.row if i >= low else spare, body_2.row if j < high else spare
             geometry = overlap, nx, ny, stiffness_of(contacts, p, rho), rho
             add_contact(contacts, p, bounds, geometry, pair, body_1, body_2)
@@ -227,41 +226,38 @@ def scan_boundaries(world, table, bounds, worst):
 def critical_step(world, table, least):
     """Critical time step (s) of the contacts; least (m): smallest overlap of a listed pair in
     it."""
-    view, constants = by_address(world), by_address(table)
-    bounds = empty_bounds(view, least, 0)
-    _, worst = scan_pairs(view, constants, bounds, 0, view.bodies.shape[0], 0)
-    return scan_boundaries(view, constants, bounds, worst)[1][0]
+    bounds = empty_bounds(world, least, 0)
+    _, worst = scan_pairs(world, table, bounds, 0, world.bodies.shape[0], 0)
+    return scan_boundaries(world, table, bounds, worst)[1][0]
 
 
 @compiled(allocates=True)
 def begin_scan(world, table, later, frame, spare):
     """Kinetic energy (J), expected speed (m/s) and empty Bounds, with a number of spare rows."""
-    view, constants = by_address(world), by_address(table)
-    granules = view.bodies.shape[0]
-    collect(view.shape, view.constituent_force, view.orientation, view.force, 0, granules)
-    energy, speed_bound = kinetic(view, later, frame)
-    speed = expected_speed(view, constants.skin, speed_bound)
-    return energy, speed, empty_bounds(view, usual_overlap(constants, speed), spare)
+    granules = world.bodies.shape[0]
+    collect(world.shape, world.constituent_force, world.orientation, world.force, 0, granules)
+    energy, speed_bound = kinetic(world, later, frame)
+    speed = expected_speed(world, table.skin, speed_bound)
+    return energy, speed, empty_bounds(world, usual_overlap(table, speed), spare)
 
 
 @compiled(allocates=True)
 def end_scan(world, table, begun, pairs):
     """Diagnostics from what begin_scan and scan_pairs have returned."""
-    view, constants = by_address(world), by_address(table)
     energy, speed, bounds = begun
     touching, worst = pairs
-    (overlap, deepest), steps = scan_boundaries(view, constants, bounds, worst)
-    granules, (critical, chosen) = view.bodies.shape[0], steps
-    push = greatest_acceleration(view.force, view.inverse_mass, view.inverse_inertia, constants)
-    push = greater(driven_acceleration(view.boundaries), push)
+    (overlap, deepest), steps = scan_boundaries(world, table, bounds, worst)
+    granules, (critical, chosen) = world.bodies.shape[0], steps
+    push = greatest_acceleration(world.force, world.inverse_mass, world.inverse_inertia, table)
+    push = greater(driven_acceleration(world.boundaries), push)
     return Diagnostics(
         kinetic_energy=energy,
-        speed_bound=math.sqrt(speed * speed + 2.0 * constants.skin * push),
+        speed_bound=math.sqrt(speed * speed + 2.0 * table.skin * push),
         coordination_number=2.0 * touching / granules,
         max_overlap=overlap,
-        deepest=owner_of(view.shape, deepest),
-        critical_time_step=min(critical, step_alone(constants, bounds.least, 1.0)),
-        longest_time_step=min(chosen, step_alone(constants, bounds.least, constants.fraction)),
+        deepest=owner_of(world.shape, deepest),
+        critical_time_step=min(critical, step_alone(table, bounds.least, 1.0)),
+        longest_time_step=min(chosen, step_alone(table, bounds.least, table.fraction)),
     )
 
 
@@ -273,7 +269,6 @@ def diagnose(world, table, later, frame):
     near but do not touch count with the overlap of a collision at the greatest expected speed, and
     any granule could collide with one of its own size.
     """
-    view, constants = by_address(world), by_address(table)
-    begun = begin_scan(view, constants, later, frame, 0)
-    pairs = scan_pairs(view, constants, begun[2], 0, view.bodies.shape[0], 0)
-    return end_scan(view, constants, begun, pairs)
+    begun = begin_scan(world, table, later, frame, 0)
+    pairs = scan_pairs(world, table, begun[2], 0, world.bodies.shape[0], 0)
+    return end_scan(world, table, begun, pairs)

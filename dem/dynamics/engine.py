@@ -25,6 +25,7 @@ from dem.dynamics.stepping import (
     Progress,
     Schedule,
     StepControl,
+    apart,
     run_steps,
 )
 from dem.dynamics.threads import Threads
@@ -103,7 +104,7 @@ class Engine:
         if self._view is None or self._view[0] is not report:
             schedule = Schedule(begin=report.seen, until=self.until, observe_only=True)
             with signals_deferred():
-                seen, observed = self._call(schedule, NO_RECORD)
+                seen, observed = self._call(apart(self.world), schedule, NO_RECORD)
             # one array for granules and constituents where they are alone
             for rows in (seen.bodies,) if self.table.alone else (seen.bodies, seen.constituents):
                 rows[:, [X, Y]] += np.multiply(self.rules.frame, report.seen)
@@ -131,7 +132,7 @@ class Engine:
             schedule = schedule._replace(until=self.until, budget=self.budget)
             # the first call compiles, and leaves nothing that is worth being kept
             with nullcontext() if schedule.initialise else signals_deferred():
-                self.world, self.progress = self._call(schedule, record)
+                self.world, self.progress = self._call(self.world, schedule, record)
             if self.progress.outcome == FINE:
                 return self.progress
             if self.progress.outcome != PAUSED:
@@ -142,9 +143,9 @@ class Engine:
             elif took > LONG:
                 self.budget = max(self.budget // 2, 1)
 
-    def _call(self, schedule: Schedule, record: np.ndarray) -> Any:
+    def _call(self, world: World, schedule: Schedule, record: np.ndarray) -> Any:
         """World and Progress after one call of the kernel."""
-        given = self.world, self.table, self.rules, schedule, self.progress, record
+        given = world, self.table, self.rules, schedule, self.progress, record
         if self.threads == 1:
             return run_steps(*given, None)
         with Threads(self.threads) as threads:

@@ -4,7 +4,6 @@ import numpy as np
 
 from dem.contacts.loops import boundary_contacts, pair_contacts
 from dem.dynamics.world import granules_of, number_of_patches
-from dem.jit.address import by_address
 from dem.jit.block_memory import ACCOUNTS, FOUR, ONE, TWO, ZERO
 from dem.jit.columns import FX, FY, X, Y
 from dem.jit.compilation import compiled, inlined
@@ -139,7 +138,6 @@ def forces(world, dt, limit):
     Returns the largest squared displacement (m2) since the lists were made, 0 if none is above
     `limit`.
     """
-    world = by_address(world)
     granules, moved = world.bodies.shape[0], 0.0
     place(world.shape, world.bodies, world.orientation, world.constituents, 0, granules)
     patches = number_of_patches(granules)

@@ -21,7 +21,6 @@ from dem.dynamics.world import (
     Patches,
     number_of_patches,
 )
-from dem.jit.address import as_before, by_address, changeable
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import optional
@@ -257,24 +256,23 @@ def rebuild_neighbor_list(world, table):
 
     table: dem.dynamics.assembly.GranuleTable.
     """
-    view, constants = changeable(world), by_address(table)
-    rows, reference, held = view.constituents, view.reference, view.held
-    set_orientation(view.orientation, view.angle)
-    place(view.shape, view.bodies, view.orientation, rows, 0, view.bodies.shape[0])
+    rows, reference, held = world.constituents, world.reference, world.held
+    set_orientation(world.orientation, world.angle)
+    place(world.shape, world.bodies, world.orientation, rows, 0, world.bodies.shape[0])
     set_reference(rows, reference)
-    set_reference(view.boundaries.motion, view.boundaries.reference)
-    for b in range(view.boundaries.angle.shape[0]):
-        view.boundaries.reference[b, 2] = view.boundaries.angle[b]
-    set_orientation(view.boundaries.orientation, view.boundaries.angle)
-    list_pairs(view, constants)
-    list_surface(view.walls, view, constants)
-    list_surface(view.circles, view, constants)
-    list_surface(view.outlines, view, constants)
-    list_surface(view.polygons, view, constants)
+    set_reference(world.boundaries.motion, world.boundaries.reference)
+    for b in range(world.boundaries.angle.shape[0]):
+        world.boundaries.reference[b, 2] = world.boundaries.angle[b]
+    set_orientation(world.boundaries.orientation, world.boundaries.angle)
+    list_pairs(world, table)
+    list_surface(world.walls, world, table)
+    list_surface(world.circles, world, table)
+    list_surface(world.outlines, world, table)
+    list_surface(world.polygons, world, table)
     if held is not None:
         for q in range(held.member.shape[0]):
-            reach_patch(view.patches, held.member[q])
-    view.constituent_force = room_for_forces(view.patches, view.constituent_force, rows.shape[0])
-    if constants.alone:  # one array where a granule is its own only constituent
-        view.force = view.constituent_force
-    return as_before(view, world)
+            reach_patch(world.patches, held.member[q])
+    world.constituent_force = room_for_forces(world.patches, world.constituent_force, rows.shape[0])
+    if table.alone:  # one array where a granule is its own only constituent
+        world.force = world.constituent_force
+    return world

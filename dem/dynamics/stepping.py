@@ -4,6 +4,8 @@ import math
 from itertools import repeat
 from typing import NamedTuple
 
+import numpy as np
+
 from dem.dynamics.boundary_motion import boundaries_moved, move_boundaries
 from dem.dynamics.contact_output import contact_summary, deeper
 from dem.dynamics.diagnostics import Diagnostics, begin_scan, diagnose, end_scan, scan_pairs
@@ -12,8 +14,6 @@ from dem.dynamics.forces import displaced, forces
 from dem.dynamics.integration import advance, drift, look_ahead
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.threads import share_of
-from dem.jit.address import another, as_before, by_address, changeable, given
-from dem.jit.block_memory import Lanes
 from dem.jit.columns import X, Y
 from dem.jit.compilation import compiled, inlined
 
@@ -228,19 +228,21 @@ PLACE, ANGLE, OF_BOUNDARY = 5, 7, 8
 
 
 @compiled(allocates=True)
-def measure(row, impulses, rate, world, table, frame):
-    """Fill a row of the record but for the step; impulses: those that go on, of which those seen
-    are taken off."""
-    world = by_address(world)
+def measure(row, before, rate, world, table, frame):
+    """Fill a row of the record but for the step; before: impulses that a call has not recorded, of
+    which those since then go on.
+
+    The impulses of the world become what is left of `before`.
+    """
     motion, seen, planes = world.boundaries.motion, world.boundaries.impulses, world.walls.planes
     row[ENERGY] = kinetic(world, 0.0, frame)[0]
     touching, row[OVERLAP], _ = contact_summary(world, table)
     row[CONTACTS] = 2.0 * touching / world.bodies.shape[0]
-    for b in range(impulses.shape[0]):
+    for b in range(seen.shape[0]):
         at = OF_BED + OF_BOUNDARY * b
         for c in range(PLACE):
             row[at + c] = seen[b, c] * rate
-            impulses[b, c] -= seen[b, c]
+            seen[b, c] = before[b, c] - seen[b, c]
         row[at + PLACE], row[at + PLACE + 1] = motion[b, X], motion[b, Y]
         row[at + ANGLE] = world.boundaries.angle[b]
     for k in range(planes.shape[0]):  # the place of a wall is its offset (m)
@@ -248,32 +250,59 @@ def measure(row, impulses, rate, world, table, frame):
 
 
 @inlined
-def copy_of(array):
-    return None if array is None else array.copy()
+def exchange(array, store, begin, restore):
+    """Copy an array to `store` from index `begin` on where there is room, or back; returns the next
+    index."""
+    if array is None:
+        return begin
+    flat = array.reshape(-1)
+    if begin + flat.shape[0] <= store.shape[0]:
+        for k in range(flat.shape[0]):
+            if restore:
+                flat[k] = store[begin + k]
+            else:
+                store[begin + k] = flat[k]
+    return begin + flat.shape[0]
 
 
-@compiled(allocates=True)
-def look(world, pending_kick, ahead):
-    """A world at a time `ahead` (s) after the positions of this one, which stays as it is.
+@compiled
+def exchange_state(world, store, restore):
+    """Copy all but the impulses that `look_ahead` changes to `store`, or back; returns how many
+    numbers that is."""
+    boundaries = world.boundaries
+    size = exchange(world.bodies, store, 0, restore)
+    size = exchange(world.constituents, store, size, restore)
+    size = exchange(world.angle, store, size, restore)
+    size = exchange(world.orientation, store, size, restore)
+    size = exchange(world.previous_acceleration, store, size, restore)
+    size = exchange(world.walls.planes, store, size, restore)
+    size = exchange(world.lanes.account, store, size, restore)
+    size = exchange(boundaries.motion, store, size, restore)
+    size = exchange(boundaries.angle, store, size, restore)
+    size = exchange(boundaries.orientation, store, size, restore)
+    size = exchange(boundaries.previous_acceleration, store, size, restore)
+    return exchange(boundaries.time, store, size, restore)
 
-    pending_kick: see dem.dynamics.integration.look_ahead. Lists and contact history are shared.
-    """
-    seen = another(world)
-    boundaries, walls, lanes = seen.boundaries, seen.walls, seen.lanes
-    seen.bodies, seen.angle = seen.bodies.copy(), seen.angle.copy()
-    seen.orientation = copy_of(seen.orientation)
-    seen.previous_acceleration = copy_of(seen.previous_acceleration)
-    # one array where a granule is its own only constituent
-    alone = world.constituents.shape[0] == world.bodies.shape[0]
-    seen.constituents = seen.bodies if alone else seen.constituents.copy()
-    boundaries.motion, boundaries.impulses = boundaries.motion.copy(), boundaries.impulses.copy()
-    boundaries.previous_acceleration = boundaries.previous_acceleration.copy()
-    boundaries.time, boundaries.angle = boundaries.time.copy(), boundaries.angle.copy()
-    boundaries.orientation = copy_of(boundaries.orientation)
-    walls.planes = walls.planes.copy()
-    seen.lanes = Lanes(motion=lanes.motion, values=lanes.values, account=copy_of(lanes.account))
-    look_ahead(seen, pending_kick, ahead)
-    return given(seen)
+
+def apart(world):
+    """The world with copies of what `look_ahead` changes; lists and contact history are shared."""
+
+    def copied(part, *names):
+        arrays = [(name, getattr(part, name)) for name in names]
+        return part._replace(**{name: array.copy() for name, array in arrays if array is not None})
+
+    seen = copied(world, "bodies", "constituents", "angle", "orientation", "previous_acceleration")
+    return seen._replace(
+        constituents=seen.bodies
+        if len(seen.bodies) == len(seen.constituents)
+        else seen.constituents,
+        walls=copied(world.walls, "planes"),
+        lanes=copied(world.lanes, "account"),
+        boundaries=copied(
+            world.boundaries,
+            *("motion", "impulses", "angle", "orientation", "previous_acceleration", "time"),
+        ),
+    )
 
 
 # Several threads
@@ -329,17 +358,16 @@ def run_steps(world, table, rules, schedule, before, record, threads):
     shortest, interval_dt = math.inf, dt if dt > 0.0 else math.inf
     if before.outcome == PAUSED:
         n, shortest, interval_dt = before.intervals, before.shortest, before.interval_dt
+    state = np.empty(0)
     if observe_only:
-        world = look(by_address(world), pending_kick, begin - time)
-    view, table = changeable(world), by_address(table)
-    if observe_only:
-        diagnostics = scan(threads, view, table, 0.0, rules.frame)
+        look_ahead(world, pending_kick, begin - time)
+        diagnostics = scan(threads, world, table, 0.0, rules.frame)
     if initialise:
-        view = rebuild_neighbor_list(view, table)
-        forces(view, 0.0, math.inf)
-        move_boundaries(view, 0.0, 0.0)  # previous accelerations are those of now
-        drift(view, 0.0, 0.0, 0, view.bodies.shape[0])
-        granule = first_outside(view.walls, view.bodies)
+        world = rebuild_neighbor_list(world, table)
+        forces(world, 0.0, math.inf)
+        move_boundaries(world, 0.0, 0.0)  # previous accelerations are those of now
+        drift(world, 0.0, 0.0, 0, world.bodies.shape[0])
+        granule = first_outside(world.walls, world.bodies)
     while not observe_only:
         if granule >= 0:
             outcome = OUTSIDE
@@ -347,7 +375,7 @@ def run_steps(world, table, rules, schedule, before, record, threads):
 
         # Choose the time step
         if scanned < 0:
-            diagnostics = scan(threads, view, table, pending_kick, rules.frame)
+            diagnostics = scan(threads, world, table, pending_kick, rules.frame)
             budget, scanned = budget - SCAN_COST, steps
             allowed, former = longest_step(rules, diagnostics), dt
             if dt == 0.0 or not allowed > dt:
@@ -371,7 +399,7 @@ def run_steps(world, table, rules, schedule, before, record, threads):
             break
         ends = begin + (n + 1) * interval
         work = max(until, ends) - time
-        most = MOST_WORK / view.bodies.shape[0] if dt < COLLAPSE * first_dt else MOST_STEPS
+        most = MOST_WORK / world.bodies.shape[0] if dt < COLLAPSE * first_dt else MOST_STEPS
         if not work <= most * dt:
             outcome, value = TOO_LONG, dt
             break
@@ -380,9 +408,14 @@ def run_steps(world, table, rules, schedule, before, record, threads):
         ahead = math.floor((ends - time) / dt + NEARLY) if n < intervals else 0
         if ahead <= 0:
             if n < record.shape[0] and n < intervals:
-                row, seen = record[n], look(view, pending_kick, within(ends - time, dt))
-                row[STEP], impulses = interval_dt, view.boundaries.impulses
-                measure(row, impulses, 1.0 / interval, by_address(seen), table, rules.frame)
+                if state.shape[0] == 0:
+                    state = np.empty(exchange_state(world, state, False))
+                exchange_state(world, state, False)
+                impulses = world.boundaries.impulses.copy()
+                look_ahead(world, pending_kick, within(ends - time, dt))
+                record[n, STEP] = interval_dt
+                measure(record[n], impulses, 1.0 / interval, world, table, rules.frame)
+                exchange_state(world, state, True)
                 budget -= 1
             shortest, interval_dt = min(shortest, interval_dt), dt
             n += 1
@@ -397,9 +430,9 @@ def run_steps(world, table, rules, schedule, before, record, threads):
         count = min(ahead, budget, scanned + SCAN_INTERVAL - steps)
         kick, limit = pending_kick + 0.5 * dt, rebuild_at(rules, dt, diagnostics)
         if threads is None:
-            done, moved = advance(view, kick, dt, count, limit, None)
+            done, moved = advance(world, kick, dt, count, limit, None)
         else:
-            done, moved = threads.together(advance, view, kick, dt, count, limit)
+            done, moved = threads.together(advance, world, kick, dt, count, limit)
         pending_kick = 0.5 * dt
         steps, steps_at_dt, budget = steps + done, steps_at_dt + done, budget - done
         time = later(dt_since, steps_at_dt, dt)
@@ -408,14 +441,14 @@ def run_steps(world, table, rules, schedule, before, record, threads):
 
         # Rebuild the neighbour lists
         if not moved <= limit:
-            granule = first_outside(view.walls, view.bodies)
-            if not (moved <= rules.reach or nearing(view) <= 2.0 * rules.reach):
+            granule = first_outside(world.walls, world.bodies)
+            if not (moved <= rules.reach or nearing(world) <= 2.0 * rules.reach):
                 outcome, value = LOST, moved
                 break
-            view = rebuild_neighbor_list(view, table)
+            world = rebuild_neighbor_list(world, table)
             budget, scanned = budget - SCAN_COST, -1
     reached = begin + intervals * interval if outcome == FINE else max(begin, time)
-    return as_before(view, world), Progress(
+    return world, Progress(
         outcome=outcome,
         value=value,
         granule=granule,

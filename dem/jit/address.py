@@ -8,17 +8,23 @@ The compiler cannot tell whether a store into an array changes what lies behind 
 would load it again for every granule. Read members before a loop, or take a `local` copy of a
 tuple.
 
-A member of what is `changeable` can be replaced, and only then its references are counted: to
-count those of a whole World takes two thousand instructions.
+A kernel that Python calls gets the arrays of a tuple as they are in Python, which holds them for as
+long as it runs: their references are not counted. Those of what replaces a member are: it lives on
+in the tuple that the kernel returns.
 """
 
+import functools
+
+import numba.core.boxing  # noqa: F401  it registers what is replaced below
+from llvmlite import ir
 from numba.core import cgutils, types
-from numba.core.boxing import box_tuple
 from numba.core.datamodel import models
-from numba.core.imputils import impl_ret_borrowed, impl_ret_new_ref
+from numba.core.imputils import impl_ret_borrowed
 from numba.core.pythonapi import _boxers
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import (
+    NativeValue,
+    box,
     infer_getattr,
     lower_builtin,
     lower_cast,
@@ -26,6 +32,7 @@ from numba.extending import (
     lower_setattr_generic,
     register_model,
     type_callable,
+    unbox,
 )
 
 FEW = 8  # numbers and arrays: a tuple with no more goes by value
@@ -43,6 +50,7 @@ class Address(types.Type):
         return self.held.instance_class
 
 
+@functools.cache  # which also keeps the types that calls know by number
 def handed(kind):
     """The type by which a value of some type is handed over."""
     large = isinstance(kind, types.BaseNamedTuple) and size(kind) > FEW
@@ -82,7 +90,6 @@ def _member(context, builder, kind, value, name):
 
 @lower_setattr_generic(Address)
 def _replace_member(context, builder, signature, arguments, name):
-    """Of what is `changeable` only: other addresses do not count references."""
     kind, (address, new) = signature.args[0].held, arguments
     index = kind.fields.index(name)
     place, member = cgutils.gep_inbounds(builder, address, 0, index), kind.types[index]
@@ -97,82 +104,6 @@ def _replace_member(context, builder, signature, arguments, name):
 @lower_cast(types.BaseNamedTuple, Address)
 def _lower_placed(context, builder, kind, target, value):
     return cgutils.alloca_once_value(builder, value)
-
-
-def by_address(held):
-    """The address of a named tuple, for as long as the caller runs; what is not one goes as it
-    is."""
-    return held
-
-
-@lower_builtin(by_address, types.Any)
-def _lower_by_address(context, builder, signature, arguments):
-    if signature.args[0] != signature.return_type:
-        return cgutils.alloca_once_value(builder, arguments[0])
-    return impl_ret_borrowed(context, builder, signature.return_type, arguments[0])
-
-
-def another(held):
-    """The address of a copy of a named tuple, whose members can be replaced until it is `given`."""
-    return held
-
-
-@lower_builtin(another, types.Any)
-def _lower_another(context, builder, signature, arguments):
-    value = arguments[0]
-    if isinstance(signature.args[0], Address):
-        value = builder.load(value)
-    value = impl_ret_borrowed(context, builder, signature.return_type.held, value)
-    return cgutils.alloca_once_value(builder, value)
-
-
-def changeable(held):
-    """The address of `another` named tuple, or that of the one itself."""
-    return held
-
-
-@lower_builtin(changeable, types.Any)
-def _lower_changeable(context, builder, signature, arguments):
-    if isinstance(signature.args[0], Address):
-        return arguments[0]
-    return _lower_another(context, builder, signature, arguments)
-
-
-for _function in by_address, another, changeable:
-    type_callable(_function)(lambda context: handed)
-
-
-def given(copy):
-    """A named tuple by value, at whose address there is then nothing."""
-    return copy
-
-
-@type_callable(given)
-def _type_given(context):
-    return lambda copy: copy.held
-
-
-@lower_builtin(given, Address)
-def _lower_given(context, builder, signature, arguments):
-    value = builder.load(arguments[0])
-    return impl_ret_new_ref(context, builder, signature.return_type, value)
-
-
-def as_before(changed, held):
-    """What was made `changeable`, by value if it was so before."""
-    return changed
-
-
-@type_callable(as_before)
-def _type_as_before(context):
-    return lambda changed, held: held
-
-
-@lower_builtin(as_before, Address, types.Any)
-def _lower_as_before(context, builder, signature, arguments):
-    if isinstance(signature.return_type, Address):
-        return arguments[0]
-    return _lower_given(context, builder, signature, arguments)
 
 
 def local(held):
@@ -192,22 +123,60 @@ def _lower_local(context, builder, signature, arguments):
     return impl_ret_borrowed(context, builder, signature.return_type, arguments[0])
 
 
-def _box_named_tuple(typ, value, c):
-    """A native named tuple as an instance of its class, by tuple.__new__.
+def _unbox_at(place, kind, value, c):
+    """Write a Python value to an address; returns whether that failed."""
+    if isinstance(kind, types.BaseTuple):
+        failures = [
+            _unbox_at(cgutils.gep_inbounds(c.builder, place, 0, k), part, item, c)
+            for k, part in enumerate(kind)
+            for item in [c.pyapi.tuple_getitem(value, k)]
+        ]
+        return functools.reduce(c.builder.or_, failures, cgutils.false_bit)
+    if isinstance(kind, types.Array):  # as Numba without counting references
+        signature = ir.FunctionType(ir.IntType(32), [c.pyapi.pyobj, c.pyapi.voidptr])
+        adapt = cgutils.get_or_insert_function(c.builder.module, signature, "numba_adapt_ndarray")
+        place = c.builder.bitcast(place, c.pyapi.voidptr)
+        return cgutils.is_not_null(c.builder, c.builder.call(adapt, (value, place)))
+    native = c.unbox(kind, value)
+    c.builder.store(native.value, place)
+    return native.is_error
+
+
+@unbox(Address)
+def _unbox_address(kind, value, c):
+    place = cgutils.alloca_once(c.builder, c.context.get_value_type(kind.held))
+    return NativeValue(place, is_error=_unbox_at(place, kind.held, value, c))
+
+
+@box(Address)
+def _box_address(kind, place, c):
+    """A tuple with the instances of its members' classes, by tuple.__new__.
 
     Numba calls the class, but a shape checks what it is called with, and a kernel returns it often.
     """
-    constants = [
+    return _box_at(place, kind.held, c)
+
+
+def _box_at(place, kind, c):
+    if not isinstance(kind, types.BaseTuple):
+        return c.box(kind, c.builder.load(place))
+    value = c.pyapi.tuple_new(len(kind))
+    for k, part in enumerate(kind):
+        member = _box_at(cgutils.gep_inbounds(c.builder, place, 0, k), part, c)
+        c.pyapi.tuple_setitem(value, k, member)
+    if not isinstance(kind, types.BaseNamedTuple):
+        return value
+    new, cls = (
         c.env_manager.read_const(c.env_manager.add_const(constant))
-        for constant in (tuple.__new__, typ.instance_class)
-    ]
-    for constant in constants:
-        c.pyapi.incref(constant)
-    parts = [*constants, box_tuple(typ, value, c)]
-    named = c.pyapi.call_function_objargs(parts[0], parts[1:])
-    for part in parts:
-        c.pyapi.decref(part)
+        for constant in (tuple.__new__, kind.instance_class)
+    )
+    named = c.pyapi.call_function_objargs(new, (cls, value))
+    c.pyapi.decref(value)
     return named
+
+
+def _box_named_tuple(kind, value, c):
+    return _box_at(cgutils.alloca_once_value(c.builder, value), kind, c)
 
 
 _boxers.functions |= dict.fromkeys((types.NamedTuple, types.NamedUniTuple), _box_named_tuple)

@@ -35,6 +35,7 @@ from dem.base.source_hash import (
     kernel_hash,
     plugin_codes,
 )
+from dem.jit.address import handed
 from dem.jit.compilers import KernelCompiler, PartCompiler, RolledCompiler
 
 # nnan and ninf stay off: they would remove the very tests that find a NaN.
@@ -47,6 +48,7 @@ ROLLED = INLINED | {"pipeline_class": RolledCompiler}
 
 def classes_in(kind):
     """Classes of the named tuples in a type of Numba."""
+    kind = getattr(kind, "held", kind)
     if isinstance(kind, types.BaseNamedTuple):
         yield kind.instance_class
     for part in kind.types if isinstance(kind, types.BaseTuple) else ():
@@ -161,6 +163,10 @@ class Kernel(CPUDispatcher):
             Kernel.compiling += time.process_time() - started
             if enabled:
                 gc.enable()
+
+    def typeof_pyval(self, val):
+        """What Numba asks of an argument that Python hands over."""
+        return handed(super().typeof_pyval(val))
 
     def get_call_template(self, args, kws):
         """What Numba asks of a function that compiled code calls."""

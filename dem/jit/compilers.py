@@ -17,7 +17,7 @@ from numba.core.ir_utils import GuardException, get_definition, guard
 from numba.core.typed_passes import NativeLowering
 from numba.core.untyped_passes import DeadBranchPrune
 
-from dem.jit.address import another, by_address, changeable, local
+from dem.jit.address import local
 
 # LLVM uses vectors of 256 bits on processors of Intel that have some of 512. This attribute changes
 # that; other processors ignore it.
@@ -92,7 +92,7 @@ def type_of(state, variable):
             return kind.types[kind.fields.index(definition.attr)]
     elif operation == "call":
         function = get_definition(state.func_ir, definition.func)
-        if getattr(function, "value", None) in (another, by_address, changeable, local):
+        if getattr(function, "value", None) is local:
             return type_of(state, definition.args[0])
     elif operation == "static_getitem":  # of `a, b, c, d = ...`
         values = get_definition(state.func_ir, definition.value)

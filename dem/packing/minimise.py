@@ -33,7 +33,6 @@ from dem.dynamics.forces import (
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.threads import Threads, barrier, leads, share_of
 from dem.dynamics.world import PATCH, World, granules_of, number_of_patches
-from dem.jit.address import as_before, by_address, changeable
 from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, rows
 from dem.jit.compilation import compiled, inlined
 from dem.jit.interrupts import signals_deferred
@@ -168,7 +167,6 @@ def fire(world, memory, steps, goal, sums, thread):
     dem.dynamics.threads.Place, or None. Returns iterations done, the largest displacement (m; 0 up
     to goal.list_range, beyond it the lists are too old) and the largest net force (N).
     """
-    world = by_address(world)
     patches, count = world.patches, number_of_patches(world.bodies.shape[0])
     begin, end = share_of(thread, count)
     dt, alpha, downhill, longest = memory[0], memory[1], memory[2], memory[3]
@@ -270,34 +268,33 @@ def settle(world, table, goal, memory, left, sums, threads):
     over the smaller radius and a constituent that has it. Once the bed is at rest or no iteration
     is left, the forces on walls and solids are those of now, and contacts are counted.
     """
-    view, table = changeable(world), by_address(table)
     begins = memory[0] == 0.0
     if begins:
-        view = rebuild_neighbor_list(view, table)
+        world = rebuild_neighbor_list(world, table)
         if left > 0:
-            forces(view, 0.0, math.inf)
+            forces(world, 0.0, math.inf)
             memory[0], memory[1] = math.inf, ALPHA_START
     if left > 0 and (begins or goal.fraction > STEP):  # a longer step is guarded in every call
-        memory[3] = min(goal.fraction * critical_step(view, table, goal.least), goal.alone)
+        memory[3] = min(goal.fraction * critical_step(world, table, goal.least), goal.alone)
         memory[0] = min(memory[0], 0.1 * memory[3] if begins else memory[3])
     pause = max(left - PIECE, 0)
     largest = math.inf
     while left > pause and not largest <= goal.enough:
         if threads is None:
-            done, moved, largest = fire(view, memory, left - pause, goal, sums, None)
+            done, moved, largest = fire(world, memory, left - pause, goal, sums, None)
         else:
-            done, moved, largest = threads.together(fire, view, memory, left - pause, goal, sums)
+            done, moved, largest = threads.together(fire, world, memory, left - pause, goal, sums)
         left -= max(done, 1)
         if not moved <= goal.list_range:
             if not math.isfinite(moved):
                 left = 0
                 break
-            view = rebuild_neighbor_list(view, table)
+            world = rebuild_neighbor_list(world, table)
     touching, overlap, deepest = 0, 0.0, 0
     if left == 0 or largest <= goal.enough:
-        touching, overlap, deepest = contact_summary(view, table)
-        forces(view, 0.0, math.inf)
-    return as_before(view, world), left, largest, touching, overlap, deepest
+        touching, overlap, deepest = contact_summary(world, table)
+        forces(world, 0.0, math.inf)
+    return world, left, largest, touching, overlap, deepest
 
 
 class Minimum(NamedTuple):

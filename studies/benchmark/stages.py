@@ -23,7 +23,7 @@ from dem.dynamics.forces import clear, farthest_of
 from dem.dynamics.integration import advance, drift
 from dem.dynamics.neighbor_list import rebuild_neighbor_list
 from dem.dynamics.world import number_of_patches
-from dem.jit.address import by_address, local
+from dem.jit.address import local
 from dem.jit.block_memory import BLOCK
 from dem.jit.compilation import compiled
 from studies.benchmark.scenes import Case
@@ -52,7 +52,6 @@ UPTO = {
 def pairs(world, dt, times, parts):
     """The loop of dem.contacts.loops.pair_contacts with the stages that are wanted, for a bed of
     one patch without an energy ledger."""
-    world = by_address(world)
     shape, contacts, lanes = world.shape, local(world.pairs), world.lanes
     rows, flat = world.constituents.reshape(-1), world.constituent_force.reshape(-1)
     turns, count = world.inverse_inertia, contacts.constituent.shape[0]
@@ -73,7 +72,6 @@ def pairs(world, dt, times, parts):
 
 @compiled
 def boundaries(world, dt, times):
-    world = by_address(world)
     for _ in range(times):
         boundary_contacts(world.walls, world, dt)
         boundary_contacts(world.circles, world, dt)
@@ -81,7 +79,6 @@ def boundaries(world, dt, times):
 
 @compiled
 def looks(world, limit, times):
-    world = by_address(world)
     moved, patches = 0.0, number_of_patches(world.bodies.shape[0])
     for _ in range(times):
         clear(world.constituent_force, 0, world.constituents.shape[0])
@@ -92,7 +89,6 @@ def looks(world, limit, times):
 
 @compiled
 def moves(world, times):
-    world = by_address(world)
     for _ in range(times):
         drift(world, 0.0, 0.0, 0, world.bodies.shape[0])
 

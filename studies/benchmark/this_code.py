@@ -48,7 +48,7 @@ def machine_code(world: World) -> tuple[int, int]:
     disk.
     """
     like = world, 0.5, 1.0, 1, 1.0, None  # as dem.dynamics.stepping calls it
-    signature = tuple(map(numba.typeof, like))
+    signature = tuple(map(advance.typeof_pyval, like))
     fresh = numba.jit(pipeline_class=KernelCompiler, **OPTIONS)(advance.py_func)
     fresh.compile(signature)
     code = fresh.overloads[signature].library._compiled_object

@@ -37,7 +37,7 @@ class Mutant(NamedTuple):
 
 BOX, DISCS, SMOOTH = (TWIN.format(scene) for scene in ("box of discs", "discs", "smooth discs"))
 SOLIDS, TURNED = (
-    TWIN.format("discs around solids"),
+    TWIN.format("linear discs around solids"),
     TWIN.format("ellipses of local radius around solids"),
 )
 DUMBBELLS, ELLIPSES = TWIN.format("dumbbells"), TWIN.format("ellipses")
@@ -94,8 +94,8 @@ MUTANTS = (
     Mutant("dynamics/cell_list.py", "missing term", "reach = radius[i] + radius[j] + skin", "reach = radius[i] + radius[j]", BOX),
     Mutant("dynamics/contact_history.py", "comparison", "old_partner[q] < j)", "old_partner[q] <= j)", BOX),
     Mutant("dynamics/stepping.py", "comparison", "if steps - candidate_since >= QUIET:", "if candidate_dt < math.inf:", HELD),
-    Mutant("dynamics/stepping.py", "missing call", "view = rebuild_neighbor_list(view, table)\n            budget", "budget", BOX),
-    Mutant("dynamics/stepping.py", "not cleared", "impulses[b, c] -= seen[b, c]", "impulses[b, c] -= 0.0", RUN),
+    Mutant("dynamics/stepping.py", "missing call", "world = rebuild_neighbor_list(world, table)\n            budget", "budget", BOX),
+    Mutant("dynamics/stepping.py", "not cleared", "= before[b, c] - seen[b, c]", "= before[b, c]", RUN),
     Mutant("dynamics/critical_step.py", "constant", "* 2.0 / max(rate + root", "* 4.0 / max(rate + root", "tests/test_simulate.py"),
     Mutant("dynamics/energy.py", "constant", "total += 0.5 * squared", "total += squared", RUN),
     Mutant("laws/hertz.py", "constant", "return 0.4 * stiffness", "return 0.5 * stiffness", "tests/test_energy.py"),
@@ -113,7 +113,7 @@ MUTANTS = (
     Mutant("shapes/polygon.py", "sign", "place = -(x * ny - y * nx)", "place = (x * ny - y * nx)", SOLIDS),
     Mutant("shapes/polygon.py", "sign", "ry * nx - rx * ny", "rx * ny - ry * nx", TURNED),
     # beds
-    Mutant("packing/minimise.py", "missing call", "        forces(view, 0.0, math.inf)\n    return", "    return", BED),
+    Mutant("packing/minimise.py", "missing call", "        forces(world, 0.0, math.inf)\n    return", "    return", BED),
     Mutant("packing/random.py", "missing term", "(r + radius[near]) ** 2", "radius[near] ** 2", BED),
     Mutant("packing/swelling.py", "missing factor", "KEPT * end.velocity", "end.velocity", BED),
     # runs
