@@ -27,7 +27,7 @@ from dem.experiment.bed import make_bed
 from dem.experiment.kinds import drag
 from dem.figures.catalogue import draw
 from dem.io.dataset import read
-from dem.io.lazily import open_combined
+from dem.io.lazily import open_lazily
 from dem.io.progress import span
 from dem.report.build import build
 from dem.report.info import summary
@@ -85,7 +85,7 @@ def test_runs_that_fail_are_gaps_where_the_sweep_allows_them(tmp_path, two_fail)
         )
         gaps = np.isnan(np.ma.filled(file["drag"][:], np.nan)).all(axis=-1)
     np.testing.assert_array_equal(gaps, [[False, True, False], [False, True, True]])
-    with open_combined(tmp_path / "drag.nc") as dataset:
+    with open_lazily(tmp_path / "drag.nc") as dataset:
         numbers = summarise(dataset)
         runs = numbers["run_mean"].sel(case="c1").values[[0, 2]]
         assert float(numbers["mean"].sel(case="c1")) == pytest.approx(runs.mean())

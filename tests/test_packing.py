@@ -291,7 +291,7 @@ def test_a_stage_of_growth_keeps_half_of_the_velocities():
     rng = np.random.default_rng(1)
     slow = 1e-9 * rng.standard_normal((len(small.diameters), 3))  # no stage ends at a neighbour
     start = dem.State(start.position, slow[:, :2], start.angle, slow[:, 2])
-    shape = small.shape.scaled(0.5 * factor)
+    shape = small.shape.scaled(0.5 * factor)._replace(contact=dem.GeometricPotential())
     end, _ = _moved(room, shape, start, 1)
     assert_allclose(end.velocity, 0.5 * start.velocity, rtol=1e-12)
     assert_allclose(end.angular_velocity, 0.5 * start.angular_velocity, rtol=1e-12)

@@ -19,7 +19,7 @@ from dem.analysis.tables import TextTable
 from dem.base.errors import InputError
 from dem.figures.catalogue import draw, drawable_from
 from dem.figures.sweep import is_logarithmic
-from dem.io.lazily import open_combined, open_lazily
+from dem.io.lazily import open_lazily
 from dem.report.build import build
 from dem.report.info import summary
 
@@ -93,7 +93,7 @@ def test_nothing_is_fetched_and_all_is_there(page):
 
 def means_of(folder):
     """Mean drag of each case, as it follows from drag.nc."""
-    with open_combined(folder / "drag.nc") as data:
+    with open_lazily(folder / "drag.nc") as data:
         inside = data["drag"].sel(displacement=slice(data.window_start, data.window_stop))
         return inside.mean(("displacement", "seed")).to_series()
 
@@ -113,7 +113,7 @@ def test_info_prints_the_mean_and_the_runs_of_each_case(page):
 
 def panels(page, name):
     """Data (k, 2) that each panel of a figure of drag.nc shows, and the file itself."""
-    with open_combined(page.parent / "drag.nc") as dataset:
+    with open_lazily(page.parent / "drag.nc") as dataset:
         figure = import_module(f"dem.figures.{name}").plot(dataset)
         return [places_shown(axes) for axes in figure.axes], dataset.load()
 
@@ -145,7 +145,7 @@ def test_curves_are_running_means_over_a_fifth_of_a_millimetre(page):
 @cache
 def figure_of(data):
     """The figure of a sweep, its file and its means."""
-    with open_combined(data) as dataset:
+    with open_lazily(data) as dataset:
         figure = import_module("dem.figures.sweep").plot(dataset)
         return figure, dataset.load(), summarise(dataset)
 
@@ -244,7 +244,7 @@ def test_info_and_report_have_a_row_a_place(swept):
     text = text_of(summary(folder / "drag.nc"))
     for mean in statistics["mean"].values.ravel():
         assert re.search(rf"\b{mean:.5g}\b", text)
-    with open_combined(folder / "drag.nc") as data:
+    with open_lazily(folder / "drag.nc") as data:
         ids = {str(run)[:12] for run in data["run_id"].values.ravel()}
     for batch in (folder / "store/batches").glob("*.nc"):
         rows = re.findall(r"(?m)^([0-9a-f]{12}) ", text_of(summary(batch)))

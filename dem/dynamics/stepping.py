@@ -5,8 +5,10 @@ from itertools import repeat
 from typing import NamedTuple
 
 import numpy as np
+from numba import literal_unroll
 
 from dem.dynamics.boundary_motion import boundaries_moved, move_boundaries
+from dem.dynamics.checkpoint import mapped
 from dem.dynamics.contact_output import contact_summary, deeper
 from dem.dynamics.diagnostics import Diagnostics, begin_scan, diagnose, end_scan, scan_pairs
 from dem.dynamics.energy import kinetic
@@ -256,53 +258,48 @@ def exchange(array, store, begin, restore):
     if array is None:
         return begin
     flat = array.reshape(-1)
-    if begin + flat.shape[0] <= store.shape[0]:
-        for k in range(flat.shape[0]):
-            if restore:
-                flat[k] = store[begin + k]
-            else:
-                store[begin + k] = flat[k]
+    for k in range(min(flat.shape[0], store.shape[0] - begin)):
+        if restore:
+            flat[k] = store[begin + k]
+        else:
+            store[begin + k] = flat[k]
     return begin + flat.shape[0]
+
+
+@inlined
+def changed_by_looking(world):
+    """Arrays that `look_ahead` changes, or None; without impulses."""
+    boundaries = world.boundaries
+    return (
+        world.bodies,
+        world.constituents,
+        world.angle,
+        world.orientation,
+        world.previous_acceleration,
+        world.walls.planes,
+        world.lanes.account,
+        boundaries.motion,
+        boundaries.angle,
+        boundaries.orientation,
+        boundaries.previous_acceleration,
+        boundaries.time,
+    )
 
 
 @compiled
 def exchange_state(world, store, restore):
-    """Copy all but the impulses that `look_ahead` changes to `store`, or back; returns how many
-    numbers that is."""
-    boundaries = world.boundaries
-    size = exchange(world.bodies, store, 0, restore)
-    size = exchange(world.constituents, store, size, restore)
-    size = exchange(world.angle, store, size, restore)
-    size = exchange(world.orientation, store, size, restore)
-    size = exchange(world.previous_acceleration, store, size, restore)
-    size = exchange(world.walls.planes, store, size, restore)
-    size = exchange(world.lanes.account, store, size, restore)
-    size = exchange(boundaries.motion, store, size, restore)
-    size = exchange(boundaries.angle, store, size, restore)
-    size = exchange(boundaries.orientation, store, size, restore)
-    size = exchange(boundaries.previous_acceleration, store, size, restore)
-    return exchange(boundaries.time, store, size, restore)
+    """Copy what `look_ahead` changes to `store`, or back; returns how many numbers that is."""
+    size = 0
+    for array in literal_unroll(changed_by_looking(world)):
+        size = exchange(array, store, size, restore)
+    return size
 
 
 def apart(world):
     """The world with copies of what `look_ahead` changes; lists and contact history are shared."""
-
-    def copied(part, *names):
-        arrays = [(name, getattr(part, name)) for name in names]
-        return part._replace(**{name: array.copy() for name, array in arrays if array is not None})
-
-    seen = copied(world, "bodies", "constituents", "angle", "orientation", "previous_acceleration")
-    return seen._replace(
-        constituents=seen.bodies
-        if len(seen.bodies) == len(seen.constituents)
-        else seen.constituents,
-        walls=copied(world.walls, "planes"),
-        lanes=copied(world.lanes, "account"),
-        boundaries=copied(
-            world.boundaries,
-            *("motion", "impulses", "angle", "orientation", "previous_acceleration", "time"),
-        ),
-    )
+    arrays = *changed_by_looking(world), world.boundaries.impulses
+    copies = {id(array): array.copy() for array in arrays if array is not None}
+    return mapped(world, lambda part, path: copies.get(id(part), part))
 
 
 # Several threads

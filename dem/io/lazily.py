@@ -90,12 +90,3 @@ def require_drag(dataset: xr.Dataset, path: Path) -> None:
     layout = {"drag": ((*dataset["run_id"].dims, "displacement"), "N", "")}
     names = "shape", "displacement", "displacement_bounds", "drag"
     require(dataset, path, layout, names, ("window_start", "window_stop"))
-
-
-@contextmanager
-def open_combined(path: Path):
-    """The drag of all runs of a block, read when it is needed; raises InputError for any other
-    file."""
-    with open_lazily(path) as dataset:
-        require_drag(dataset, path)
-        yield dataset

@@ -15,12 +15,10 @@ in the tuple that the kernel returns.
 
 import functools
 
-import numba.core.boxing  # noqa: F401  it registers what is replaced below
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.datamodel import models
 from numba.core.imputils import impl_ret_borrowed
-from numba.core.pythonapi import _boxers
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import (
     NativeValue,
@@ -116,36 +114,30 @@ def _type_local(context):
     return lambda held: held
 
 
-@lower_builtin(local, types.Any)
+@lower_builtin(local, Address)
 def _lower_local(context, builder, signature, arguments):
-    if isinstance(signature.args[0], Address):
-        return cgutils.alloca_once_value(builder, builder.load(arguments[0]))
-    return impl_ret_borrowed(context, builder, signature.return_type, arguments[0])
-
-
-def _unbox_at(place, kind, value, c):
-    """Write a Python value to an address; returns whether that failed."""
-    if isinstance(kind, types.BaseTuple):
-        failures = [
-            _unbox_at(cgutils.gep_inbounds(c.builder, place, 0, k), part, item, c)
-            for k, part in enumerate(kind)
-            for item in [c.pyapi.tuple_getitem(value, k)]
-        ]
-        return functools.reduce(c.builder.or_, failures, cgutils.false_bit)
-    if isinstance(kind, types.Array):  # as Numba without counting references
-        signature = ir.FunctionType(ir.IntType(32), [c.pyapi.pyobj, c.pyapi.voidptr])
-        adapt = cgutils.get_or_insert_function(c.builder.module, signature, "numba_adapt_ndarray")
-        place = c.builder.bitcast(place, c.pyapi.voidptr)
-        return cgutils.is_not_null(c.builder, c.builder.call(adapt, (value, place)))
-    native = c.unbox(kind, value)
-    c.builder.store(native.value, place)
-    return native.is_error
+    return cgutils.alloca_once_value(builder, builder.load(arguments[0]))
 
 
 @unbox(Address)
 def _unbox_address(kind, value, c):
     place = cgutils.alloca_once(c.builder, c.context.get_value_type(kind.held))
-    return NativeValue(place, is_error=_unbox_at(place, kind.held, value, c))
+    _unbox_at(place, kind.held, value, c)
+    return NativeValue(place)
+
+
+def _unbox_at(place, kind, value, c):
+    """Write a Python value to an address; its type is known, because it has chosen the kernel."""
+    if isinstance(kind, types.BaseTuple):
+        for k, part in enumerate(kind):
+            member = cgutils.gep_inbounds(c.builder, place, 0, k)
+            _unbox_at(member, part, c.pyapi.tuple_getitem(value, k), c)
+    elif isinstance(kind, types.Array):  # as Numba without counting references
+        signature = ir.FunctionType(ir.IntType(32), [c.pyapi.pyobj, c.pyapi.voidptr])
+        adapt = cgutils.get_or_insert_function(c.builder.module, signature, "numba_adapt_ndarray")
+        c.builder.call(adapt, (value, c.builder.bitcast(place, c.pyapi.voidptr)))
+    else:
+        c.builder.store(c.unbox(kind, value).value, place)
 
 
 @box(Address)
@@ -173,10 +165,3 @@ def _box_at(place, kind, c):
     named = c.pyapi.call_function_objargs(new, (cls, value))
     c.pyapi.decref(value)
     return named
-
-
-def _box_named_tuple(kind, value, c):
-    return _box_at(cgutils.alloca_once_value(c.builder, value), kind, c)
-
-
-_boxers.functions |= dict.fromkeys((types.NamedTuple, types.NamedUniTuple), _box_named_tuple)

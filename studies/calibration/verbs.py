@@ -11,10 +11,11 @@ def fit(
     target: option(float, "Mean drag to fit, N; 1295 is from section 3.2 of the paper.") = 1295.0,
 ):
     """Fit Young's modulus, the one calibrated number, to a mean drag."""
-    from dem.io.lazily import open_combined
+    from dem.io.lazily import open_lazily, require_drag
     from studies.common.calibrate import calibrate
 
-    with bar(f"reading {data}"), open_combined(data) as dataset:
+    with bar(f"reading {data}"), open_lazily(data) as dataset:
+        require_drag(dataset, data)
         calibration = calibrate(dataset.load(), target)
     print(calibration.sentence())
 

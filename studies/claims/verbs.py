@@ -38,7 +38,7 @@ def test(
 
 def _read(path: Path, margin: float):
     """Runs in claims.nc, or in drag.nc with the flow.nc beside it; raises InputError."""
-    from dem.io.lazily import open_combined, open_lazily, require
+    from dem.io.lazily import open_lazily, require, require_drag
     from studies.claims import MEASURES
     from studies.claims.evidence import from_study, from_sweep
     from studies.claims.results import VARIABLES
@@ -50,7 +50,7 @@ def _read(path: Path, margin: float):
             return from_study(dataset.load(), margin)
         if "drag" not in dataset:
             raise InputError(f"{path}: it holds no drag; name drag.nc.")
-    with open_combined(path) as dataset:
+        require_drag(dataset, path)
         dims = dataset["run_id"].dims
         if set(dims) != {"case", "seed"}:
             raise InputError(f"{path}: its runs are over {', '.join(dims)}; claims compare cases.")

@@ -37,7 +37,7 @@ class Mutant(NamedTuple):
 
 BOX, DISCS, SMOOTH = (TWIN.format(scene) for scene in ("box of discs", "discs", "smooth discs"))
 SOLIDS, TURNED = (
-    TWIN.format("linear discs around solids"),
+    TWIN.format("discs around solids"),
     TWIN.format("ellipses of local radius around solids"),
 )
 DUMBBELLS, ELLIPSES = TWIN.format("dumbbells"), TWIN.format("ellipses")
