@@ -5,6 +5,7 @@ import re
 import shutil
 import socket
 import sys
+import threading
 import time
 from concurrent.futures import Future, ProcessPoolExecutor
 from multiprocessing import get_context
@@ -218,3 +219,14 @@ def test_an_executor_is_something_that_submits(file):
         dem.run_sweep(file, 4)
     with pytest.raises(InputError, match="block is"):
         dem.run_sweep(file, block="wide")
+
+
+def test_nothing_of_a_pool_outlives_a_sweep_that_is_interrupted():
+    """A thread of it that closes a pipe while Python ends made that end in a traceback."""
+    before = threading.enumerate()
+    with pytest.raises(KeyboardInterrupt), workers.processes(2) as pool:
+        started = [pool.executor.submit(time.sleep, 60.0) for _ in range(4)]
+        while not any(future.running() for future in started):
+            time.sleep(0.01)
+        raise KeyboardInterrupt
+    assert [thread for thread in threading.enumerate() if thread not in before] == []
