@@ -2,6 +2,8 @@
 PYTHON ?= python3
 ACTIVATE = . .venv/bin/activate
 INSTALL = @$(ACTIVATE) && python setup/install.py
+# Where it is set, each of the many processes would compile this package, in half a second or more.
+export PYTHONDONTWRITEBYTECODE :=
 # Bytecode of what the workflow imports; of all packages it would take three times as long.
 WARM = import dem.cli.app, matplotlib.pyplot, netCDF4, numba, scipy.stats, snakemake.cli, xarray; \
 	numba.njit(lambda: 0)()
@@ -25,7 +27,7 @@ docs: .venv/docs
 	$(INSTALL) requirements.txt
 	$(INSTALL) --editable .
 	@echo "Compiling what the workflow imports"
-	@$(ACTIVATE) && PYTHONDONTWRITEBYTECODE= python -c "$(WARM)"
+	@$(ACTIVATE) && python -c "$(WARM)"
 	@touch .venv/ready
 
 .venv/test: .venv/ready tests/requirements.txt

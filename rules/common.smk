@@ -7,6 +7,7 @@ import logging
 import os
 import sys
 from functools import cache
+from itertools import chain
 from pathlib import Path
 
 from dem.base.messages import say
@@ -51,7 +52,7 @@ def study(name):
 
 def block_of(folder):
     """The sweep of a folder, and the block whose combined files are in it."""
-    for sweep in (SWEEP, *map(study, REPORTED)):
+    for sweep in chain([SWEEP], map(study, REPORTED)):  # those of studies only where they are asked for
         if folder in sweep.folders:
             return sweep, sweep.folders[folder]
     raise ValueError(f"{folder} is no folder of this sweep")
@@ -113,18 +114,15 @@ def to_make(wildcards):
 
 # Code is a parameter of a rule, and not an input, so that an edit of a comment or a docstring reruns no job. Batches
 # need none: the code is part of the identity of their runs.
+@cache
 def code_of(*names, runs=False):
     """Hash of the code of files and folders, and of what they import of studies; runs: also of what makes runs."""
     files = [path for file in files_of(names, HERE) for path in with_imports(file)]
     return code_hash(codes(files, HERE) | (run_codes() if runs else {}))
 
 
-def code_of_figure(figure):
-    """The same of a figure, and of what all figures share; no other figure but that whose headings some have."""
-    others = {HERE / f"dem/figures/{name}.py" for name in FIGURES if name != "sweep"}
-    shared = {*files_of(["dem/figures"], HERE)} - others
-    return code_of(f"{figure.module.replace('.', '/')}.py", *shared, "dem/analysis")
-
+# Of the code of figures, what all share, and that whose headings some have.
+SHARED = {*files_of(["dem/figures"], HERE)} - {HERE / f"dem/figures/{name}.py" for name in FIGURES if name != "sweep"}
 
 NOT_READ = "record", "sweep", "title", "failures"  # by a study without runs
 

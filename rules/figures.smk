@@ -24,7 +24,7 @@ rule figure:
         ),
         png="{folder}/figures/{figure}.png",
     params:
-        code=lambda w: code_of_figure(KNOWN_FIGURES[w.figure]),
+        code=lambda w: code_of(f"{KNOWN_FIGURES[w.figure].module.replace('.', '/')}.py") + code_of(*SHARED, "dem/analysis"),
         caption=lambda w: KNOWN_FIGURES[w.figure].caption,
         by=lambda w: "dem" if w.figure in FIGURES else "python -P -m studies",
     log:

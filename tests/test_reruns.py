@@ -4,13 +4,11 @@ In a copy of the repository with the results of the sweep and of the claims. Tho
 studies are empty files that Snakemake takes for its own.
 """
 
-import os
 import shutil
-from contextlib import ExitStack, contextmanager
 
 import pytest
 from test_workflow import planned
-from workflows import SMOKE, snakemake
+from workflows import SMOKE, edited, snakemake
 
 from conftest import needs_study, posix
 
@@ -63,28 +61,6 @@ EDITS = {
     "sentences of the claims": ("studies/claims/sentences.py", LINE, {"table", "figure"}),
     "a kernel": ("dem/contacts/loops.py", LINE, RUNS | RESULTS),
 }
-
-
-@contextmanager
-def edited(folder, changes):
-    """Files that are changed for a while: (name, what is added, or what is put for what is there)."""
-    with ExitStack() as stack:
-        for name, change in changes:
-            path = folder / name
-            text, stamp = (path.read_text(), path.stat()) if path.exists() else ("", None)
-            new = text.replace(*change) if isinstance(change, tuple) else text + change
-            assert new != text, f"{name} has no {change[0]}"
-            path.write_text(new)
-            stack.callback(restore, path, text, stamp)
-        yield
-
-
-def restore(path, text, stamp):
-    path.write_text(text)
-    if stamp is None:
-        path.unlink()
-    else:
-        os.utime(path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
 
 
 def test_nothing_is_made_again_for_what_changes_no_result(project):

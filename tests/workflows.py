@@ -9,6 +9,7 @@ import runpy
 import subprocess
 import sys
 import tempfile
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 LIBRARIES = [
@@ -54,3 +55,25 @@ def _run(words, folder, sources, environment, files):
     sys.path.insert(0, str(sources))
     sys.argv = ["snakemake", *words]
     runpy.run_module("snakemake", run_name="__main__", alter_sys=True)
+
+
+@contextmanager
+def edited(folder, changes):
+    """Files that are changed for a while: (name, what is added, or what is put for what is there)."""
+    with ExitStack() as stack:
+        for name, change in changes:
+            path = folder / name
+            text, stamp = (path.read_text(), path.stat()) if path.exists() else ("", None)
+            new = text.replace(*change) if isinstance(change, tuple) else text + change
+            assert new != text, f"{name} has no {change[0]}"
+            path.write_text(new)
+            stack.callback(restore, path, text, stamp)
+        yield
+
+
+def restore(path, text, stamp):
+    path.write_text(text)
+    if stamp is None:
+        path.unlink()
+    else:
+        os.utime(path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
