@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from test_twin import TIME_STEP, scene_of
+from test_twin import LEDGERS, TIME_STEP, scene_of
 from twin import forces_of
 
 from dem import Cylinder, Disc, Dumbbell, Friction, Material, Scene, Simulation, State, box
@@ -102,7 +102,7 @@ def guarded(value, rows):
 def test_kernels_read_and_write_nothing_beside_their_arrays(name):
     """Also where they load and store by address, without the checks that a compiler can add."""
     scene, state = scene_of(name)
-    run = Simulation(scene, state, TIME_STEP, skin=0.3, allow_unstable=True)
+    run = Simulation(scene, state, TIME_STEP, skin=0.3, allow_unstable=True, ledger=name in LEDGERS)
     run.advance(3 * TIME_STEP)
     plain, rows = copied(run.world), {}
     beside = guarded(copied(run.world), rows)

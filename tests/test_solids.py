@@ -252,7 +252,12 @@ def test_a_mirrored_bed_moves_as_in_a_mirror():
 def test_an_ellipse_as_a_solid_is_the_same_one_held():
     """A solid, and a held ellipse, each meet two free ones; the other of both is far away."""
     away = np.array([1.0, 1.0])
-    shape = dem.Ellipse([1.1e-3, 1.1e-3, 2e-3], [0.8e-3, 0.8e-3, 1e-3])
+    shape = dem.Ellipse(
+        [1.1e-3, 1.1e-3, 2e-3],
+        [0.8e-3, 0.8e-3, 1e-3],
+        contact=dem.CommonNormal(1e-6),
+        hertz_radius="local",
+    )
 
     def run(solid, granule):
         """Two ellipses that meet what is at zero: the solid or the held granule."""

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from sweeps import make_sweep
 from test_collision import ROUGH
+from test_periodic import lids
 from test_readme import code
 from test_symmetry import mapped
 
@@ -327,7 +328,7 @@ def endless():
         shape,
         SOFT,
         dem.Friction(),
-        bed.walls,
+        lids(bed.walls),
         cylinder,
         thickness=THICKNESS,
         periodic=bed.periodic,

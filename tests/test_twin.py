@@ -50,7 +50,15 @@ def granules(make, columns=5, rows=4):
     return make(sizes), state
 
 
-LAWS = {"linear discs": dem.Linear(), "discs in plane strain": dem.Line()}
+LAWS = {
+    "linear discs": {"law": dem.Linear()},
+    "discs in plane strain": {
+        "law": dem.Line(),
+        "rolling": dem.Rolling(0.2, 0.3, 0.1, damping=0.2),
+    },
+}
+# with the kernels that test_laws.py and test_motion.py share
+LEDGERS = "discs in plane strain", "discs"
 
 
 def scene_of(name):
@@ -87,7 +95,7 @@ def scene_of(name):
         shape, state = granules(dem.Disc)
         return dem.Scene(
             shape, [damped, steel], table, WALLS, cylinder, boundary=elastic,
-            species=np.arange(20) % 2, law=LAWS[name],
+            species=np.arange(20) % 2, **LAWS[name],
         ), state  # fmt: skip
     if name == "smooth discs":
         shape, state = granules(dem.Disc)
@@ -184,8 +192,9 @@ def test_a_run_is_that_of_the_model(name):
     scene, state = scene_of(name)
     expected = twin.simulate(scene, state, TIME_STEP, STEPS, FRAMES)
     result = dem.simulate(
-        scene, state, STEPS * TIME_STEP, TIME_STEP, FRAMES, skin=0.3, allow_unstable=True
-    )
+        scene, state, STEPS * TIME_STEP, TIME_STEP, FRAMES, skin=0.3, allow_unstable=True,
+        ledger=name in LEDGERS,
+    )  # fmt: skip
     # normals of ellipses that are apart are exact from the third step on
     later = "ellipses", "ellipses of local radius around solids"
     assert_same(result, expected, close=1e-6 if name in later else 1e-9)

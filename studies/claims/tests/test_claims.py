@@ -10,7 +10,6 @@ import xarray as xr
 import yaml
 from numpy.testing import assert_allclose
 from scipy.stats import qmc
-from sweeps import assert_shown_and_drawn, of_file
 from test_damage import ATTRS, COMBINED, FOREIGN, foreign
 from typer.testing import CliRunner
 
@@ -31,7 +30,6 @@ from studies.claims.irregularity import compared
 from studies.claims.remains import jamming_in, remaining
 from studies.claims.sentences import CLAIMS
 from studies.claims.verdicts import UNTESTED, judge, share, together
-from studies.common.results import write_results
 
 INFINITE = float("inf")
 SMOKE = Path(__file__).parent.parent / "smoke.yaml"
@@ -226,19 +224,10 @@ def test_a_flow_twice_as_irregular_is_seen():
 
 
 @pytest.fixture(scope="module")
-def smallest(tmp_path_factory):
+def smallest(checkout_with_claims):
     """The smallest form of the study, and its claims.nc."""
-    folder = tmp_path_factory.mktemp("study")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        state = of_file(SMOKE)
-        write_results("claims", folder / "claims.nc", SMOKE)
-        return state, xr.load_dataset("claims.nc")
-
-
-def test_the_smallest_form_is_shown_and_drawn(smallest):
-    _, dataset = smallest
-    assert_shown_and_drawn("claims", Path(dataset.encoding["source"]))
+    file = checkout_with_claims / "results/smoke/claims.nc"
+    return SweepState.of(SMOKE, checkout_with_claims), xr.load_dataset(file)
 
 
 def test_every_run_of_the_study_is_a_row(smallest):
