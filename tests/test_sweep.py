@@ -456,6 +456,14 @@ def test_chunks_are_filled_and_runs_of_one_bed_follow_each_other(tmp_path):
             assert all(len({beds[run] for run in chunk.runs}) == 1 for chunk in chunks)
 
 
+def test_the_first_batches_compile_each_kind_of_granule_once():
+    """The others find it compiled. Those of the paper, whose c1 and c2 share kernels."""
+    runs = {run.id: run for run in load(CONFIG / "paper.yaml").block("drag").unique()}
+    chunks, _ = plan_batches((), runs.values(), 10, "results")
+    kinds = [runs[chunk.runs[0]].shape.kind for chunk in chunks]
+    assert sorted(kinds[:3]) == ["disc", "dumbbell", "ellipse"] and len(kinds) == 6
+
+
 @pytest.mark.parametrize(
     "axis",
     [

@@ -207,7 +207,7 @@ def legend(figure: Figure, axes, place: str = "outside lower center", **options)
     """Legend of the figure from the labels of one of its axes, each once."""
     handles, names = axes.get_legend_handles_labels()
     unique = dict(zip(names, handles, strict=True))
-    figure.legend(unique.values(), unique.keys(), loc=place, **options)
+    figure.legend(unique.values(), unique, loc=place, **options)
 
 
 def value(mean: float, half: float, unit: str, form: str = "z.0f") -> str:

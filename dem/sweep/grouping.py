@@ -19,27 +19,26 @@ def plan_batches(
     another sweep makes the same runs.
     """
     left, batches, groups = {run.id: run for run in replicates}, [], {}
-
-    def order(batch):
-        return batch_id(results, *batch.runs) != batch.id, -len(batch.runs), batch.id
-
-    for batch in sorted(existing, key=order):
+    for batch in sorted(
+        existing, key=lambda b: (batch_id(results, *b.runs) != b.id, -len(b.runs), b.id)
+    ):
         if not left.keys().isdisjoint(batch.runs):
             batches.append(batch)
             for run in batch.runs:
                 left.pop(run, None)
     for replicate in left.values():
         experiment = replicate.configuration.module
-        sizes = experiment.sizes(replicate)
-        key = replicate.files, *experiment.layout, *sizes.values()
+        key = replicate.files, *experiment.layout, *experiment.sizes(replicate).values()
         beds = groups.setdefault(key, {})
         beds.setdefault(replicate.bed_key(), []).append(replicate)
-    parts = []
-    for beds in groups.values():
+    parts, new = {}, {}  # by the files, which decide what is compiled
+    for (files, *_), beds in groups.items():
         runs = list(chain.from_iterable(beds.values()))
-        parts.append([runs[start : start + size] for start in range(0, len(runs), size)])
-    new = {}
-    for part in filter(None, chain.from_iterable(zip_longest(*parts))):  # each kind compiles first
+        parts.setdefault(files, []).extend(
+            runs[start : start + size] for start in range(0, len(runs), size)
+        )
+    # the first of each compiles
+    for part in filter(None, chain.from_iterable(zip_longest(*parts.values()))):
         ids = tuple(replicate.id for replicate in part)
         new[Batch(batch_id(results, *ids), ids)] = part
     return [*batches, *new], new
