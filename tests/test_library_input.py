@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 from test_collision import APART
-from test_motion import ANCHOR
 
 import dem
 from conftest import CONFIG
@@ -291,7 +290,7 @@ EXTREMES = {
         "held": [dem.Held([0], dem.Drive((0.0, 0.0), 1e-12))],
         "gravity": (0.0, 0.0),
     },
-    "without friction": {"friction": None, "held": [dem.Held([0], ANCHOR)]},
+    "without friction": {"friction": None},
 }
 # with kernels that others ask for; those of other shapes are for the night
 RARE = {"a light wall", "without friction"}

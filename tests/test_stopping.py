@@ -428,8 +428,7 @@ def moving(small_bed, bed):
     if "crowd" in bed:
         return *crowd(), 1 + (bed != "a crowd"), 1e-5
     small = small_bed("disc" if bed == "smooth" else bed)
-    held = dem.Held([0], ANCHOR)  # with the kernels of others without friction
-    smooth = {"friction": None, "held": [held]} if bed == "smooth" else {}
+    smooth = {"friction": None} if bed == "smooth" else {}
     return small.scene(**smooth), small.state, 1, 3e-5
 
 

@@ -363,7 +363,7 @@ def test_a_ring_of_discs_has_the_stress_of_its_contacts():
         dem.Disc([radius] * count),
         SOFT,
         dem.Friction(),
-        dem.box(length, height)[2:],
+        lids(dem.box(length, height)[2:]),
         thickness=THICKNESS,
         periodic=(length, None),
     )
