@@ -90,7 +90,6 @@ QUICK = {
         "goes_on",
         "until_the_result",
         "a_chunk",
-        "stale",
         "killed",
         "store_is_made",
         "whole_or_not",
@@ -98,7 +97,6 @@ QUICK = {
     "test_faults.py": ("a_case_without", "in_another_batch"),
     "test_onset.py": ("",),
     "test_claims.py": ("test_line_finds",),
-    "test_damage.py": ("flipped_bit", "of_any_size"),
     "test_compilation.py": ("copies_share_kernels", "class_of_ones_own"),
     "test_neighbors.py": ("lowest_patch",),
     "test_motion.py": ("work_of_a_driven",),
@@ -115,7 +113,6 @@ SLOW = (
     "residual_falls",
     "the_figure",
     "[e3]",
-    "bits_of_single_runs",
 )
 
 

@@ -98,7 +98,6 @@ COMBINE = ("combine", "--config", "config/smoke.yaml", "-o", "OUT")
         ),
         ((*RUN, "record.window=[1,2]", "-o", "OUT"), "record.window is no value that can vary"),
         ((*RUN, "-o", "OUT.txt"), "it must be the path of a file that ends in .nc"),
-        (("info", "pyproject.toml"), "pyproject.toml"),
         (("figure", "figure13", "pyproject.toml"), "pyproject.toml"),
         ((*COMBINE, "--block", "zz"), "block is 'zz'"),
         ((*COMBINE, "--block", "drg"), "the nearest is drag"),
@@ -154,16 +153,6 @@ def test_a_value_that_no_verb_can_use_is_refused(tmp_path, monkeypatch, argument
     assert sentence in result.stderr and not list(tmp_path.iterdir())
     lines = [line for line in result.stderr.splitlines() if not re.match(r"\d{4}-\d\d-\d\d ", line)]
     assert len(lines) == 1  # after what a slow computer says of its progress
-
-
-def test_a_file_that_is_cut_off_is_said_to_be(tmp_path):
-    """The command that was just typed is no remedy."""
-    cut = tmp_path / "drag.nc"
-    cut.write_bytes((ROOT / "docs/data/drag.nc").read_bytes()[:2000])
-    result = CliRunner().invoke(app, ["info", str(cut)])
-    assert result.exit_code == 2
-    assert "is cut off, damaged or another file: make it again, or copy it again." in result.stderr
-    assert "dem info" not in result.stderr
 
 
 @pytest.mark.parametrize(

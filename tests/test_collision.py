@@ -172,7 +172,7 @@ def test_restitution_is_as_asked_for_at_any_speed(restitution):
     assert_allclose(-approach(result.velocity) / speeds, restitution, rtol=3e-3)
 
 
-@pytest.mark.parametrize("restitution", [0.9, 0.5, 0.1, 0.02, 0.01, 0.001])
+@pytest.mark.parametrize("restitution", [0.02, 0.01, 0.001])
 def test_restitution_holds_at_the_default_time_step(restitution):
     """At the library's own step restitution is met to 4 % of itself, down to the least allowed."""
     material = dem.Material(restitution=restitution)
@@ -336,15 +336,6 @@ def test_the_contact_normal_of_the_paper_does_not_conserve_energy():
     """The paper's contact normal, the chord of the two deepest points, does not conserve energy."""
     gain = bounces(dem.GeometricPotential(), None)
     assert gain.max() > 0.1 and np.sqrt(np.mean(gain**2)) > 0.01
-
-
-def test_newtons_third_law():
-    """The forces on two granules that touch are opposite, whatever their order."""
-    scene, state = volley(dem.Ellipse(1.4 * sizes(2), sizes(2)), 5, 300.0, **ROUGH)
-    state.position[1] = state.position[0] + 0.8 * (state.position[1] - state.position[0])
-    force = dem.Simulation(scene, state).world.force
-    assert np.abs(force[0, :2]).max() > 0.0
-    assert_allclose(force[0, :2], -force[1, :2], rtol=1e-12)
 
 
 def test_softer_tangential_springs_turn_a_disc_more_slowly():

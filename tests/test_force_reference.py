@@ -52,19 +52,6 @@ def test_forces_of_a_random_bed(kind, dt, steps):
         assert (np.hypot(*force.T) > 0.0).sum() > 15
 
 
-@pytest.mark.parametrize("kind", [Disc, Dumbbell])
-def test_forces_on_walls_and_solids_balance_those_on_granules(kind):
-    """What the granules feel in all is what walls and the cylinder give."""
-    scene, state = random_bed(kind, 3)
-    scene = replace(scene, friction=Friction(0.2, 1e-30, 0.7))
-    world = copied(Simulation(scene, state).world)
-    dt = 1e-7
-    loads, axis = world.boundaries.contact_forces, len(scene.walls)
-    forces(world, dt, np.inf)
-    total = loads[axis, :2] + loads[axis, 2:4] + loads[:axis, 0] @ scene.planes[:, :2]
-    assert_allclose(world.force[:, :2].sum(axis=0), -total, rtol=1e-10)
-
-
 def test_the_stages_that_are_timed_make_the_forces_of_a_step():
     """All stages of a pair, one after the other, give what a step gives where nothing meets walls or
     cylinder."""

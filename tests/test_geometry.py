@@ -6,21 +6,17 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from reference import outline, parting, potential
-from twin import forces_of
 
 from conftest import section_of
 from dem import (
     CommonNormal,
-    Cylinder,
     Disc,
-    Dumbbell,
     Ellipse,
     Friction,
     GeometricPotential,
     Scene,
     Simulation,
     State,
-    box,
 )
 from dem.jit.compilation import compiled
 from dem.shapes import KINDS
@@ -231,40 +227,3 @@ def test_area_and_inertia_are_those_of_the_outline(kind):
         assert np.hypot(*ring.T).max() <= shape.bounding_radius[0] * (1.0 + 1e-12)
     assert_allclose(shape.area, area, rtol=1e-5)
     assert_allclose(shape.gyration_squared, moment / area, rtol=1e-5)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_granules_of_one_volume_diameter_have_one_area(kind):
-    """Shapes of equal volume diameter have the area of the disc of that diameter."""
-    diameter = np.array([1.0, 1.7])
-    shape = KINDS[kind].shape.of_size(diameter, section_of(kind).form)
-    assert_allclose(shape.area, 0.25 * np.pi * diameter**2)
-
-
-def test_aspect_ratio_of_an_ellipse_is_that_of_its_axes():
-    """Length over width is what was asked for."""
-    shape = Ellipse.of_size(np.array([1.0, 1.7]), 1.375)
-    assert_allclose(shape.semi_major / shape.semi_minor, 1.375)
-
-
-def test_dumbbells_are_two_rigidly_joined_discs():
-    """Forces and torques on dumbbells that overlap are those of their discs."""
-    rng = np.random.default_rng(9)
-    n = 30
-    radius = 1e-3 * rng.uniform(0.5, 1.0, 2 * n)
-    centre = np.column_stack([np.zeros(n), 0.02 * np.arange(n)])
-    direction = rng.uniform(0.0, 2.0 * np.pi, n)
-    partner = centre + 2.2e-3 * np.column_stack([np.cos(direction), np.sin(direction)])
-    state = State(
-        np.concatenate([centre, partner]),
-        rng.normal(size=(2 * n, 2)),
-        rng.uniform(0.0, 7.0, 2 * n),
-        1e3 * rng.normal(size=2 * n),
-    )
-    far = {"walls": box(10.0, 10.0) + [0.0, 0.0, 5.0], "solids": Cylinder(1.0, (3.0, 3.0))}
-    scene = Scene(Dumbbell(radius), friction=Friction(0.4, 0.0, 0.0), **far)
-    force = Simulation(scene, state).world.force
-    expected, torque = forces_of(scene, state, 0.0)
-    assert (np.hypot(*expected.T) > 0.0).sum() > n // 2
-    assert_allclose(force[:, :2], expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
-    assert_allclose(force[:, 2], torque, rtol=1e-9, atol=1e-9 * np.abs(torque).max())

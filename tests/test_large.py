@@ -117,40 +117,6 @@ def test_contacts_of_a_large_bed_name_the_granules_of_the_input():
     assert_allclose(contacts.overlap[between], (reach - distance)[i, j], rtol=1e-9, atol=1e-15)
 
 
-def test_a_large_bed_keeps_momentum_and_the_order_of_its_granules():
-    """Pairs of two patches push both granules alike; results stand in the order of the input."""
-    scene, state = swarm()
-    width = scene.planes[:, 2].max()
-    walls, periodic = dem.box(3.0 * width, 3.0 * width)[2:], (3.0 * width, None)
-    free = replace(scene, walls=walls, periodic=periodic)  # sides that nothing reaches
-    state.position += width
-    run = dem.Simulation(free, state)
-    assert not run.record(1e-4, 1).wall_force.any()
-    m, result = free.mass[:, None], run.state
-    assert (np.abs(result.velocity - state.velocity) > 0.1).any(axis=1).sum() > 100
-    total = np.abs(m * state.velocity).sum()
-    assert_allclose((m * (result.velocity - state.velocity)).sum(axis=0), 0.0, atol=1e-12 * total)
-    order = np.random.default_rng(2).permutation(free.granules)
-    shape = dem.Disc(free.shape.radius[order])
-    fields = (value[order] for value in list(vars(state.checked(free.granules)).values())[:4])
-    held = [dem.Held(free.is_held[order], ANCHOR)]
-    other = dem.Simulation(replace(free, shape=shape, held=held), dem.State(*fields))
-    other.record(1e-4, 1)
-    assert_allclose(other.state.position, result.position[order], rtol=0.0, atol=1e-9 * PITCH)
-
-
-def test_a_wall_takes_the_momentum_that_a_large_bed_loses():
-    """A patch that touches a wall waits for its force."""
-    scene, state = swarm()
-    fall = state.velocity - [0.0, 2.0]
-    fall[-1] = 0.0
-    run, duration = dem.Simulation(scene, replace(state, velocity=fall)), 1e-4
-    push = run.record(duration, 1).wall_force.ravel()
-    gain = (scene.mass * (run.state.velocity - fall)[:, 1])[:-1].sum()
-    assert push[0] > 0.0 == push[1]
-    assert_allclose(gain, push[0] * duration, rtol=0.02)
-
-
 def test_the_order_of_memory_is_compact():
     """Granules that follow each other in memory are near each other, however they were given."""
     scene, state = swarm(side=64)

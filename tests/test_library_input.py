@@ -134,16 +134,9 @@ MISTAKES = {
     ),
     "it must be 'volume' or 'local'.": lambda: dem.Ellipse([1.0], [1.0], hertz_radius="both"),
     "aspect_ratio is 0.9; it must be at least 1.": lambda: dem.Ellipse.of_size([1.0], 0.9),
-    "step_fraction is 1.1; it must be at most 1, or allow_unstable": lambda: simulate(
-        step_fraction=1.1
-    ),
     "frames is 1.5; it must be a whole number.": lambda: simulate(frames=1.5),
     "periodic is 'yx'; it must be 'none', 'x', 'y' or 'xy'.": lambda: pack(periodic="yx"),
     "seed is -1; it must be at least 0.": lambda: pack(seed=-1),
-    "PrescribedMotion.time has 2 rows; it must rise": lambda: dem.PrescribedMotion([1, 0], PLACES),
-    "a dem.PrescribedMotion without spin": lambda: dem.Held(
-        [0], dem.PrescribedMotion([0, 1], PLACES, [0, 1])
-    ),
     "the nearest is friction": lambda: dem.run_experiment(SMOKE | {"frction": {"granule": 0.1}}),
     "the nearest is c1": lambda: dem.run_experiment(SMOKE | {"shape": "C1"}),
     "it must be a number, in m": lambda: dem.run_experiment(SMOKE | {"box_width": "8 mm"}),
@@ -254,26 +247,13 @@ def test_a_run_whose_steps_shrink_ends():
         run.record(1e-9, 1000)
 
 
-def spoil_damping(world):
-    world.pairs.damping[:] *= 1e6
-
-
-def spoil_stiffness(world):
-    world.pairs.stiffness[:] *= 1e12
-
-
-def spoil_speed(world):
-    world.bodies[0, 2] = 1e8
-
-
-@pytest.mark.parametrize("spoil", [spoil_damping, spoil_stiffness, spoil_speed])
-def test_a_run_whose_step_collapses_ends_within_a_minute(spoil):
+def test_a_run_whose_step_collapses_ends_within_a_minute():
     """Whatever the cause: what remains of it would take hours or weeks."""
     grid = 1.999e-3 * np.stack(np.meshgrid(np.arange(20), np.arange(20)), -1).reshape(-1, 2)
     system = scene(shape=dem.Disc(np.full(400, 1e-3)), **APART)
     run = dem.Simulation(system, dem.State(grid))
     run.advance(1e-6)
-    spoil(run.engine.world)
+    run.engine.world.bodies[0, 2] = 1e8  # m/s
     run.engine.progress = run.engine.progress._replace(
         scanned=-1
     )  # as after a new list, which sees it

@@ -147,22 +147,6 @@ def test_energy_adds_up_between_moving_boundaries_for_granules_that_are_not_roun
     assert ledger.work > 0.0 and abs(gain - ledger.work) < 1e-3 * max(ledger.work, ledger.before)
 
 
-def test_what_the_bed_loses_of_momentum_is_what_the_boundaries_get(small_bed):
-    """Normal and tangential forces on walls, solids and held granules are all there is."""
-    system, start = bed(
-        small_bed, {TOP: (0.0, -1.0), BOTTOM: (2.0, 0.0)}, held=[dem.Held([7, 30], (0.3, 0.2))]
-    )
-    run = Simulation(system, start)
-    free = ~system.is_held
-    time = 1e-4
-    record = run.record(time, 1)
-    gain = system.mass[free] @ run.state.velocity[free]
-    scale = record.wall_force.sum() * time
-    assert_allclose(-forces_on(record)[0] * time, gain, atol=3e-3 * scale)
-    assert np.abs(gain).max() > 0.05 * scale
-    assert np.abs(record.wall_tangential_force[0, BOTTOM]) > 0.0
-
-
 def test_a_lid_keeps_its_pressure(small_bed):
     """A driven wall settles where the bed bears its force, to 1 % of it, and so does the floor."""
     force, smooth = 3.0, dem.Friction(0.3, 0.0, 0.3)
@@ -206,17 +190,6 @@ def test_a_driven_boundary_that_meets_nothing_moves_as_mechanics_says(damping):
     assert_allclose(run.state.position[1] - start.position[1], displacement, rtol=1e-5)
 
 
-def test_a_boundary_on_a_path_is_where_its_velocity_leads():
-    """The integral of a velocity that is linear between rows, for the cylinder in all frames."""
-    path = dem.PrescribedMotion([1e-4, 3e-4, 4e-4], [[1.0, 0.0], [-1.0, 2.0], [0.0, 2.0]])
-    system, start = some([1e-3], [[0.25 * FAR, 0.25 * FAR]], solids=replace(AWAY, velocity=path))
-    result = simulate(system, start, 6e-4, time_step=1e-6, frames=6)
-    displacement = result.solid_position[:, 0] - AWAY.position
-    x = 1e-4 * np.array([0.0, 1.0, 1.5, 1.0, 0.5, 0.5, 0.5])
-    y = 1e-4 * np.array([0.0, 0.0, 0.5, 2.0, 4.0, 6.0, 8.0])
-    assert_allclose(displacement, np.column_stack([x, y]), rtol=0.0, atol=1e-12)
-
-
 def test_a_run_goes_on_where_its_boundaries_are_put(small_bed):
     """What a Result says of walls and solids makes the scene, and forces go on."""
     velocity = dem.PrescribedMotion([0.0], [(0.0, 1.0)])
@@ -253,22 +226,6 @@ def test_a_held_granule_in_the_place_of_the_cylinder_feels_what_it_feels(small_b
     assert np.abs(force).max() > 0.1
     assert_allclose(two.held_force[:, 0], force, rtol=1e-6, atol=1e-6 * np.abs(force).max())
     assert_allclose(second.state.position[1:], first.state.position, rtol=0.0, atol=1e-12)
-
-
-def test_a_wall_that_oscillates_comes_back_and_the_bed_feels_it(small_bed):
-    """After whole periods its offset is what it was; in between it has pushed and let go."""
-    period, reach = 4e-4, 2e-5
-    time = np.linspace(0.0, 2.0 * period, 201)
-    speed = 2.0 * np.pi / period * reach * np.cos(2.0 * np.pi * time / period)
-    path = dem.PrescribedMotion(time, np.column_stack([speed, 0.0 * speed]))
-    system, start = bed(small_bed, {LEFT: path})
-    run = Simulation(system, start)
-    record = run.record(period / 40, 80)
-    offset = record.wall_offset[:, LEFT] - system.planes[LEFT, 2]
-    assert np.ptp(offset) == pytest.approx(2.0 * reach, rel=1e-2)
-    assert abs(offset[39]) < 2e-3 * reach and abs(offset[79]) < 2e-3 * reach
-    into, out = record.wall_force[:, LEFT].reshape(2, 2, 20).mean(axis=(0, 2))
-    assert into > 1.1 * out > 0.0
 
 
 @pytest.mark.parametrize("skin", [0.003, 0.3])

@@ -8,12 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from conftest import STIFF
 from dem import Clump, Disc, Dumbbell, Polygon, Simulation
-from dem.dynamics.assembly import granule_table
-from dem.dynamics.cell_list import near_pairs, near_surface
+from dem.dynamics.cell_list import near_surface
 from dem.dynamics.neighbor_list import share_out
-from dem.dynamics.stepping import Schedule
 from dem.dynamics.world import PATCH, Faces
 from dem.jit.compilation import compiled
 from dem.shapes import KINDS
@@ -40,25 +37,6 @@ def owned(kind, n):
     owner = np.resize([0, 1, 1, 2, 2, 2], n) + np.arange(n) // 6 * 3
     first = np.searchsorted(owner, np.arange(owner[-1] + 2))
     return Clump(np.ones((n, 3)), owner, first, np.ones((owner[-1] + 1, 2))), owner
-
-
-@given(parts(), st.sampled_from([Disc, Clump]))
-def test_pairs_are_those_of_an_all_pairs_search(bed, kind):
-    """Every pair closer than the skin stands in the list once, in order, and no other."""
-    rows, radius, skin = bed
-    n = len(rows)
-    shape, owner = owned(kind, n)
-    first, part, other = near_pairs(shape, rows, radius, None, skin, (0.0, 0.0))
-    assert_array_equal(part, np.repeat(np.arange(n), np.diff(first)))
-    pairs = [(i, j) for i in range(n) for j in other[first[i] : first[i + 1]]]
-    distance = np.hypot(*(rows[:, None, :2] - rows[None, :, :2]).transpose(2, 0, 1))
-    expected = [
-        (i, j)
-        for i in range(n)
-        for j in range(i + 1, n)
-        if owner[i] != owner[j] and distance[i, j] < radius[i] + radius[j] + skin
-    ]
-    assert pairs == expected
 
 
 def beyond(points, corners):
@@ -141,39 +119,6 @@ def test_a_patch_knows_the_lowest_patch_whose_pairs_push_it(kind, per):
     for patch in range(patches):  # what it is pushed by, in the order of the list
         incoming = exchange.incoming[exchange.first[patch] : exchange.first[patch + 1]]
         assert_array_equal(incoming, np.flatnonzero(other[across] // size == patch))
-
-
-def memories(world):
-    """What frictional contacts of granules, with walls and with solids remember, by the pair."""
-    memories = []
-    for contacts in (world.pairs, world.walls.contacts, world.circles.contacts):
-        pairs = zip(contacts.constituent, contacts.partner, strict=True)
-        remembered = zip(contacts.tangential_force, contacts.measure, strict=True)
-        memories.append(
-            {pair: row for pair, row in zip(pairs, remembered, strict=True) if any(row)}
-        )
-    return memories
-
-
-@pytest.mark.parametrize(("kind", "fraction"), STIFF)
-def test_contact_memory_survives_a_new_neighbor_list(small_bed, kind, fraction):
-    """Every spring is carried to the same pair, whether the new list is longer or shorter. The overlap
-    that goes with it is found again here; whether it is carried the motion below tells."""
-    small = small_bed(kind, fraction=fraction)
-    run = Simulation(small.scene(), small.state)
-    run.advance(3e-5)
-    old = memories(run.world)
-    assert all(len(springs) > 2 for springs in old)
-    for skin in (1.0, 0.01):
-        run.engine.table = granule_table(run.scene, skin)
-        run.engine.run(Schedule(initialise=True))  # as at the start of a run, in no time
-        for new, springs in zip(memories(run.world), old, strict=True):
-            assert new.keys() == springs.keys()
-            spring, root = np.transpose([new[pair] for pair in springs])
-            old_spring, old_root = np.transpose(list(springs.values()))
-            assert_allclose(root, old_root, rtol=1e-4)
-            # those that slide are cut again to Coulomb's limit, whose dashpot saw a step before
-            assert_allclose(spring, old_spring, rtol=1e-2)
 
 
 @pytest.mark.parametrize("kind", KINDS)

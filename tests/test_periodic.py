@@ -278,26 +278,6 @@ def test_nothing_passes_a_granule_unseen(side, periodic):
     assert count[0] > 20 and count[1] > 5
 
 
-@pytest.mark.parametrize("side", [0, 1])
-def test_a_disc_that_leaves_meets_the_image_of_another(side):
-    """Two discs collide across the side as they do in the open."""
-    scene, _ = gas(2)
-    scene = replace(
-        scene,
-        shape=dem.Disc([1e-3, 1e-3]),
-        material=dem.Material(restitution=0.5),
-        periodic=(20e-3, 20e-3),
-        solids=replace(AWAY, position=(10e-3, 10e-3)),
-    )
-    along = np.eye(2)[side]
-    state = dem.State(np.outer([18.9e-3, 1.05e-3], along), np.outer([1.0, -1.0], along))
-    across = dem.Simulation(scene, state, step_fraction=0.05)
-    across.advance(1e-4)
-    expected = np.outer([-0.5, 0.5], along)
-    assert_allclose(across.state.velocity, expected, rtol=0.02, atol=1e-9)
-    assert across.state.position[0, side] > 18.9e-3  # it is not wrapped
-
-
 def test_a_restart_changes_no_bit():
     """Also when granules have crossed a side."""
     scene, state = gas()

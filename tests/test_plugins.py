@@ -154,14 +154,6 @@ def test_runs_are_known_by_the_code_of_their_shape_and_not_by_its_folder(tmp_pat
     }
 
 
-def test_a_folder_that_is_moved_makes_nothing_again(swept):
-    shutil.copytree(swept / "mine", swept / "moved")
-    sweep = swept / "moved/sweep.yaml"
-    sweep.write_text(sweep.read_text().replace("results/pebbles", "results/moved"))
-    output = run("-m", "dem", "sweep", "moved/sweep.yaml", "-n", cwd=swept)
-    assert "2 finished" in output
-
-
 def test_a_plan_finds_shapes_that_were_moved_since(tmp_path, monkeypatch):
     """A sweep that was stopped, and started again in another place."""
     monkeypatch.chdir(tmp_path)
@@ -307,6 +299,14 @@ WRONG_FILES = {  # what a sweep says: which file is there, and what is told
         RESTING.replace("'count'", "'rest_margin'"),
         "sweep gives files of results two things named rest_margin; rename one.",
     ),
+    "experiment: rest.py\nsweep: {shape: c1, count: {a: {}, b: {gravity: 1}}}": (
+        RESTING,
+        "two things named count; rename one",
+    ),
+    "experiment: rest.py\nsweep: {shape: c1, layer: {a: {}, b: {gravity: 1}}}": (
+        RESTING,
+        "two things named layer; rename one",
+    ),
     "record: {observables: [rest.py, drag]}": (
         "VARIABLES = {'turn': (('snap',), 'N', 'force')}\ndef look(it):\n    pass\n",
         "the variable turn is over snap; its dimensions may be bound, displacement",
@@ -328,21 +328,6 @@ def test_what_is_wrong_with_a_file_of_an_experiment_is_one_sentence(tmp_path, wo
         load(tmp_path / "sweep.yaml")
     message = str(error.value)
     assert reason in message and message.endswith(".") and "\n" not in message
-    assert not (tmp_path / "ran").exists()
-
-
-@pytest.mark.parametrize("group", ["rest_load", "rest_at"])
-def test_a_group_with_the_name_of_ones_own_variable_is_refused_before_any_run(tmp_path, group):
-    (tmp_path / "rest.py").write_text(
-        TELLING
-        + "VARIABLES = {'rest_load': (('rest_at',), '1', 'load')}\nSIZES = {'rest_at': 2}\ndef run(it):\n    pass\n"
-    )
-    (tmp_path / "sweep.yaml").write_text(
-        "extends: config/smoke.yaml\nresults: results/mine\nexperiment: rest.py\n"
-        f"sweep: {{shape: c1, {group}: {{a: {{}}, b: {{gravity: 1}}}}}}\n"
-    )
-    with pytest.raises(dem.InputError, match=f"two things named {group}; rename one"):
-        load(tmp_path / "sweep.yaml")
     assert not (tmp_path / "ran").exists()
 
 
@@ -440,22 +425,6 @@ def test_an_observable_gives_grids_and_lists_of_any_length(tmp_path, length):
     assert len(np.unique(result["contact_number"])) > 1
     assert result["sector"].attrs["units"] == "rad"
     assert result["sector_granules"].sum() == result["granules"]
-
-
-def test_an_experiment_gives_all_that_it_says(tmp_path):
-    """And not NaN in its place."""
-    text = RESTING.replace("pass", "return {}").replace(
-        "def run(replicate)", "def run(replicate, bed=None)"
-    )
-    (tmp_path / "rest.py").write_text(text)
-    values = {
-        "extends": "config/smoke.yaml",
-        "shape": "c1",
-        "beside": str(tmp_path),
-        "experiment": "rest.py",
-    }
-    with pytest.raises(dem.RunError, match="the variable count must be both in VARIABLES and"):
-        dem.run_experiment(values)
 
 
 def test_values_of_ones_own_are_read_where_the_file_is_away(tmp_path):

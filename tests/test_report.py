@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
 from sweeps import make_sweep
 from test_means import text_of
 
@@ -286,13 +285,3 @@ def test_the_report_works_in_a_browser(page, browser, width):
     browser.get(page.as_uri())
     assert_alone(browser)
     assert browser.execute_script("return document.documentElement.scrollWidth") <= width
-
-
-def test_a_file_read_in_pieces_gives_the_same_mean_drag():
-    """As xarray does for results that are larger than memory."""
-    file = ROOT / "docs/data/drag.nc"
-    with xr.open_dataset(file) as whole, xr.open_dataset(file, chunks={}) as pieces:
-        assert whole["drag"].chunks is None and pieces["drag"].chunks is not None
-        xr.testing.assert_allclose(
-            pieces["drag"].mean("displacement").compute(), whole["drag"].mean("displacement")
-        )

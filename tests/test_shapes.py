@@ -3,7 +3,6 @@
 import itertools
 import re
 from functools import cache
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -277,15 +276,6 @@ def test_an_unknown_question_is_refused():
     """An answer to what no kernel asks is refused, with both names."""
     with pytest.raises(dem.InputError, match="Egg answers colour; it must answer"):
         protocol.answer(Egg, colour=support)
-
-
-def test_the_shape_of_the_documentation_works():
-    """The page on shapes shows a whole shape, which is accepted."""
-    page = (Path(__file__).parent.parent / "docs/howto/shape.md").read_text()
-    code = re.search(r"```python\n(.*?)```", page, re.S).group(1)
-    names = {"__name__": "shape_of_the_page"}
-    exec(compile(code.replace("Pebble", "PebbleOfThePage"), "shape.md", "exec"), names)
-    dem.check_shape(names["PebbleOfThePage"].of_size(SIZES))
 
 
 def test_a_superellipse_of_exponent_two_without_rounding_is_an_ellipse():

@@ -69,16 +69,6 @@ def test_restitution_at_the_default_step(partner, restitution):
     assert np.abs(error).max() < 1e-2
 
 
-@pytest.mark.parametrize("frames", [7, 100])
-def test_restitution_does_not_depend_on_frames(frames):
-    """Nor on whether they are shorter than a collision."""
-    scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
-    state = dem.State([[0.0, 0.0], [2.1e-3, 0.0]], velocity=[[1.0, 0.0], [-1.0, 0.0]])
-    velocity = dem.simulate(scene, state, duration=2e-4, frames=frames).state.velocity[:, 0]
-    assert_allclose(velocity, [-0.5, 0.5], rtol=5e-3)
-    assert_array_equal(velocity, dem.simulate(scene, state, duration=2e-4).state.velocity[:, 0])
-
-
 @pytest.mark.parametrize("speed", [1.0, 50.0, 300.0])
 def test_galilean_invariance(speed):
     """A row of discs that travels (m/s) passes a blow on, ten collisions long, as one at rest does, to rounding."""

@@ -306,18 +306,6 @@ def test_a_damaged_plan_is_refused(tmp_path, content):
     assert planned(sweep, tmp_path)[0].store.replicates(chunk)
 
 
-def test_a_chunk_gives_the_bits_of_single_runs(tmp_path):
-    work, chunk = planned(discs([1, 2]), tmp_path)
-    values, _ = read(
-        making.make(work.store, chunk), ("drag", "granule_x", "steps", "seed", "density")
-    )
-    (row,) = np.flatnonzero((values.pop("seed") == 2) & (values.pop("density") == 3.9e4))
-    replicate = work.sweep.replicate("c1", 3.9e4, 2)
-    alone = drag.run(replicate, make_bed(replicate))
-    for name, value in values.items():
-        np.testing.assert_array_equal(value[row], alone[name])
-
-
 def test_memory_of_combining_does_not_grow_with_the_runs(tmp_path):
     """The memory that Python hands out grows by less than what 45 more runs have."""
     import tracemalloc

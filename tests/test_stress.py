@@ -115,15 +115,6 @@ def test_the_stress_is_symmetric_but_for_torques(small_bed, kind, fraction):
     assert abs(stress[1, 0] - stress[0, 1] + torque.sum()) < 0.02 * np.abs(torque).sum()
 
 
-def test_the_stress_of_a_bed_at_rest_with_friction_is_symmetric(column):
-    """To the torques that are left."""
-    stress = column.stress().contact
-    left = np.abs(column.world.force[:, TAU]).sum() / volume(column)
-    rounding = 1e-12 * stress[1, 1]
-    assert abs(stress[0, 1] - stress[1, 0]) <= left + rounding < 1e-6 * stress[1, 1]
-    assert np.abs(column.contacts().tangential_force).max() > 0.01 * column.contacts().force.max()
-
-
 def test_each_layer_of_a_column_carries_the_weight_above_it(column):
     """Mean of the weights of granules above a line, over all lines of a bin; sides are smooth."""
     edges = np.linspace(0.0, 12e-3, 7)
@@ -229,20 +220,6 @@ def test_a_gas_has_the_pressure_of_its_energy_and_no_fabric():
     assert_allclose(rows.stress(y=[0.0, 2e-3, 4e-3, 6e-3]).pressure, 0.0, atol=1e-9)
     empty = run.stress(y=[2e-3, 2.5e-3])
     assert not empty.contact.any() and np.isnan(empty.coordination_number).all()
-
-
-def test_friction_drags_the_floor_along():
-    """A disc that slides to the right pulls the floor to the right, with Coulomb's force."""
-    scene = dem.Scene(
-        dem.Disc([1e-3]), SOFT, dem.Friction(wall=0.3), [[0.0, -1.0, 0.0]], gravity=(0.0, -G)
-    )
-    run = dem.Simulation(scene, dem.State([[0.0, 0.999e-3]], velocity=[[1.0, 0.0]]))
-    run.advance(2e-3)
-    contacts = run.contacts()
-    assert_allclose(contacts.normal, [[0.0, -1.0]])
-    assert contacts.tangential_force[0] > 0.0  # along t = (1, 0)
-    ((pull, push),) = contacts.total_force
-    assert pull == pytest.approx(-0.3 * push)
 
 
 def test_frames_know_no_tangential_forces():

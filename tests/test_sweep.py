@@ -817,15 +817,6 @@ def test_a_sweep_is_a_loop_in_python(tmp_path):
     assert dataset["drag"].attrs["units"] == "N" and dataset["shape"] == "c1"
 
 
-def test_a_run_extends_a_path():
-    """The values of a run may name a file as Python does."""
-    values = {"extends": CONFIG / "smoke.yaml", "shape": "c1", "friction": {"granule": -1}}
-    with pytest.raises(
-        InputError, match=r"^values: friction\.granule is -1; it must be at least 0\.$"
-    ):
-        dem.run_experiment(values)
-
-
 def test_a_run_extends_a_file():
     """The values of the file, but for those that are said."""
     values = {"extends": str(CONFIG / "smoke.yaml"), "shape": "c1", "seed": 2}
@@ -843,6 +834,10 @@ def test_a_run_extends_a_file():
         ({"extends": str(CONFIG / "smoke.yaml"), "shape": "c9"}, "shape is 'c9'"),
         ({"extends": "none.yaml", "shape": "c1"}, "cannot read it"),
         (read(CONFIG / "smoke.yaml"), "shape is missing"),
+        (
+            {"extends": CONFIG / "smoke.yaml", "shape": "c1", "friction": {"granule": -1}},
+            r"^values: friction\.granule is -1; it must be at least 0\.$",
+        ),
     ],
 )
 def test_a_run_that_cannot_be_is_one_sentence(values, words):
