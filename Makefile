@@ -2,7 +2,7 @@
 PYTHON ?= python3
 ACTIVATE = . .venv/bin/activate
 INSTALL = @$(ACTIVATE) && python setup/install.py
-# Where it is set, each of the many processes would compile this package, in half a second or more.
+# Empty, so that Python keeps bytecode: else each of many processes compiles the package anew, in half a second.
 export PYTHONDONTWRITEBYTECODE :=
 # Bytecode of what the workflow imports; of all packages it would take three times as long.
 WARM = import dem.cli.app, matplotlib.pyplot, netCDF4, numba, scipy.stats, snakemake.cli, xarray; \

@@ -59,6 +59,7 @@ LONGEST = [
     "superellipse",
     "ellipse",
     "dumbbell",
+    "clump",
     "test_motion",
     "test_large",
     "claims",
@@ -130,7 +131,8 @@ def pytest_ignore_collect(collection_path, config):
 
 @pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups
 def pytest_collection_modifyitems(config, items):
-    """Tests of one kind of granule on one processor: its kernels are then compiled but once."""
+    """Tests of one kind of granule, by parameter or by file, on one processor: its kernels are then
+    compiled but once."""
     groups = {}
     for item in items:
         parameters, stem = item.name.lower().partition("[")[2], item.path.stem

@@ -52,7 +52,7 @@ def study(name):
 
 def block_of(folder):
     """The sweep of a folder, and the block whose combined files are in it."""
-    for sweep in chain([SWEEP], map(study, REPORTED)):  # those of studies only where they are asked for
+    for sweep in chain([SWEEP], map(study, REPORTED)):  # of studies only until one has it
         if folder in sweep.folders:
             return sweep, sweep.folders[folder]
     raise ValueError(f"{folder} is no folder of this sweep")
@@ -121,7 +121,7 @@ def code_of(*names, runs=False):
     return code_hash(codes(files, HERE) | (run_codes() if runs else {}))
 
 
-# Of the code of figures, what all share, and that whose headings some have.
+# Files that all figures share, and sweep.py, whose headings some have.
 SHARED = {*files_of(["dem/figures"], HERE)} - {HERE / f"dem/figures/{name}.py" for name in FIGURES if name != "sweep"}
 
 NOT_READ = "record", "sweep", "title", "failures"  # by a study without runs

@@ -5,6 +5,7 @@ import pickle
 
 import numpy as np
 import pytest
+import xarray as xr
 from numpy.testing import assert_array_equal
 
 import dem
@@ -25,8 +26,8 @@ def discs(**changes):
     return dem.Scene(**defaults | changes)
 
 
-def test_a_result_is_a_dataset_with_units():
-    """Each variable has its dimensions, units and long name."""
+def test_a_result_is_a_dataset_with_units(tmp_path):
+    """Each variable has its dimensions, units and long name, and a file gives them all back."""
     result = dem.simulate(discs(), dem.State(**STATE), 1e-5, frames=3)
     dataset = result.to_dataset()
     sizes = {"time": 4, "granule": 2, "axis": 2, "wall": 4, "solid": 1, "point": 65}
@@ -56,6 +57,9 @@ def test_a_result_is_a_dataset_with_units():
     for name in set(result._fields) - {"state", "scene", "held_force"}:
         assert_array_equal(dataset[name], getattr(result, name))
     assert_array_equal(dataset["position"].sel(axis="y").isel(time=-1), result.state.position[:, 1])
+    result.to_netcdf(tmp_path / "run.nc")
+    with xr.open_dataset(tmp_path / "run.nc") as read:
+        xr.testing.assert_identical(read.load(), dataset)
 
 
 def test_a_result_without_walls_is_a_dataset_too():

@@ -48,7 +48,7 @@ def test_every_verb_of_a_study_has_help():
             assert run.exit_code == 0, run.output
 
 
-ELSEWHERE = {"claims", "benchmark"}  # its own tests make the file; kernels of its own, at night
+ELSEWHERE = {"claims", "benchmark"}  # the workflow makes its file; kernels of its own, at night
 
 
 @pytest.mark.parametrize("name", sorted(reported().keys() - ELSEWHERE))

@@ -462,6 +462,13 @@ def test_the_first_batches_compile_each_kind_of_granule_once():
     chunks, _ = plan_batches((), runs.values(), 10, "results")
     kinds = [runs[chunk.runs[0]].shape.kind for chunk in chunks]
     assert sorted(kinds[:3]) == ["disc", "dumbbell", "ellipse"] and len(kinds) == 6
+    axes = {"shape": "c1", "cylinder.spin": [None, "free"], "shapes.c1.granules": [60, 70]}
+    record = SMALL["record"] | {"observables": ["drag", "snapshots"]}
+    block = small(axes | {"seed": [1]}, record=record).block("drag")
+    runs = {run.id: run for run in block.unique()}
+    chunks, _ = plan_batches((), runs.values(), 10, "results")
+    spins = [runs[chunk.runs[0]].configuration.cylinder.spin for chunk in chunks]
+    assert spins == [None, "free", None, "free"]
 
 
 @pytest.mark.parametrize(

@@ -57,7 +57,7 @@ LAWS = {
         "rolling": dem.Rolling(0.2, 0.3, 0.1, damping=0.2),
     },
 }
-# with the kernels that test_laws.py and test_motion.py share
+# with the kernels that test_laws.py and test_motion.py share; without rolling, and without a ledger: at night
 LEDGERS = "discs in plane strain", "discs"
 
 
@@ -186,18 +186,23 @@ def assert_same(result, expected, close=1e-9):
         np.testing.assert_allclose(array, values, rtol=0.0, atol=close * scale, err_msg=name)
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_a_run_is_that_of_the_model(name):
-    """Positions, angles, velocities, spins and the forces on all boundaries, after 200 steps."""
-    scene, state = scene_of(name)
+def assert_run_is_that_of_the_model(scene, state, close=1e-9, ledger=False):
+    """After 200 steps."""
     expected = twin.simulate(scene, state, TIME_STEP, STEPS, FRAMES)
     result = dem.simulate(
         scene, state, STEPS * TIME_STEP, TIME_STEP, FRAMES, skin=0.3, allow_unstable=True,
-        ledger=name in LEDGERS,
+        ledger=ledger,
     )  # fmt: skip
+    assert_same(result, expected, close)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_run_is_that_of_the_model(name):
+    """Positions, angles, velocities, spins and the forces on all boundaries, after 200 steps."""
     # normals of ellipses that are apart are exact from the third step on
     later = "ellipses", "ellipses of local radius around solids"
-    assert_same(result, expected, close=1e-6 if name in later else 1e-9)
+    close = 1e-6 if name in later else 1e-9
+    assert_run_is_that_of_the_model(*scene_of(name), close, ledger=name in LEDGERS)
 
 
 @pytest.mark.parametrize("threads", [1, 2])

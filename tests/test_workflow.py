@@ -41,8 +41,9 @@ REDRAW = ("--profile", "profiles/figures", "figures")  # and no other option beh
 def test_one_command_makes_all_results(checkout):
     """One command leaves drag.nc, snapshots.nc, every run once and the figures."""
     results = checkout / "results/smoke"
-    batches = (checkout / "results/store/batches").glob("*.nc")
-    assert sum(len(contents(path)["seed"]) for path in batches) == 5 * 2
+    batches = map(contents, (checkout / "results/store/batches").glob("*.nc"))
+    runs = [run for batch in batches for run in batch["run_id"].tolist()]
+    assert len(runs) == len(set(runs)) == 5 * 2
     assert (results / "snapshots.nc").is_file()
     for figure in (
         "figure07",

@@ -14,7 +14,7 @@ from dem.periodic import wrapped
 
 PVD = """<?xml version="1.0"?>
 <VTKFile type="Collection" version="0.1"><Collection>
-{lines}
+{}
 </Collection></VTKFile>
 """
 
@@ -36,7 +36,7 @@ def export(motion: Snapshots, path: Path, progress=lambda done: None) -> None:
         lines.append(f'<DataSet timestep="{displacement:.9g}" file="{name}"/>')
         progress((snapshot + 1) / len(motion.displacement))
     with atomic(path) as part:
-        part.write_text(PVD.format(lines="\n".join(lines)))
+        part.write_text(PVD.format("\n".join(lines)))
 
 
 def _mesh(motion: Snapshots, snapshot: int) -> meshio.Mesh:

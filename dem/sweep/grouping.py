@@ -1,6 +1,8 @@
 """Which runs share a job.
 
 They run the same files and give arrays of the same sizes, and those of one bed follow each other.
+Files and variables make a kind, which tells mostly what is compiled: the first batches are one of
+each, so that the others find it compiled.
 """
 
 from collections.abc import Iterable
@@ -28,16 +30,16 @@ def plan_batches(
                 left.pop(run, None)
     for replicate in left.values():
         experiment = replicate.configuration.module
-        key = replicate.files, *experiment.layout, *experiment.sizes(replicate).values()
+        key = (replicate.files, *experiment.layout), *experiment.sizes(replicate).values()
         beds = groups.setdefault(key, {})
         beds.setdefault(replicate.bed_key(), []).append(replicate)
-    parts, new = {}, {}  # by the files, which decide what is compiled
-    for (files, *_), beds in groups.items():
+    parts, new = {}, {}
+    for (kind, *_), beds in groups.items():
         runs = list(chain.from_iterable(beds.values()))
-        parts.setdefault(files, []).extend(
+        parts.setdefault(kind, []).extend(
             runs[start : start + size] for start in range(0, len(runs), size)
         )
-    # the first of each compiles
+    # one of each kind in turn
     for part in filter(None, chain.from_iterable(zip_longest(*parts.values()))):
         ids = tuple(replicate.id for replicate in part)
         new[Batch(batch_id(results, *ids), ids)] = part

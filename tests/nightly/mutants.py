@@ -133,7 +133,7 @@ MUTANTS = (
     Mutant("sweep/batch.py", "condition", "    if list(_rows_of(store, batch)) == runs:\n        return path", "    if path.exists():\n        return path", f"{STORE}::test_a_chunk_that_is_there_is_left_alone"),
     Mutant("sweep/batch.py", "missing call", "            store.keep(run, rows[run])\n", "            pass\n", FAILED),
     Mutant("sweep/batch.py", "condition", 'return None if row is None or row["failure"] else row', "return row", "tests/test_faults.py::test_a_run_that_failed_in_another_batch_is_tried_again"),
-    Mutant("sweep/grouping.py", "order", "return batch_id(results, *batch.runs) != batch.id, -len", "return -len", f"{SWEEP}::test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs"),
+    Mutant("sweep/grouping.py", "order", "(batch_id(results, *b.runs) != b.id, -len", "(-len", f"{SWEEP}::test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs"),
     Mutant("sweep/prune.py", "index", 'path.name.partition(".")[0] not in', "path.stem not in", UNDER_WAY),
     Mutant("sweep/prune.py", "missing term", "runs.union(beds, (batch.id", "runs.union((batch.id", UNDER_WAY),
     Mutant("sweep/prune.py", "missing term", "if not batch.runs or runs.intersection", "if runs.intersection", f"{SWEEP}::test_prune_removes_nothing_whose_runs_are_unknown"),

@@ -1,9 +1,12 @@
 """Tests of the suite with kernels that no other test needs."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import test_library_input
 import test_motion
+import test_twin
 from egg import Egg
 from numpy.testing import assert_array_equal
 from test_clumps import mixed
@@ -50,3 +53,10 @@ def test_granules_without_symmetry_pack():
     area = Egg(radius).area.sum() / 0.84 + np.pi * cylinder.radius**2
     bed = dem.pack(Egg(radius), 8e-3, area / 8e-3, cylinder, 1)
     assert bed.pressure > 0.0 and bed.max_overlap < 0.2 and bed.net_force < 1e-9
+
+
+@pytest.mark.parametrize("name", test_twin.LEDGERS)
+def test_a_run_without_a_ledger_is_that_of_the_model(name):
+    """Nor with rolling resistance, which shares kernels with it in the suite."""
+    scene, state = test_twin.scene_of(name)
+    test_twin.assert_run_is_that_of_the_model(replace(scene, rolling=None), state)
