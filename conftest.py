@@ -95,7 +95,7 @@ QUICK = {
         "store_is_made",
         "whole_or_not",
     ),
-    "test_faults.py": ("a_case_without", "in_another_batch"),
+    "test_faults.py": ("a_case_without", "in_another_batch", "that_failed_is_tried"),
     "test_onset.py": ("",),
     "test_claims.py": ("test_line_finds",),
     "test_compilation.py": ("copies_share_kernels", "class_of_ones_own"),
