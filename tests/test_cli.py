@@ -316,3 +316,12 @@ def test_a_dry_run_only_reads(tmp_path, monkeypatch):
     monkeypatch.setattr("os.access", lambda _, mode: mode == os.R_OK)
     result = CliRunner().invoke(app, ["sweep", str(ROOT / "config/smoke.yaml"), "--dry-run"])
     assert result.exit_code == 0 and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("command", ["dem sweep config/paper.yaml -n", "snakemake -n -d {}"])
+def test_a_plan_waits_for_neither_kernels_nor_datasets(tmp_path, command):
+    words = [sys.executable, "-X", "importtime", "-m", *command.format(tmp_path).split()]
+    process = subprocess.run(words, cwd=ROOT, text=True, capture_output=True)
+    assert process.returncode == 0, process.stderr[-1000:]
+    loaded = {line.rpartition("|")[2].strip() for line in process.stderr.splitlines()}
+    assert "dem.sweep.state" in loaded and not loaded & {"numba", "xarray", "pandas", "scipy"}

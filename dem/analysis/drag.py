@@ -11,8 +11,7 @@ import xarray as xr
 
 from dem.base.errors import InputError
 from dem.base.statistics import half_interval
-
-CHECK = "e0"  # shape label of the ellipse code at aspect ratio 1: a check, not a shape of Table 1
+from dem.io.dataset import BY_CASE, CHECK
 
 
 def within(drag: xr.DataArray, start: float, stop: float) -> xr.DataArray:
@@ -30,12 +29,11 @@ def window_text(dataset: xr.Dataset) -> str:
 def by_case(dataset: xr.Dataset) -> xr.Dataset | None:
     """The dataset over (case, seed), where its runs differ in case, or shape, and seed alone; None
     for any other. A shape of a sweep without cases is its own case."""
-    dims = set(dataset["run_id"].dims)
-    if dims == {"shape", "seed"}:
+    if set(dims := dataset["run_id"].dims) not in BY_CASE:
+        return None
+    if "shape" in dims:
         dataset = dataset.rename(shape="case")
         dataset = dataset.assign_coords(shape=("case", dataset["case"].values))
-    elif dims != {"case", "seed"}:
-        return None
     return dataset.transpose("case", "seed", ...)
 
 
@@ -99,20 +97,15 @@ def find(dataset: xr.Dataset, shape: str) -> str | None:
 
 def densities(dataset: xr.Dataset) -> dict[str, list[str]]:
     """Shapes at more than one density: labels of their cases, from the lowest to the highest."""
+    density = dataset["density"].to_series()
     return {
-        shape: group.sort_values("density").index.tolist()
-        for shape, group in cases_of(dataset).groupby("shape", sort=False)
+        shape: group.sort_values().index.tolist()
+        for shape, group in density.groupby(dataset["shape"].values, sort=False)
         if len(group) > 1
     }
 
 
-def cases_of(dataset: xr.Dataset) -> pd.DataFrame:
-    """Shape and density (kg/m3) of every case, by label."""
-    columns = {name: dataset[name].values for name in ("shape", "density")}
-    return pd.DataFrame(columns, dataset["case"].values)
-
-
 def shapes_of(dataset: xr.Dataset) -> pd.Series:
     """Shapes of the cases at the density of the first, by label."""
-    cases = cases_of(dataset)
-    return cases["shape"][cases["density"] == cases["density"].iloc[0]]
+    density = dataset["density"].values
+    return dataset["shape"][density == density[0]].to_series()

@@ -26,7 +26,6 @@ def sweep(
 
     Example: dem sweep config/smoke.yaml -j 2
     """
-    start_lean()
     from dem.sweep.estimate import interrupted, outcome, summary
     from dem.sweep.restart import prepare
     from dem.sweep.state import SweepState

@@ -3,11 +3,6 @@
 import math
 from dataclasses import replace
 
-from dem.motion import Turn
-from dem.shapes.disc import Disc
-from dem.shapes.ellipse import Ellipse
-from dem.solids import Polygon, Solid
-
 RATIOS = {"ellipse": 2.0, "plate": 6.0}  # length over width, where cylinder.aspect_ratio is none
 ROUNDED = 1.0 / 12.0  # of the diameter: radius of the corners of a square or a wedge
 # by outline: corners, anticlockwise, over half the width between them; those of a wedge are lower by sqrt(3)
@@ -37,6 +32,10 @@ def polygon_of(section) -> tuple[list[tuple[float, float]], float] | None:
 
 def outline_of(section):
     """Outline of a cylinder, with its length along x, and a tip upwards."""
+    from dem.shapes.disc import Disc
+    from dem.shapes.ellipse import Ellipse
+    from dem.solids import Polygon
+
     half = 0.5 * section.diameter
     if polygon := polygon_of(section):
         return Polygon(*polygon)
@@ -93,8 +92,11 @@ def circles_of(configuration, height: float) -> list[tuple[float, float, float]]
     ]
 
 
-def solids(replicate, height: float) -> tuple[Solid, ...]:
+def solids(replicate, height: float) -> tuple:
     """The cylinder, and a second one, at their start in a box of a height (m); none without one."""
+    from dem.motion import Turn
+    from dem.solids import Solid
+
     c, drawn = replicate.configuration, []
     if c.cylinder is None:
         return ()

@@ -5,14 +5,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import xarray as xr
 
-from dem.analysis.drag import CHECK, by_case, cases_of, shapes_of
-from dem.analysis.values import along
 from dem.base.constants import described
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
-from dem.io.dataset import LABELS
+from dem.io.dataset import BY_CASE, CHECK, LABELS
 from dem.io.lazily import open_lazily, require_drag
 
 VARIABLES = {"drag": ("drag",), "snapshots": ("granule_x",)}  # that files hold, for all figures
@@ -33,29 +30,31 @@ class FigureSpec(NamedTuple):
     def module(self) -> str:
         return f"{self.package}.figures.{self.name}"
 
-    def suffices(self, runs: xr.Dataset) -> bool:
-        """Whether it can be drawn of runs with such coordinates."""
+    def suffices(self, axes: tuple, coordinates: dict) -> bool:
+        """Whether it can be drawn of runs along axes, with coordinates: dimensions and values by
+        name."""
+        by_case = set(axes) in BY_CASE
         if self.cases is None:
-            several = self.file != "drag" or by_case(runs) is None
-            return several and all(_count(runs, name) >= n for name, n in self.axes.items())
-        if (runs := by_case(runs)) is None:
+            several = self.file != "drag" or not by_case
+            return several and all(_varies(coordinates, *axis) for axis in self.axes.items())
+        if not by_case:
             return False
-        shapes = {*shapes_of(runs)}
+        labels, density = (np.asarray(coordinates[name][1]) for name in ("shape", "density"))
+        shapes = {*labels[density == density[0]]}
         return (
             bool(shapes & set(self.cases.get("any", shapes - {CHECK})))
             and shapes >= set(self.cases.get("all", ()))
-            and cases_of(runs)["shape"].value_counts().max() >= self.cases.get("densities", 1)
+            and np.unique(labels, return_counts=True)[1].max() >= self.cases.get("densities", 1)
         )
 
 
-def _count(runs: xr.Dataset, name: str) -> int:
-    """How many values there are of a label, or of a value that varies alone along an axis."""
+def _varies(coordinates: dict, name: str, least: int) -> bool:
+    """Whether a label has so many values, or a value that varies alone along an axis."""
+    dims, values = coordinates.get(name, ((), ()))
     if name in LABELS:
-        return np.unique(runs[name]).size
-    try:
-        return along(runs, name).sizes.get(name, 0)
-    except InputError:
-        return 0
+        return np.unique(values).size >= least
+    beside = [other for other, (over, _) in coordinates.items() if {*dims} & {*over} - {name}]
+    return len(dims) == 1 and {*beside} <= {name, *dims} and len(values) >= least
 
 
 def figures_of(package: str, folder: Path) -> dict[str, FigureSpec]:
@@ -90,23 +89,24 @@ def wanted(block, names: list[str] | None, figures: dict[str, FigureSpec] = FIGU
 
 def possible(block, figures: dict[str, FigureSpec] = FIGURES) -> list[str]:
     """Names of the figures that the runs of a block will suffice for."""
-    axes = {axis.name: axis.coordinate for axis in block.axes}
-    labels = {name: (dims, values) for name, (_, dims, values) in block.labels().items()}
-    runs = xr.Dataset({"run_id": (block.dims, np.empty(block.shape))}, axes | labels)
+    coordinates = {axis.name: ((axis.name,), axis.coordinate) for axis in block.axes}
+    coordinates |= {name: layout for name, (_, *layout) in block.labels().items()}
     recorded = block.first.configuration.recorded
     return [
         name
         for name, figure in figures.items()
-        if figure.file in recorded and figure.suffices(runs)
+        if figure.file in recorded and figure.suffices(block.dims, coordinates)
     ]
 
 
-def drawable_from(dataset: xr.Dataset, figures: dict[str, FigureSpec] = FIGURES) -> list[str]:
+def drawable_from(dataset, figures: dict[str, FigureSpec] = FIGURES) -> list[str]:
     """Names of those of some figures that a file suffices for."""
+    axes = dataset["run_id"].dims
+    coordinates = {name: (values.dims, values) for name, values in dataset.coords.items()}
     return [
         name
         for name, figure in figures.items()
-        if set(dataset.variables).issuperset(figure.variables) and figure.suffices(dataset)
+        if {*dataset.variables} >= {*figure.variables} and figure.suffices(axes, coordinates)
     ]
 
 
@@ -159,6 +159,8 @@ def _draw(figure: FigureSpec, data: Path, folder: Path, options: dict) -> list[P
                 )
         if "drag" in figure.variables:
             require_drag(dataset, data)
+        from dem.analysis.drag import by_case
+
         runs = dataset if figure.cases is None else by_case(dataset)
         if runs is None:
             dims = ", ".join(map(str, dataset["run_id"].dims))

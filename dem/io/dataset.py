@@ -32,6 +32,8 @@ LABELS = {
     "granules": ((), "1", "number of granules"),
     "seed": ((), "1", "seed of the replicate"),
 }
+CHECK = "e0"  # label of the ellipse code at aspect ratio 1: a check, not a shape of Table 1
+BY_CASE = {"case", "seed"}, {"shape", "seed"}  # axes of runs that differ in nothing else
 OF_RUN = {
     "run_time": (
         (),

@@ -16,7 +16,6 @@ from dem.analysis.values import designs_of, value_of
 from dem.base.errors import InputError
 from dem.io.dataset import LABELS
 from dem.io.lazily import open_lazily, require_drag
-from dem.sweep.axis import seed_words
 
 LEGEND = """\
 mean: of the drag within the window; ±: half its 95 % interval by Student's t over the runs;
@@ -112,7 +111,9 @@ def runs_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
 def _runs_of(dataset: xr.Dataset) -> dict[str, str]:
     """Seeds of the runs of a combined file, how many there are so far, and which are missing and
     why."""
-    facts = {"seeds": seed_words(dataset["seed"].values.ravel()) if "seed" in dataset else "-"}
+    facts, seeds = {}, dataset.get("seed")
+    if seeds is not None:
+        facts["seeds"] = f"{seeds.size}, from {seeds.min():d} to {seeds.max():d}"
     if "partial" in dataset.attrs:
         facts["so far"] = dataset.attrs["partial"]
     if "failure" in dataset and (failed := int((dataset["failure"] != 0).sum())):

@@ -9,8 +9,6 @@ import math
 import re
 from typing import Literal, NamedTuple
 
-import numpy as np
-
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
 from dem.base.types import SEEDS, Coefficient, Label, Number, Section, parsed, written
@@ -218,12 +216,6 @@ def seeds_of(words: str, key: str) -> list[int]:
             )
         seeds += range(first, last + 1)
     return seeds
-
-
-def seed_words(seeds) -> str:
-    """Seeds as words that a configuration may hold: 1 to 5, 7."""
-    runs = np.split(seeds, 1 + np.flatnonzero(np.diff(seeds) != 1))
-    return ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 1 else f"{run[0]}" for run in runs)
 
 
 def _check_once(values: list, key: str) -> None:

@@ -59,11 +59,6 @@ class Block:
         return tuple(len(axis.points) for axis in self.axes)
 
     @property
-    def is_by_case(self) -> bool:
-        """Whether its runs differ in case, or shape, and seed alone."""
-        return set(self.dims) in ({"case", "seed"}, {"shape", "seed"})
-
-    @property
     def beside_seed(self) -> list[Axis]:
         """The axes but that of the seeds."""
         return [axis for axis in self.axes if axis.name != "seed"]

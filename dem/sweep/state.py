@@ -12,6 +12,7 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.experiment.run import Replicate
+from dem.io.dataset import BY_CASE
 from dem.packing.cost import near_jamming
 from dem.sweep.combine import combine_block, combined_runs
 from dem.sweep.config import CONFIG, Sweep, load, parse, save
@@ -89,7 +90,7 @@ class SweepState:
         unless figures of beds by case can be drawn from them."""
         block = self.block(name)
         recorded = block.first.configuration.recorded
-        return tuple(o for o in recorded if o != "snapshots" or block.is_by_case)
+        return tuple(o for o in recorded if o != "snapshots" or {*block.dims} in BY_CASE)
 
     def combined(self, name: str) -> list[Path]:
         """The combined files of a block; the runs of the first one are compared."""

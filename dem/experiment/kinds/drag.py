@@ -1,22 +1,22 @@
 """The paper's experiment: draw a cylinder through a bed at rest and record it."""
 
+from __future__ import annotations
+
 import time
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from dem.base.plugins import load
-from dem.dynamics.result import Record
-from dem.experiment.bed import make_bed, modulus
 from dem.experiment.config import Configuration
 from dem.experiment.run import Replicate
-from dem.experiment.run_checkpoint import PartialRun, resumed
-from dem.experiment.scene import start
-from dem.experiment.snapshots import Snapshots, snapshots_of, variables_of
 from dem.io.dataset import WALLS
-from dem.jit.compilation import computing
-from dem.packing.random import Bed
+
+if TYPE_CHECKING:  # kernels, which a plan of runs need not wait for
+    from dem.dynamics.result import Record
+    from dem.experiment.snapshots import Snapshots
+    from dem.packing.random import Bed
 
 SECTIONS = {"cylinder": True, "record": True}
 OBSERVED = True
@@ -40,6 +40,8 @@ class RunData(NamedTuple):
     @property
     def snapshots(self) -> Snapshots:
         """The states as arrays, with all that is needed to draw and to measure them."""
+        from dem.experiment.snapshots import snapshots_of, variables_of
+
         coordinates = axes(self.replicate.configuration) | {"box_height": self.bed.height}
         return snapshots_of(self.replicate, coordinates | variables_of(self))
 
@@ -68,6 +70,11 @@ def run(
     itself every minute, and from which it goes on, bit for bit, if it was stopped; it is the caller's
     to remove once the result is on disk. Raises RunError where the run fails.
     """
+    from dem.experiment.bed import make_bed, modulus
+    from dem.experiment.run_checkpoint import PartialRun, resumed
+    from dem.experiment.scene import start
+    from dem.jit.compilation import computing
+
     bed, c = bed or make_bed(replicate), replicate.configuration
     bins, every = c.record.bins, c.record.bins // (c.record.snapshots - 1)
     observables = [load(file) for file in c.module.files[1:]]
