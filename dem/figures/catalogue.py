@@ -102,7 +102,8 @@ def possible(block, figures: dict[str, FigureSpec] = FIGURES) -> list[str]:
 def drawable_from(dataset, figures: dict[str, FigureSpec] = FIGURES) -> list[str]:
     """Names of those of some figures that a file suffices for."""
     axes = dataset["run_id"].dims
-    coordinates = {name: (values.dims, values) for name, values in dataset.coords.items()}
+    labels = {*dataset.coords, *LABELS} & {*dataset.variables}
+    coordinates = {name: (dataset[name].dims, dataset[name]) for name in labels}
     return [
         name
         for name, figure in figures.items()
