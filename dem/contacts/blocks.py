@@ -12,7 +12,7 @@ code: a change of their form, also one that computes the same, may make them slo
 
 import numpy as np
 
-from dem.contacts.response import entry, measure_of, relative_velocity, respond
+from dem.contacts.response import NO_MEAN, entry, relative_velocity, respond
 from dem.jit import block_memory as lane
 from dem.jit.block_memory import (
     EIGHT,
@@ -36,7 +36,7 @@ from dem.jit.optional import (
     rolled_without_first,
     times,
 )
-from dem.laws.protocol import mean_root, root
+from dem.laws.protocol import mean_root
 from dem.shapes.polygon import polygon_contact
 from dem.shapes.protocol import (
     ContactGeometry,
@@ -333,23 +333,22 @@ NEAR = 8.0  # halves of a step's change; beyond, the mean over the step differs 
 
 
 @optional
-def roots(damping, contacts, start, stop, dt, values):
-    """Roots of the law for all dashpots: of the few that are near touch the mean over the step, one
-    by one."""
-    law, near = contacts.law, 0
+def average_roots(damping, contacts, start, stop, dt, values):
+    """The mean over the step of the root of the law, for the dashpots of the few contacts that are
+    near touch, one by one; NO_MEAN of all others."""
+    near = 0
     for q in range(stop - start):
-        k, p = np.uint64(q), np.uint64(start + q)
+        k = np.uint64(q)
         overlap, change = values[lane.OVERLAP + k], 0.5 * dt * abs(values[lane.V_NORMAL + k])
-        held = max(overlap, 0.0)
-        values[lane.ROOT + k] = root(law, held, measure_of(contacts, p, held))
+        values[lane.MEAN_ROOT + k] = NO_MEAN
         near += -change < overlap < NEAR * change
     if near > 0:
         for q in range(stop - start):
             k, p = np.uint64(q), np.uint64(start + q)
             overlap, change = values[lane.OVERLAP + k], 0.5 * dt * abs(values[lane.V_NORMAL + k])
             if -change < overlap < NEAR * change:
-                length = entry(contacts.length, p)
-                values[lane.ROOT + k] = mean_root(law, overlap, change, length)
+                mean = mean_root(contacts.law, overlap, change, entry(contacts.length, p))
+                values[lane.MEAN_ROOT + k] = mean
 
 
 @rolled_without_first
@@ -359,7 +358,7 @@ def contact_forces(friction, shape, levers, turns, contacts, start, stop, dt, la
     levers: not None where normal forces may exert torques, although granules are discs.
     """
     values, levers = lanes.values, either(tangential_lever(shape), levers)
-    roots(contacts.damping, contacts, start, stop, dt, values)
+    average_roots(contacts.damping, contacts, start, stop, dt, values)
     for q in range(stop - start):
         k, p = np.uint64(q), np.uint64(start + q)
         nx, ny = values[lane.NX + k], values[lane.NY + k]
@@ -371,7 +370,7 @@ def contact_forces(friction, shape, levers, turns, contacts, start, stop, dt, la
         spin = take(contacts.rolling, values, lane.SPIN + k)
         velocity = values[lane.V_NORMAL + k], values[lane.V_TANGENT + k], spin
         change = either(change_of_lane(turns, contacts.rolling, values, k), (None, None, None))
-        mean = take(contacts.damping, values, lane.ROOT + k)
+        mean = take(contacts.damping, values, lane.MEAN_ROOT + k)
         n, t, moment, damped, slid, rolled = respond(
             contacts, p, geometry, velocity, change, mean, dt, lanes.account
         )

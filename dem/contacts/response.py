@@ -11,7 +11,9 @@ from dem.contacts.force_law import damped, dissipated_power, spring_and_dashpot
 from dem.contacts.rolling import rolling_moment
 from dem.jit.compilation import inlined
 from dem.jit.optional import either, given, minus, optional, plus, times
-from dem.laws.protocol import force, measure, stiffness
+from dem.laws.protocol import force, measure, root, stiffness
+
+NO_MEAN = -1.0  # of the root of the law over a step, where that at its middle serves
 
 
 @optional
@@ -48,6 +50,12 @@ def dashpot_constant(damping, mass_ratio, p, nx, ny, radius, constant):
 
 
 @optional
+def _root_of(mean, law, overlap, measured):
+    steady = root(law, overlap, measured)
+    return steady if mean == NO_MEAN else mean
+
+
+@optional
 def damped_force(damping, elastic, root, rate):
     return damped(elastic, root, damping, rate)
 
@@ -55,10 +63,10 @@ def damped_force(damping, elastic, root, rate):
 @optional
 def friction_force(friction, contacts, p, normal, elastic, slip, account):
     """Tangential force: see `spring_and_dashpot`, and dem.dynamics.world.COEFFICIENT."""
-    constant, measured, _, damping, root = elastic
+    constant, measured, _, damping, mean = elastic
     contacts.measure[p] = measured
     limit, stiffness = friction[0, p] * normal, friction[1, p] * constant
-    dashpot = times(times(friction[2, p], damping), root)
+    dashpot = times(times(friction[2, p], damping), mean)
     history = contacts.tangential_force
     return spring_and_dashpot(history, p, limit, stiffness, dashpot, elastic, slip, account)
 
@@ -85,28 +93,29 @@ def relative_velocity(one, two, geometry):
 
 
 @inlined
-def respond(contacts, p, geometry, velocity, change, root, dt, account):
+def respond(contacts, p, geometry, velocity, change, mean, dt, account):
     """Forces N and T (N) and moment M (N m) of contact p, and powers (W) that dashpots, tangential
     springs and rolling springs take.
 
     T is None without friction, M without rolling resistance, the powers without an energy ledger.
     velocity, change: from relative_velocity, of the half step and to the full step. Where nothing
-    turns change is None: the velocity is that of the full step, and no slip follows from it. root:
-    of the law, for the dashpot, None without one. Bodies that do not touch remember nothing, and
-    feel nothing but the dashpot if they touch within half a step: their overlap counts as zero in
-    the law.
+    turns change is None: the velocity is that of the full step, and no slip follows from it. mean:
+    of the root of the law over the step, for the dashpot; NO_MEAN where that at the overlap serves,
+    None without a dashpot. Bodies that do not touch remember nothing, and feel nothing but the
+    dashpot if they touch within half a step: their overlap counts as zero in the law.
     """
     overlap = max(geometry.overlap, 0.0)
     measured = measure_of(contacts, p, overlap)
     constant = stiffness_of(contacts, p, geometry.radius)
     elastic = force(contacts.law, constant, overlap, measured)
+    mean = _root_of(mean, contacts.law, overlap, measured)
     rate = -plus(velocity[0], change[0])
     nx, ny, radius = geometry.nx, geometry.ny, geometry.radius
     damping = dashpot_constant(contacts.damping, contacts.mass_ratio, p, nx, ny, radius, constant)
-    normal = either(damped_force(damping, elastic, root, rate), elastic)
+    normal = either(damped_force(damping, elastic, mean, rate), elastic)
     damped_normal = dissipated_power(given(damping, account), normal - elastic, -rate)
     last = entry(contacts.measure, p)  # before friction overwrites it
-    springs = constant, measured, last, damping, root
+    springs = constant, measured, last, damping, mean
     tangential, damped_tangential, slid = either(
         friction_force(
             contacts.friction,

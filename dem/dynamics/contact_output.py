@@ -8,13 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.contacts.blocks import last_normal, put, shifted
-from dem.contacts.response import measure_of, respond, stiffness_of
+from dem.contacts.response import NO_MEAN, measure_of, respond, stiffness_of
 from dem.dynamics.checkpoint import copied
 from dem.dynamics.world import Surface
 from dem.jit.columns import VX, VY, W, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import either, given
-from dem.laws.protocol import force, root
+from dem.laws.protocol import force
 from dem.shapes.polygon import polygon_contact
 from dem.shapes.protocol import (
     ContactGeometry,
@@ -248,16 +248,15 @@ def _velocity(motion, point):
 def _respond_now(contacts, overlap, normals, rates, pushed):
     """Fill pushed (m, 3): forces N and T (N) at relative velocities (m, 2) along n and t (m/s), and
     the elastic part of N (N)."""
-    law = contacts.law
     for p in range(overlap.shape[0]):
         nx, ny = normals[p, 0], normals[p, 1]
         geometry = ContactGeometry(overlap[p], nx, ny, 0.0, None, None, None, None)
         velocity = rates[p, 0], rates[p, 1], None
         measured = measure_of(contacts, p, overlap[p])
         put(given(contacts.friction, measured), contacts.measure, p)
-        now = given(contacts.damping, root(law, overlap[p], measured))
+        mean = given(contacts.damping, NO_MEAN)
         normal, tangential, _, _, _, _ = respond(
-            contacts, p, geometry, velocity, (0.0, 0.0, None), now, 0.0, None
+            contacts, p, geometry, velocity, (0.0, 0.0, None), mean, 0.0, None
         )
         pushed[p, 0], pushed[p, 1] = normal, either(tangential, 0.0)
-        pushed[p, 2] = force(law, contacts.stiffness[p], overlap[p], measured)
+        pushed[p, 2] = force(contacts.law, contacts.stiffness[p], overlap[p], measured)

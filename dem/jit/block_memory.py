@@ -52,7 +52,7 @@ ZERO, ONE, TWO, THREE, FOUR, FIVE, SIX, EIGHT = map(np.uint64, (0, 1, 2, 3, 4, 5
 # the law, forces, powers, outlines
 # fmt: off
 (OVERLAP, NX, NY, N1, T1, N2, T2, RADIUS, UNCONVERGED,
- V_NORMAL, V_TANGENT, DV_NORMAL, DV_TANGENT, ROOT, FORCE_X, FORCE_Y, TORQUE_1, TORQUE_2,
+ V_NORMAL, V_TANGENT, DV_NORMAL, DV_TANGENT, MEAN_ROOT, FORCE_X, FORCE_Y, TORQUE_1, TORQUE_2,
  DAMPED, SLID, SPIN, D_SPIN, ROLLED, OUTLINE_1) = _offsets(24, BLOCK + LINE)
 # fmt: on
 ROW = np.uint64(BLOCK + LINE)  # from one number of an outline to the next
