@@ -2,6 +2,7 @@
 
 import os
 import re
+import shlex
 import shutil
 import sys
 from functools import cache
@@ -54,22 +55,10 @@ KINDS = sorted(shapes.KINDS, key=len, reverse=True)  # "superellipse" before "el
 # Groups of tests that take longest, in the order in which they begin; one that begins last would
 # leave a processor idle. What two groups side by side both need is compiled twice, so the first on one
 # worker are those of discs, and on the other those of other shapes.
-LONGEST = [
-    "disc",
-    "superellipse",
-    "ellipse",
-    "dumbbell",
-    "clump",
-    "test_motion",
-    "test_large",
-    "claims",
-    "test_workflow",
-    "test_studies",
-    "test_promises",
-    "test_pages",
-    "test_stopping",
-    "test_shapes",
-]
+LONGEST = shlex.split(
+    "disc superellipse ellipse dumbbell clump test_motion test_large claims test_workflow "
+    "test_studies test_promises test_pages test_stopping test_shapes"
+)
 
 
 # What `pytest -m quick` runs, in this order: of these files, tests whose names hold one of these parts
@@ -102,18 +91,9 @@ QUICK = {
     "test_neighbors.py": ("lowest_patch",),
     "test_motion.py": ("work_of_a_driven",),
 }
-SLOW = (
-    "superellipse-",
-    "[superellipse]",
-    "two_sweeps_at_once",
-    "any_corruption",
-    "records_the_stress",
-    "page_on_stress",
-    "jam_with",
-    "close_one[ellipse",
-    "residual_falls",
-    "the_figure",
-    "[e3]",
+SLOW = shlex.split(
+    "superellipse- [superellipse] records_the_stress page_on_stress jam_with close_one[ellipse "
+    "residual_falls the_figure [e3]"
 )
 
 
@@ -202,6 +182,12 @@ def make_small_bed(kind, seed=1, fraction=0.84, aspect_ratio=None):
     return Small(diameters, shape, cylinder, dem.pack(shape, 8e-3, height, cylinder, seed))
 
 
+CHROMIUM = shlex.split(
+    "--headless --no-sandbox --disable-gpu --no-first-run --disable-sync "
+    "--disable-background-networking --disable-component-update"
+)
+
+
 @pytest.fixture(scope="session")
 def browser():
     """A headless Chromium, where there is one."""
@@ -214,15 +200,7 @@ def browser():
 
     options = webdriver.ChromeOptions()
     options.binary_location = chromium
-    for flag in (
-        "--headless",
-        "--no-sandbox",
-        "--disable-gpu",
-        "--no-first-run",
-        "--disable-sync",
-        "--disable-background-networking",
-        "--disable-component-update",
-    ):
+    for flag in CHROMIUM:
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     session = webdriver.Chrome(options, Service(driver))

@@ -5,12 +5,11 @@ from pathlib import Path
 
 import netCDF4
 import numpy as np
+import xarray as xr
 from typer.testing import CliRunner
 
 from conftest import assert_not_blank
 from dem.figures.catalogue import FIGURES, draw, possible
-from dem.sweep import batch as making
-from dem.sweep.combine import combine_block
 from dem.sweep.config import parse
 from dem.sweep.state import SweepState
 from dem.sweep.workers import Workers
@@ -38,6 +37,17 @@ def differing(one: dict, other: dict) -> list[str]:
     return sorted((one.keys() | other.keys()) - same)
 
 
+def dataset_of(drag, axes: dict) -> xr.Dataset:
+    """Runs with some drag (*axes, seed) in N, the same along the stroke."""
+    dims = *axes, "seed"
+    axes = axes | {"seed": np.arange(drag.shape[-1]), "displacement": [1e-3, 2e-3, 3e-3]}
+    variables = {
+        "drag": ((*dims, "displacement"), np.stack(3 * [drag], axis=-1)),
+        "run_id": (dims, np.full(drag.shape, "x")),
+    }
+    return xr.Dataset(variables, axes, {"window_start": 0.5e-3, "window_stop": 3.5e-3})
+
+
 def of_file(file: Path) -> SweepState:
     """The sweep of a file, made in this process."""
     work = SweepState.of(file)
@@ -56,19 +66,6 @@ def assert_shown_and_drawn(study: str, path: Path) -> None:
         assert_not_blank(draw(name, path, path.parent, figures())[1])
 
 
-def run_all(work: SweepState) -> None:
-    """Make the runs of all blocks in this process, round by round, and combine their drag."""
-    for name in work.sweep.blocks:
-        while True:
-            work.begin(name)
-            for batch in work.batches(name):
-                if not work.store.file_of(batch.id).is_file():
-                    making.make(work.store, batch.id)
-            if not work.grow(name):
-                break
-        combine_block(work, name, "drag", work.combined(name)[0])
-
-
 def make_sweep(folder: Path, beds: bool = False, **values) -> SweepState:
     """A sweep of config/smoke.yaml with other values, made in `folder`/results, with its figures.
 
@@ -76,14 +73,8 @@ def make_sweep(folder: Path, beds: bool = False, **values) -> SweepState:
     """
     with chdir(folder):
         work = SweepState(parse({"extends": str(SMOKE), "results": "results", **values}))
-        (block,) = work.sweep.blocks
-        chunks = work.batches(block)
-        work.begin(block)
-        for chunk in chunks:
-            making.make(work.store, chunk.id)
-        for name in work.observables(block):
-            combine_block(work, block, name, Path(f"results/{name}.nc"))
-        for name in possible(work.block(block)) if beds else ():
+        work.make(Workers())
+        for name in possible(work.block("drag")) if beds else ():
             if FIGURES[name].file == "snapshots":
                 draw(name, Path("results/snapshots.nc"), Path("results/figures"))
         draw("all", Path("results/drag.nc"), Path("results/figures"))

@@ -1,6 +1,5 @@
 """Configurations: the published one says where each number is from, wrong ones are named."""
 
-import copy
 import json
 import math
 import re
@@ -8,15 +7,13 @@ import time
 
 import pytest
 import yaml
-from hypothesis import example, given
-from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
 from conftest import CONFIG
 from dem.base.errors import InputError
 from dem.base.yaml_file import read
 from dem.experiment.granule_sizes import sample_diameters
-from dem.sweep.config import Sweep, load, parse, save
+from dem.sweep.config import load, parse
 from dem.sweep.json_schema import schema
 
 FILES = [
@@ -59,6 +56,7 @@ REFUSED = [
     ("record.window", [1e-3, 7e-3], "record.window ends at 0.007"),
     ("record.window", [5e-3, 1e-3], "window [0.005, 0.001]"),
     ("record.window", [1e-3], "record.window.1 is missing"),
+    ("record.window", [0, 10**400], "it must be finite, at most 1e+20 in size, in m."),
     ("record.snapshots", 8, "record.snapshots - 1, which is 7"),
     ("record.observables", "drag", "record.observables is 'drag'; it must be a list."),
     ("record.observables", ["drags"], "is 'drags'; it must be 'alignment', 'drag'"),
@@ -211,31 +209,6 @@ def test_a_whole_number_may_be_a_text():
     assert sweep.batch == 20 and sweep.block("drag").axes[-1].coordinate == [3, 89]
 
 
-def test_aliases_and_merges_are_read(tmp_path):
-    """What YAML has against repetition may be used: a merged key may be given another value."""
-    path = tmp_path / "merged.yaml"
-    path.write_text("a: &a {x: 1}\nb: &b {<<: *a, x: 2, y: 3}\nc: {<<: *b, y: 4}\nd: [*a, *a]\n")
-    assert read(path) == {
-        "a": {"x": 1},
-        "b": {"x": 2, "y": 3},
-        "c": {"x": 2, "y": 4},
-        "d": [{"x": 1}, {"x": 1}],
-    }
-
-
-def test_files_that_cannot_be_read_are_refused(tmp_path):
-    """No file, a folder, bytes that are no text."""
-    (tmp_path / "utf16.yaml").write_bytes("title: x".encode("utf-16"))
-    for name, words in {
-        "x": "cannot read it ([Errno 2] No such file or directory",
-        "": "cannot read it ([Errno 21] Is a directory",
-        "utf16.yaml": "cannot read it ('utf-8' codec can't decode byte 0xff",
-    }.items():
-        with pytest.raises(InputError, match=re.escape(words)) as error:
-            load(tmp_path / name)
-        assert str(error.value).startswith(str(tmp_path / name))
-
-
 def test_paper_has_eleven_cases_and_55_replicates():
     """The published sweep: 11 cases of five seeds, at two densities, as in Table 1."""
     sweep = load(CONFIG / "paper.yaml")
@@ -270,14 +243,6 @@ def test_diameters_are_within_the_spread():
         assert abs(sizes.mean() / 1092e-6 - 1.0) < 0.03 and sizes.std() > 0.1 * 1092e-6
         totals.add(sizes.sum())
     assert len(totals) == 5
-
-
-def test_saved_configuration_is_the_same(tmp_path):
-    """Writing a configuration and reading it again changes nothing."""
-    for name in ("paper.yaml", "smoke.yaml"):
-        sweep = load(CONFIG / name)
-        save(sweep, tmp_path / name)
-        assert load(tmp_path / name) == sweep
 
 
 def test_the_schema_of_editors_is_that_of_the_code():
@@ -333,45 +298,6 @@ def test_words_that_are_no_seeds_are_refused(words):
     with pytest.raises(InputError, match=r"sweep\.seed") as error:
         parse(changed(("sweep", "seed"), words))
     assert "\n" not in str(error.value)
-
-
-def leaves(data, path=()):
-    """Paths of all values and groups of a configuration."""
-    if path:
-        yield path
-    if isinstance(data, dict | list):
-        for key, value in data.items() if isinstance(data, dict) else enumerate(data):
-            yield from leaves(value, (*path, key))
-
-
-JUNK = st.recursive(
-    st.none()
-    | st.booleans()
-    | st.integers(-(10**6), 10**6)
-    | st.floats()
-    | st.text(max_size=20)
-    | st.dates()
-    | st.binary(max_size=5)
-    | st.sampled_from([10**400, -(10**30), 1e308, 5e-324, "1e9", "nan", "c1", "results/../x"]),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner),
-    max_leaves=5,
-)
-
-
-@given(st.sampled_from(list(leaves(yaml.safe_load(PAPER)))), JUNK)
-@example(("cylinder", "diameter"), 1e308)
-@example(("shapes", "c1", "diameter"), 1e308)
-@example(("record", "window", 1), 10**400)
-def test_any_corruption_is_read_or_refused(path, junk):
-    """Junk in place of any value is a configuration or an InputError, never anything else."""
-    data = changed(path, copy.deepcopy(junk))
-    try:
-        sweep = parse(data, "my.yaml")
-    except InputError as error:
-        for line in str(error).splitlines():
-            assert line.startswith("my.yaml: ") and line.endswith(".")
-    else:
-        assert isinstance(sweep, Sweep)
 
 
 def test_only_runs_with_snapshots_need_bins_that_fit_them():

@@ -11,11 +11,10 @@ import xarray as xr
 from test_stopping import combined, planned, smoke
 from typer.testing import CliRunner
 
+from conftest import CONFIG
 from dem.base.errors import InputError
 from dem.cli.app import app
-from dem.experiment.observables.drag import VARIABLES as DRAG
-from dem.experiment.observables.snapshots import VARIABLES as SNAPSHOTS
-from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP, read
+from dem.io.dataset import AXES, LABELS, read
 from dem.io.lazily import open_lazily
 from dem.report.build import build
 from dem.sweep import batch as making
@@ -88,54 +87,31 @@ def outcome(*words):
     return result.exit_code, result.output
 
 
-NUMBERS = "displacement_bounds", "failure"  # without a unit
-RISING = "displacement", "displacement_bounds", "seed"
-CASE_AND_SEED = "case", "seed"
-COMBINED = (
-    AXES
-    | {name: (("case",), *LABELS[name][1:]) for name in LABELS}
-    | {
-        name: ((name,), *entry[1:])
-        for name, entry in (LABELS | OF_SWEEP).items()
-        if name in CASE_AND_SEED
-    }
-    | {name: ((*CASE_AND_SEED, *dims), *rest) for name, (dims, *rest) in (DRAG | OF_RUN).items()}
-    | {name: (CASE_AND_SEED, *OF_STORE[name][1:]) for name in ("run_id",)}
-)
-
-
-def foreign(path, layout, skip=(), text_as_number=False, attrs=(), size=3, fill=0.5, axes=0.5):
-    """A file of the user's own making, after a layout, of one value everywhere but on its axes."""
-    with netCDF4.Dataset(path, "w") as file:
-        file.setncatts(dict(attrs))
-        for name, (dims, *_) in layout.items():
-            for dim in dims:
-                if dim not in file.dimensions:
-                    file.createDimension(dim, size)
-            if name in skip:
-                continue
-            text = layout[name][1] is None and name not in NUMBERS and not text_as_number
-            variable = file.createVariable(name, str if text else "f8", dims)
-            value = "c1" if text else axes if name in RISING else fill
-            variable[...] = np.full([size] * len(dims), value, object if text else float)
+def foreign(path, change, name="drag.nc"):
+    """A released file of the paper's sweep, small, as somebody may have changed it."""
+    with xr.open_dataset(CONFIG.parent / "docs/data" / name) as data:
+        few = {"case": slice(3), "seed": slice(2), "displacement": slice(0, None, 40)}
+        small = data.isel(few, missing_dims="ignore").load()
+    change(small.drop_encoding()).to_netcdf(path)
     return path
 
 
-BEDS = {name: entry for name, entry in COMBINED.items() if name not in DRAG} | {
-    name: ((*CASE_AND_SEED, *dims), *rest) for name, (dims, *rest) in SNAPSHOTS.items()
-}
-ATTRS = {
-    "title": "t",
-    "history": "h",
-    "git_revision": "g",
-    "source_hash": "s",
-    "versions": "v",
-    "references": "r",
-    "configuration": "{}",
-    "window_start": 0.0,
-    "window_stop": 1.0,
-    "cylinder_velocity": 1.0,
-}
+def everywhere(value):
+    """All that was measured is one number."""
+
+    def change(data):
+        measured = [name for name, array in data.data_vars.items() if array.dtype.kind == "f"]
+        return data.assign({name: xr.full_like(data[name], value) for name in measured})
+
+    return change
+
+
+def without_axes(data):
+    """Axes have gaps alone."""
+    axes = [name for name in ("seed", "displacement") if name in data.dims]
+    return data.assign_coords({name: data[name] * np.nan for name in axes})
+
+
 VERBS = {
     "info": lambda file, out: ("info", file),
     "figure": lambda file, out: ("figure", "all", file, "-o", out),
@@ -143,17 +119,17 @@ VERBS = {
     "report": lambda file, out: ("report", file, "-o", out / "r.html"),
 }
 FOREIGN = {
-    "gaps": {"fill": np.nan},
-    "gaps on the axes": {"axes": np.nan},
-    "zero": {"fill": 0.0},
-    "no size": {"size": 0},
-    "numbers for texts": {"text_as_number": True},
-    "window_start a text": {"attrs": ATTRS | {"window_start": "soon"}},
-    "no bin in the window": {"attrs": ATTRS | {"window_start": 5.0, "window_stop": 6.0}},
-    "title a number": {"attrs": ATTRS | {"title": 3.0}},
-    "configuration no JSON": {"attrs": ATTRS | {"configuration": "{"}},
-    "no attributes": {"attrs": {}},
-    "no labels": {"skip": ("shape", "case", "kind")},
+    "gaps": everywhere(np.nan),
+    "gaps on the axes": without_axes,
+    "zero": everywhere(0.0),
+    "no size": lambda data: data.isel(seed=[]),
+    "numbers for texts": lambda data: data.assign_coords(case=np.arange(data.sizes["case"])),
+    "window_start a text": lambda data: data.assign_attrs(window_start="soon"),
+    "no bin in the window": lambda data: data.assign_attrs(window_start=5.0, window_stop=6.0),
+    "title a number": lambda data: data.assign_attrs(title=3.0),
+    "configuration no JSON": lambda data: data.assign_attrs(configuration="{"),
+    "no attributes": lambda data: data.drop_attrs(),
+    "no labels": lambda data: data.drop_vars(["shape", "case", "kind"]),
 }
 
 
@@ -161,8 +137,8 @@ FOREIGN = {
 @pytest.mark.parametrize("fault", FOREIGN)
 def test_a_foreign_file_is_answered_with_a_sentence(tmp_path, verb, fault):
     """Or with dashes where it has gaps; no traceback, no warning of numpy."""
-    layout = BEDS if verb == "beds" else COMBINED
-    path = foreign(tmp_path / "mine.nc", layout, **({"attrs": ATTRS} | FOREIGN[fault]))
+    name = "snapshots.nc" if verb == "beds" else "drag.nc"
+    path = foreign(tmp_path / "mine.nc", FOREIGN[fault], name)
     status, output = outcome(*VERBS[verb](path, tmp_path / "out"))
     assert status in (0, 2)
     if status:
@@ -174,8 +150,11 @@ def test_a_foreign_file_is_answered_with_a_sentence(tmp_path, verb, fault):
 
 @pytest.mark.parametrize("dims", [(), ("seed",), ("displacement", "seed", "case")])
 def test_a_drag_over_other_dimensions_is_refused(tmp_path, dims):
-    layout = COMBINED | {"drag": (dims, "N", "")}
-    path = foreign(tmp_path / "mine.nc", layout, attrs=ATTRS)
+    def change(data):
+        left_out = {dim: 0 for dim in data["drag"].dims if dim not in dims}
+        return data.assign(drag=data["drag"].isel(left_out, drop=True).transpose(*dims))
+
+    path = foreign(tmp_path / "mine.nc", change)
     for verb in ("info", "figure"):
         status, output = outcome(*VERBS[verb](path, tmp_path / "out"))
         assert status == 2 and "its drag is not over case, seed, displacement" in output

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rich.console import Console
 from sweeps import SMOKE
+from test_means import text_of
 
 from dem.cli import show
 from dem.io.dataset import read
@@ -68,15 +68,8 @@ def stopped(tmp_path):
         yield state
 
 
-def text(table):
-    console = Console(width=160)
-    with console.capture() as capture:
-        console.print(table)
-    return capture.get()
-
-
 def test_status_knows_the_mean_of_finished_runs_before_their_batch_ends(stopped):
-    assert re.search(r"c1 +12 +3 +9 +102 ", text(status(stopped)))
+    assert re.search(r"c1 +12 +3 +9 +102 ", text_of(status(stopped)))
 
 
 def test_a_partial_file_holds_finished_runs_before_their_batch_ends(stopped):

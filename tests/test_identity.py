@@ -3,16 +3,12 @@
 import ast
 import hashlib
 import json
-import os
 import shutil
-import subprocess
-import sys
 from importlib import import_module
 from pathlib import Path
 
 import pytest
 
-from dem.base import source_hash
 from dem.base.source_hash import PACKAGE, ROOT, RUNS, code_hash, codes, files_of
 from dem.experiment import identity
 from dem.experiment.config import EXPERIMENTS
@@ -122,40 +118,3 @@ def test_another_layout_of_the_files_of_runs_has_another_version():
     layout = [{name: entry[:2] for name, entry in table.items()} for table in tables]
     digest = hashlib.sha256(json.dumps(layout, sort_keys=True).encode()).hexdigest()[:16]
     assert LAYOUTS[identity.LAYOUT] == digest
-
-
-# Without the two packages that it imports, which other installations may not have.
-HASH = """
-import sys, types
-sys.modules["platformdirs"] = types.SimpleNamespace(user_cache_path=None)
-sys.modules["lazy_loader"] = types.SimpleNamespace(attach_stub=lambda *_: (None, None, None))
-from dem.base.source_hash import PACKAGE, code_hash, codes
-print(sys.version_info[:2], code_hash(codes(sorted(PACKAGE.rglob("*.py")))))
-"""
-
-
-def test_hashes_are_those_of_every_python():
-    names = [shutil.which(f"python3.{minor}") for minor in range(11, 15)]
-    others = Path.home().glob(".pyenv/versions/3.1[1-9]*/bin/python")
-    hashes = {}
-    for python in {sys.executable, *filter(None, names), *map(str, others)}:
-        environment = os.environ | {"PYTHONPATH": str(ROOT)}
-        run = subprocess.run([python, "-c", HASH], env=environment, text=True, capture_output=True)
-        if run.returncode == 0:  # else a version that is named but cannot be started
-            version, _, code = run.stdout.rpartition(" ")
-            hashes[version] = code
-    if len(hashes) == 1:
-        pytest.skip("there is one version of Python only")
-    assert len(set(hashes.values())) == 1, hashes.keys()
-
-
-@pytest.mark.parametrize("damage", [None, "", "{"])
-def test_a_note_of_hashes_is_used_and_a_damaged_one_made_again(tmp_path, monkeypatch, damage):
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    first = source_hash._codes_of_all_runs.__wrapped__()
-    (note,) = tmp_path.rglob("*.json")
-    if damage is None:
-        monkeypatch.setattr(source_hash, "_code", None)
-    else:
-        note.write_text(damage)
-    assert source_hash._codes_of_all_runs.__wrapped__() == first == json.loads(note.read_text())

@@ -94,19 +94,12 @@ print(len(recorder.buffer), float(found["drag"].mean()), [each.__name__ for each
 def test_the_next_process_compiles_nothing(swept, tmp_path):
     """Nor where the class was imported by the user, nor in another folder; after an edit it compiles."""
     write(tmp_path / "copy")
-    answers = {
+    imported = f"from pebbles import Pebble\n{ASK}"
+    (answer,) = {
         run("-c", ASK, "mine/sweep.yaml", cwd=swept),
-        run(
-            "-c",
-            f"from pebbles import Pebble\n{ASK}",
-            "mine/sweep.yaml",
-            cwd=swept,
-            path=[swept / "mine"],
-        ),
+        run("-c", imported, "mine/sweep.yaml", cwd=swept, path=[swept / "mine"]),
         run("-c", ASK, "copy/sweep.yaml", cwd=tmp_path),
     }
-    assert len(answers) == 1
-    (answer,) = answers
     assert answer.startswith("0 ") and answer.endswith("['Pebble']\n")
 
 
@@ -181,20 +174,14 @@ def test_readers_run_no_code_that_a_sweep_names(swept):
             file.write(f"\n{TELLING}")
     results = swept / "results/pebbles"
     try:
-        run("-m", "dem", "sweep", "telling/sweep.yaml", "-n", cwd=swept)
-        for name in ("drag.nc", "rotation.nc"):
-            run("-m", "dem", "info", results / name, cwd=swept)
-        run("-m", "dem", "store", cwd=swept)
-        run("-m", "dem", "figure", "all", results / "drag.nc", cwd=swept)
-        run(
-            "-m",
-            "dem",
-            "report",
-            results / "drag.nc",
-            "-o",
-            "page.html",
-            cwd=swept,
-        )
+        for words in (
+            ("sweep", "telling/sweep.yaml", "-n"),
+            ("info", results / "rotation.nc"),
+            ("store",),
+            ("figure", "all", results / "drag.nc"),
+            ("report", results / "drag.nc", "-o", "page.html"),
+        ):
+            run("-m", "dem", *words, cwd=swept)
         picture = "-m", "dem", "draw", results / "drag.nc", "seed=1", "-o"
         output = run(*picture, "plain.png", cwd=swept, status=2)
         assert "--shapes on the command line" in output and not (swept / "plain.png").exists()
@@ -233,15 +220,12 @@ def test_a_kind_that_is_none_gets_one_sentence(tmp_path, kind):
 
 
 def test_what_is_wrong_with_a_file_of_a_shape_ends_with_status_2(tmp_path):
-    write(tmp_path / "mine", SHAPE + "\n1 / 0\n")
-    output = run("-m", "dem", "sweep", "mine/sweep.yaml", cwd=tmp_path, status=2)
-    assert output.splitlines()[-1] == (
-        f"shapes.pebble (pebbles.Pebble): {tmp_path / 'mine/pebbles.py'}: it cannot be imported "
-        "(ZeroDivisionError: division by zero)."
+    write(tmp_path / "mine", SHAPE.replace("@smooth(support)\n", ""))
+    output = run("-m", "dem", "sweep", "sweep.yaml", cwd=tmp_path / "mine", status=2)
+    assert re.match(
+        r"shapes\.pebble \(pebbles\.Pebble\): .*Pebble is no shape; decorate it with smooth",
+        output.splitlines()[-1],
     )
-    write(tmp_path / "other", SHAPE.replace("@smooth(support)\n", ""))
-    output = run("-m", "dem", "sweep", "sweep.yaml", cwd=tmp_path / "other", status=2)
-    assert "Pebble is no shape; decorate it with smooth" in output and "Traceback" not in output
 
 
 RESTING = """
@@ -449,14 +433,9 @@ def test_beside_names_another_folder(tmp_path):
 
 
 @posix
-def test_a_shape_in_a_file_of_ones_own_is_swept_by_the_workflow(swept, tmp_path):
+def test_a_shape_in_a_file_of_ones_own_is_swept_by_the_workflow(swept, copy, tmp_path):
     """The runs are those of `dem sweep`, and so are their combined files."""
-    ignored = shutil.ignore_patterns("__pycache__", "studies", "results")
-    for name in ("dem", "rules", "config"):
-        shutil.copytree(ROOT / name, tmp_path / name, ignore=ignored)
-    for name in ("Snakefile", "docs/explanation/open.md"):
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(ROOT / name, tmp_path / name)
+    shutil.copytree(copy, tmp_path, dirs_exist_ok=True)
     write(tmp_path / "mine")
     targets = "all", "results/pebbles/rotation.nc"
     process = snakemake(tmp_path, *targets, "-c2", configfile="mine/sweep.yaml")

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
-from rich.console import Console
+from test_means import text_of
 from test_plugins import SHAPE
 
 import dem
@@ -200,16 +200,8 @@ def test_an_error_in_an_experiment_of_ones_own_fails_its_run_only(file, wrong):
     with xr.open_dataset("results/product/product.nc") as dataset:
         failed = dataset["failure"].values.ravel().astype(bool).tolist()
         assert failed == [False, True, False]
-    assert WRONG[wrong] in terminal_text(summary(Path("results/product/product.nc")))
-    assert f"1 failed: {WRONG[wrong]}" in terminal_text(status(SweepState.of(file)))
-
-
-def terminal_text(thing) -> str:
-    """What a terminal shows, in one line."""
-    console = Console(width=400)
-    with console.capture() as capture:
-        console.print(thing)
-    return " ".join(capture.get().split())
+    assert WRONG[wrong] in text_of(summary(Path("results/product/product.nc")))
+    assert f"1 failed: {WRONG[wrong]}" in text_of(status(SweepState.of(file)))
 
 
 OBSERVABLE = """

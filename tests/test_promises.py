@@ -71,19 +71,13 @@ def lines():
     for path in PAGES:
         for language, content in blocks(path.read_text(encoding="utf-8")):
             if language in ("", "bash", "sh", "console"):
-                listing = (
-                    re.findall(r"^\$ (.*)", content, re.M)
-                    if language == "console"
-                    else content.splitlines()
-                )
-                yield from ((path, line) for line in listing)
+                sign = r"\$ " if language == "console" else ""
+                yield from ((path, line) for line in re.findall(f"^{sign}(.*)", content, re.M))
     for path in (*RULES, *SOURCES):
         for text in docstrings(path):
             for _, content in blocks(text):
-                # words beside a command stand apart from it
-                yield from (
-                    (path, re.sub(r"  +[a-z].*", "", line)) for line in content.splitlines()
-                )
+                shown = re.sub(r"  +[a-z].*", "", content)  # without words beside a command
+                yield from ((path, line) for line in shown.splitlines())
             yield from ((path, line) for line in re.findall(r"Example: (.*)", text))
 
 
@@ -100,19 +94,7 @@ def commands():
 
 
 # Whose commands are not ours: their words are checked as far as they name something of ours.
-THEIRS = (
-    "git",
-    "cd",
-    "pre-commit",
-    "source",
-    ".",
-    "dask",
-    "apt",
-    "paraview",
-    "python3",
-    "coverage",
-    "sbatch",
-)
+THEIRS = shlex.split("git cd pre-commit source . dask apt paraview python3 coverage sbatch")
 PROGRAMS = "dem", "snakemake", "python", "make", "pip", "bash", "pytest", *THEIRS
 # What a command takes that a test cannot give, and what is left out then.
 ENDLESS, ELSEWHERE = ("--watch",), ("--scheduler", "--wait")
@@ -187,10 +169,9 @@ VERBS = [words for words in SHOWN if words[0] == "dem" or words[:3] == ("python"
 def test_a_verb_runs_as_it_is_shown(small_checkout, monkeypatch, words):
     """But for what needs a cluster or never ends; of a sweep the plan."""
     monkeypatch.chdir(small_checkout)
-    if reason := next(
-        (NOT_RUN[name] for name in NOT_RUN if shlex.join(words).startswith(name)), None
-    ):
-        pytest.skip(reason)
+    for name, reason in NOT_RUN.items():
+        if shlex.join(words).startswith(name):
+            pytest.skip(reason)
     app, rest = (dem_app, words[1:]) if words[0] == "dem" else (studies_app, words[3:])
     rest = without(without(rest, ENDLESS, values=0), ELSEWHERE)
     if rest[0] == "sweep" and "--dry-run" not in rest:
@@ -205,6 +186,19 @@ def verbs():
         for name, group in get_command(app).commands.items():
             for verb in getattr(group, "commands", {"": group}):
                 yield tuple(filter(None, (*program, name, verb)))
+
+
+@pytest.mark.parametrize("verb", verbs(), ids=shlex.join)
+def test_every_verb_has_help(verb):
+    """--help says what each verb does, and what each of its options is for."""
+    app, words = (dem_app, verb[1:]) if verb[0] == "dem" else (studies_app, verb[3:])
+    result = CliRunner().invoke(app, [*words, "--help"], env={"COLUMNS": "200", "TERM": "dumb"})
+    assert result.exit_code == 0, result.output
+    command = get_command(app)
+    for word in words:
+        command = command.commands[word]
+    assert command.help.split()[0] in result.output
+    assert all(option.help for option in command.params)
 
 
 def called_by_rules():
@@ -260,10 +254,8 @@ def options_of(words):
 def test_every_target_can_be_planned(copy):
     """All that Snakemake lists, at once; those that pages and rules show are among them."""
     process = snakemake(copy, "--list-target-rules", configfile=None)
-    targets, shown = (
-        set(process.stdout.split()),
-        [options_of(words) for words in SHOWN if words[0] == "snakemake"],
-    )
+    targets = set(process.stdout.split())
+    shown = [options_of(words) for words in SHOWN if words[0] == "snakemake"]
     assert len(targets) > 8 and set(chain(*shown)) <= targets
     run = snakemake(copy, *sorted(targets), "-n", configfile=None)
     assert run.returncode == 0, run.stdout + run.stderr
@@ -283,30 +275,22 @@ def test_a_sweep_that_is_shown_can_be_planned(copy, small_checkout, monkeypatch,
     assert all(work.batches(name) for name in work.sweep.blocks if work.is_known(name))
 
 
-PYTHON = [
-    (
-        path,
-        [
-            content
-            for language, content in blocks(path.read_text(encoding="utf-8"))
-            if language == "python"
-        ],
-    )
-    for path in PAGES
-]
+def pieces(path):
+    """The Python that a page shows."""
+    text = path.read_text(encoding="utf-8")
+    return [content for language, content in blocks(text) if language == "python"]
 
 
 @pytest.mark.parametrize(
-    ("path", "pieces"),
-    [pytest.param(*page, id=str(page[0].relative_to(ROOT))) for page in PYTHON if page[1]],
+    "path", filter(pieces, PAGES), ids=lambda path: f"{path.relative_to(ROOT)}"
 )
-def test_python_of_a_page_runs_as_it_is_shown(small_checkout, monkeypatch, path, pieces):
+def test_python_of_a_page_runs_as_it_is_shown(small_checkout, monkeypatch, path):
     """One piece after another; a file that it names first is written."""
     monkeypatch.chdir(small_checkout)
     monkeypatch.syspath_prepend(small_checkout)
     names = {"__name__": "page", "dem": dem}  # which the cells of a notebook import
     with matplotlib.rc_context({"backend": "agg"}):
-        for piece in pieces:
+        for piece in pieces(path):
             if not re.match(r"# [\w/]+\.py\n", piece):
                 exec(compile(piece, path, "exec"), names)
 

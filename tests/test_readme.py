@@ -57,11 +57,6 @@ def test_a_wedge_without_friction_carries_the_weight_on_both_sides(tutorial):
     assert names["result"].wall_force[-1] / weight == pytest.approx([1.0, 1.0], rel=1e-2)
 
 
-def test_a_bed_resists_the_cylinder(tutorial):
-    result = tutorial["A cylinder in a packed bed"]["result"]
-    assert -result.solid_force[1:, 0, 1].mean() > 0.0
-
-
 def test_the_ledger_of_a_drawn_bed_adds_up(tutorial):
     ledger = tutorial["Control the run between steps"]["ledger"]
     assert ledger.work > 0.0 and np.abs(ledger.residual) < 1e-2

@@ -102,6 +102,8 @@ def test_replicates_are_added_until_the_mean_is_as_well_known_as_asked(sweep):
     of_file(sweep())
     dataset = result()
     sample, count = dataset["force"], dataset["replicates"]
+    asked = "until", "of", "confidence"
+    assert [count.attrs[name] for name in asked] == ["10 %", "force", "95 %"]
     assert (count >= 10).all() and (count < 120).all()
     assert (half_interval(sample) <= 0.1 * abs(sample.mean("seed"))).all()
     # seeds without gaps, and nothing where a point has no replicate
@@ -178,21 +180,13 @@ def test_snakemake_makes_the_same_replicates_and_adds_those_of_a_finer_precision
     xr.testing.assert_equal(result().drop_attrs(), whole)
 
 
-def test_the_file_says_what_was_asked_for(sweep):
-    of_file(sweep())
-    attrs = result()["replicates"].attrs
-    assert (attrs["until"], attrs["of"], attrs["confidence"]) == ("10 %", "force", "95 %")
-
-
 def test_blocks_that_share_runs_are_made(sweep):
     """The second is planned with runs that a later round of the first takes."""
     text = sweep().read_text().partition("sweep:")[0]
     blocks = f"    one: {{case: a, seed: {SEED}}}\n    two: {{case: a, seed: 1 to 30}}\n"
     Path("sweep.yaml").write_text(f"{text}sweep:\n  blocks:\n{blocks}")
-    state = SweepState.of(
-        Path("sweep.yaml")
-    )  # as Snakemake asks: round by round, all in one process
-    for _ in state.rounds("one"):
+    state = SweepState.of(Path("sweep.yaml"))
+    for _ in state.rounds("one"):  # as Snakemake asks: round by round, all in one process
         state.begin("one")
         for batch in state.batches("one"):
             make(state.store, batch.id)
@@ -204,10 +198,8 @@ def test_blocks_that_share_runs_are_made(sweep):
 def test_a_point_that_stops_at_the_cap_is_said(sweep, capsys):
     of_file(sweep("{until: 1 %, of: force, most: 12}"))
     (sentence,) = capsys.readouterr().err.splitlines()
-    assert (
-        "2 of 2 points are not as well known as asked for" in sentence
-        and "after 12 replicates" in sentence
-    )
+    assert "2 of 2 points are not as well known as asked for" in sentence
+    assert "after 12 replicates" in sentence
     assert result()["replicates"].values.tolist() == [12, 12]
 
 
@@ -309,14 +301,11 @@ def test_a_precision_that_cannot_be_is_refused_with_its_key(sweep, seed, words):
 
 
 def test_replicates_of_a_derived_block_are_listed(sweep):
+    text = sweep().read_text().partition("sweep:")[0]
+    second = f"    second: {{needs: first, case: a, seed: {SEED}}}\n"
+    blocks = f"sweep:\n  blocks:\n    first: {{case: a, seed: 1}}\n{second}"
+    Path("sweep.yaml").write_text(text + blocks)
     with pytest.raises(InputError, match="seed has until, and needs first; list the seeds"):
-        more = (
-            "    first: {case: a, seed: 1}\n    second: {needs: first, case: a, seed: "
-            + SEED
-            + "}\n"
-        )
-        text = sweep().read_text().partition("sweep:")[0] + "sweep:\n  blocks:\n" + more
-        Path("sweep.yaml").write_text(text)
         SweepState.of(Path("sweep.yaml"))
 
 
@@ -343,9 +332,8 @@ def test_status_tells_which_run_a_process_is_at(sweep):
     run = next(state.block("drag").unique())
     with state.store.locked(state.store.run_of(run.id, ".lock")):
         assert "under way: 1, waiting: 19." in table(SweepState.of(Path("sweep.yaml")))
-    assert "under way: 0, waiting: 20." in table(
-        SweepState.of(Path("sweep.yaml"))
-    )  # a lock that is left
+    left = table(SweepState.of(Path("sweep.yaml")))  # the lock is there, and nobody holds it
+    assert "under way: 0, waiting: 20." in left
 
 
 def test_a_partial_file_holds_what_is_there_and_says_so(sweep):

@@ -1,6 +1,7 @@
 """Runs, chunks and files that are stopped in the middle, and gone on with."""
 
 import copy
+import errno
 import hashlib
 import math
 import os
@@ -10,10 +11,12 @@ import socket
 import time
 from contextlib import suppress
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from sweeps import CLOCKS, contents, differing
 from test_motion import ANCHOR
 from typer.testing import CliRunner
 
@@ -33,8 +36,6 @@ from dem.sweep.config import load, parse
 from dem.sweep.restart import clear_parts
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store
-
-CLOCKS = ("run_time",)
 
 
 def smoke(**changes):
@@ -97,7 +98,7 @@ def test_a_run_goes_on_from_a_checkpoint_with_the_same_bits(tmp_path, monkeypatc
     progress = []
     resumed = drag.run(replicate, bed, progress.append, checkpoint=checkpoint)
     assert progress[0] > 0.2
-    for name in whole.keys() - set(CLOCKS):
+    for name in whole.keys() - CLOCKS:
         np.testing.assert_array_equal(whole[name], resumed[name], err_msg=name)
 
 
@@ -150,15 +151,10 @@ def test_a_damaged_checkpoint_is_not_used(tmp_path, monkeypatch, capfd, damage):
     np.testing.assert_array_equal(resumed["drag"], drag.run(replicate, bed)["drag"])
 
 
-def other_npz(path):
-    np.savez(path.with_suffix(".npz"), mark=np.arange(3))
-    path.with_suffix(".npz").replace(path)
-
-
 FOREIGN = {
     "text": lambda path: path.write_text("a note"),
     "array": lambda path: np.save(path.open("wb"), np.arange(3)),
-    "another archive": other_npz,
+    "another archive": lambda path: np.savez(path.open("wb"), mark=np.arange(3)),
 }
 
 
@@ -198,14 +194,6 @@ def attempts(monkeypatch):
     return attempts
 
 
-def same(one, two):
-    """Whether all that runs gave is the same in two files, but for clocks."""
-    names = ("drag", "granule_x", "steps", "packing_pressure", "run_id", "failure")
-    (a, _), (b, _) = read(one, names), read(two, names)
-    for name in names:
-        np.testing.assert_array_equal(a[name], b[name], err_msg=name)
-
-
 def test_a_chunk_that_is_stopped_goes_on_with_the_run_under_way(tmp_path, attempts):
     """Finished runs are kept and the one under way goes on from its checkpoint; bits are the same."""
     sweep = discs([1, 2])  # four runs, of which one and a half are done
@@ -223,7 +211,8 @@ def test_a_chunk_that_is_stopped_goes_on_with_the_run_under_way(tmp_path, attemp
     begun = [key for *key, _ in attempts]
     assert begun[0] == second and first not in begun and len(begun) == 3
     assert attempts[0][2][0] > 0.2  # not from its start
-    same(whole.store.file_of(chunk), work.store.file_of(chunk))
+    files = (store.file_of(chunk) for store in (whole.store, work.store))
+    assert differing(*map(contents, files)) == []
     left = [path for path in (work.store.folder / "runs").rglob("*") if path.is_file()]
     assert left == []
 
@@ -277,7 +266,8 @@ def test_a_damaged_file_of_the_store_is_made_again(tmp_path, attempts, kind, dam
     attempts.clear()
     making.make(work.store, chunk)
     assert len(attempts) == (2 if kind == "runs" else 1)
-    same(whole.store.file_of(chunk), work.store.file_of(chunk))
+    files = (store.file_of(chunk) for store in (whole.store, work.store))
+    assert differing(*map(contents, files)) == []
 
 
 def test_a_plan_of_other_code_is_refused(tmp_path, monkeypatch):
@@ -338,18 +328,8 @@ def test_what_killed_processes_left_is_cleared_away(tmp_path):
     stale = tmp_path / part_file.name.replace(end, dead)
     host = socket.gethostname()
     other, old = (tmp_path / part_file.name.replace(host, name) for name in ("one", f"x{host}.org"))
-    left = [
-        "notes.part",
-        ".notes.part",
-        ".thesis.doc.part",
-        ".a.nc.host.77.part",
-        ".dem.part",
-        ".77.dem.part",
-        "sub/.film.mp4.part",
-        f"a.nc.host{dead}dem.part",
-    ]
-    (tmp_path / "sub").mkdir()
-    left = [tmp_path / name for name in left]
+    names = "notes.part", ".thesis.doc.part", ".77.dem.part", f"a.nc.host{dead}dem.part"
+    left = [tmp_path / name for name in names]
     for file in (stale, part_file, other, old, *left):
         file.touch()
     for file in (stale, old, *left):
@@ -359,18 +339,28 @@ def test_what_killed_processes_left_is_cleared_away(tmp_path):
     assert all(file.exists() for file in left)
 
 
-def test_a_file_is_written_whole_or_not_at_all(tmp_path):
+FULL = OSError(errno.ENOSPC, "No space left on device")
+HDF = RuntimeError("NetCDF: HDF error")  # all that netCDF says
+
+
+@pytest.mark.parametrize(
+    ("error", "free", "words"),
+    [
+        (ZeroDivisionError("a fault"), 10**9, "a fault"),
+        (HDF, 10**9, "file.txt: it cannot be written .*run the same command again"),
+        (HDF, 0, r"file.txt: .* \(the disk is full\)"),
+        (FULL, 0, r"file.txt: .* \(the disk is full\)"),
+    ],
+)
+def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch, error, free, words):
+    """What is wrong with the disk is one sentence, whatever netCDF says of it."""
+    monkeypatch.setattr("shutil.disk_usage", lambda folder: SimpleNamespace(free=free))
     file = tmp_path / "file.txt"
     file.write_text("before")
-    with pytest.raises(ZeroDivisionError), atomic(file) as part:
+    kind = ZeroDivisionError if words == "a fault" else OSError
+    with pytest.raises(kind, match=words), atomic(file) as part:
         part.write_text("half")
-        raise ZeroDivisionError
-    with (
-        pytest.raises(OSError, match=r"cannot be written .*run the same command again"),
-        atomic(file) as part,
-    ):
-        part.write_text("half")
-        raise RuntimeError("NetCDF: HDF error")
+        raise error
     assert file.read_text() == "before" and [file] == list(tmp_path.iterdir())
 
 
@@ -457,13 +447,13 @@ def test_a_simulation_goes_on_from_a_checkpoint_on_disk_with_the_same_bits(
 
 
 class Alarm:
-    """An exception, or what else a handler does, after some time (s)."""
+    """A Ctrl-C after some time (s)."""
 
-    def __init__(self, delay, handler=signal.default_int_handler):
-        self._delay, self._handler = delay, handler
+    def __init__(self, delay):
+        self._delay = delay
 
     def __enter__(self):
-        self._previous = signal.signal(signal.SIGALRM, self._handler)
+        self._previous = signal.signal(signal.SIGALRM, signal.default_int_handler)
         signal.setitimer(signal.ITIMER_REAL, self._delay)
 
     def __exit__(self, *_):
@@ -535,28 +525,6 @@ def test_a_bed_that_was_interrupted_keeps_its_contacts(threads):
 
 
 @posix
-@pytest.mark.parametrize("threads", [1, 2])
-def test_a_look_from_a_signal_handler_changes_no_bit(threads):
-    """Also a look between two steps, at what an interrupt would leave."""
-    scene, state = crowd()
-    calm, run = (dem.Simulation(scene, state, threads=threads) for _ in range(2))
-    for simulation in (calm, run):
-        simulation.engine.budget = 3
-    snapshots = []
-
-    def handler(*_):
-        snapshots.append((run.time, len(run.contacts().granule), run.checkpoint()["progress.seen"]))
-        signal.setitimer(signal.ITIMER_REAL, 0.02)
-
-    expected = calm.record(1e-4, 5)
-    with Alarm(0.02, handler):
-        record = run.record(1e-4, 5)
-    assert len(snapshots) > 1 and all(0.0 <= at == saved <= 5e-4 for at, _, saved in snapshots)
-    for name, values in bits(calm, expected).items():
-        assert_array_equal(bits(run, record)[name], values, name)
-
-
-@posix
 def test_a_simulation_goes_on_in_a_forked_process():
     """With two threads, which stay behind: the child has its own, and the same bits."""
     scene, state = crowd()
@@ -590,13 +558,3 @@ def test_a_copy_of_a_simulation_goes_on_with_the_same_bits(make, threads):
     assert_array_equal(other.state.position, position)
     for name, values in bits(other, other.record(1e-5, 2)).items():
         assert_array_equal(values, expected[name], name)
-
-
-def test_an_experiment_is_interrupted_within_seconds(monkeypatch):
-    """dem.run_experiment too, in the midst of a run: nothing is swallowed."""
-    replicate = smoke().replicate("c1", 3.9e3, 1)
-    bed = make_bed(replicate)
-    drag.run(replicate, bed)
-    with Alarm(0.05), pytest.raises(KeyboardInterrupt):
-        while True:
-            drag.run(replicate, bed)

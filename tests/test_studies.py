@@ -6,13 +6,10 @@ import sys
 
 import pytest
 from sweeps import assert_shown_and_drawn, of_file
-from typer.main import get_command
-from typer.testing import CliRunner
 from workflows import snakemake
 
 import studies
 from conftest import CONFIG, posix
-from studies.__main__ import app
 from studies.catalogue import reported
 from studies.common.results import write_results
 
@@ -38,14 +35,6 @@ def assert_the_rest_works_without(copy, folder, names):
 def test_studies_can_be_removed(copy, tmp_path, names):
     """All, or every other one; each alone is removed at night."""
     assert_the_rest_works_without(copy, tmp_path / "copy", names)
-
-
-@pytest.mark.skipif(not any(studies.HERE.glob("*/verbs.py")), reason="needs a study with verbs")
-def test_every_verb_of_a_study_has_help():
-    for name, group in get_command(app).commands.items():
-        for verb in getattr(group, "commands", {"": group}):
-            run = CliRunner().invoke(app, [name, *filter(None, [verb]), "--help"])
-            assert run.exit_code == 0, run.output
 
 
 ELSEWHERE = {"claims", "benchmark"}  # the workflow makes its file; kernels of its own, at night

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
+from sweeps import dataset_of
 from test_means import text_of
 
 from conftest import needs_study
@@ -23,28 +23,11 @@ VELOCITY = np.array([0.03, 0.1, 0.5, 1.0, 2.0, 4.0, 8.0])
 def swept(drag, velocity=VELOCITY, density=4000.0):
     """A file of runs with some drag (friction, velocity, seed) in N, the same along the stroke."""
     drag = np.asarray(drag, float)
-    dims = "friction", AXIS, "seed"
-    bins = np.array([0.5e-3, 1.5e-3, 2.5e-3])
-    dataset = xr.Dataset(
-        {
-            "drag": ((*dims, "displacement"), np.repeat(drag[..., None], 3, axis=-1)),
-            "packing_pressure": (dims, np.full(drag.shape, 1e7)),
-            "run_id": (dims, np.full(drag.shape, "x")),
-        },
-        {
-            "friction": [str(i) for i in range(drag.shape[0])],
-            AXIS: velocity,
-            "seed": np.arange(drag.shape[2]),
-            "displacement": bins,
-        },
-        {
-            "window_start": 1e-3,
-            "window_stop": 3e-3,
-            AXIS: 2.0,
-            "configuration": json.dumps({"cylinder": {"diameter": 3e-3}}),
-        },
-    )
-    return dataset.assign_coords(diameter=1e-3, density=density).expand_dims("shape")
+    runs = dataset_of(drag, {"friction": [str(i) for i in range(len(drag))], AXIS: velocity})
+    runs = runs.assign(packing_pressure=(runs["run_id"].dims, np.full(drag.shape, 1e7)))
+    configuration = json.dumps({"cylinder": {"diameter": 3e-3}})
+    runs = runs.assign_attrs({AXIS: 2.0, "configuration": configuration})
+    return runs.assign_coords(diameter=1e-3, density=density).expand_dims("shape")
 
 
 def made_up(limit, growth, exponent, beds=6, scatter=0.1, noise=0.03, seed=1):

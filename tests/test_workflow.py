@@ -45,16 +45,9 @@ def test_one_command_makes_all_results(checkout):
     runs = [run for batch in batches for run in batch["run_id"].tolist()]
     assert len(runs) == len(set(runs)) == 5 * 2
     assert (results / "snapshots.nc").is_file()
-    for figure in (
-        "figure07",
-        "figure08",
-        "figure09",
-        "figure12",
-        "figure13",
-        "figure14",
-    ):
-        assert (results / f"figures/{figure}.svg").is_file()
-        assert_not_blank(results / f"figures/{figure}.png")
+    for number in ("07", "08", "09", "12", "13", "14"):
+        assert (results / f"figures/figure{number}.svg").is_file()
+        assert_not_blank(results / f"figures/figure{number}.png")
     assert not list(results.rglob("*.part"))
 
 

@@ -10,16 +10,14 @@ from scipy.stats import t
 
 import dem
 from dem.sweep import batch as making
-from dem.sweep.config import load, parse
+from dem.sweep.config import parse
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 from studies.accuracy import replicates
 from studies.accuracy.bias import Steps
-from studies.accuracy.findings import accuracy
 from studies.accuracy.results import check, make
 from studies.common.results import runs
 
-CONFIG = Path(__file__).parents[3] / "config"
 STUDY = Path(__file__).parent.parent
 MEAN, SCATTER = 1000.0, 0.1
 
@@ -166,15 +164,6 @@ def test_replicates_must_all_have_run(tmp_path):
         list(runs(work, ("drag",)))
 
 
-def test_the_bins_are_as_wide_as_the_papers():
-    """So that a window means the same."""
-    paper, study = load(CONFIG / "paper.yaml"), load(STUDY / "sweep.yaml")
-    width = paper.cylinder.stroke / paper.record.bins
-    for name in study.blocks:
-        configuration = study.block(name).first.configuration
-        assert configuration.cylinder.stroke / configuration.record.bins == width
-
-
 @pytest.mark.parametrize(
     ("steps", "shapes", "sentence"),
     [
@@ -190,11 +179,3 @@ def test_a_study_that_cannot_be_made_is_refused(steps, shapes, sentence):
     data["sweep"]["blocks"]["replicates"]["shape"] = shapes
     with pytest.raises(dem.InputError, match=sentence):
         check(parse(data))
-
-
-def test_comparisons_are_shown_as_they_were_measured():
-    assert accuracy.order("head-on, damped") == "1.25"
-    assert accuracy.error("bed of discs", "Verlet") == 1.9e-7
-    assert all(
-        accuracy.comparison(file.stem).row_count for file in (STUDY / "comparisons").glob("*")
-    )

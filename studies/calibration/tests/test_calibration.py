@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 import yaml
+from sweeps import dataset_of
 from typer.testing import CliRunner
 
 import dem
@@ -56,16 +56,7 @@ def runs(seeds, failed=()):
     """The same as a file of runs, some of which failed."""
     moduli, means = drags(seeds, 0.1)
     means[list(failed), 0] = np.nan
-    dims = "material_young_modulus", "seed"
-    return xr.Dataset(
-        {"drag": ((*dims, "displacement"), np.repeat(means.T[..., None], 3, axis=-1))},
-        {
-            "material_young_modulus": moduli,
-            "seed": np.arange(seeds),
-            "displacement": [1e-3, 2e-3, 3e-3],
-        },
-        {"window_start": 0.5e-3, "window_stop": 3.5e-3},
-    )
+    return dataset_of(means.T, {"material_young_modulus": moduli})
 
 
 def test_a_bed_of_which_a_run_failed_is_left_out():

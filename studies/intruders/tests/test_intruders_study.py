@@ -55,22 +55,6 @@ def test_intruders_are_compared_with_the_cylinder(tmp_path):
     assert_not_blank(save(figure, tmp_path / "intruders")[1])
 
 
-def test_resistive_force_theory_is_that_of_its_coefficients():
-    """Stress (N/cm3) on a plate at an angle of attack b that moves level, and on its mirror image."""
-    b = np.radians(90.0 - np.array([0.0, 20.0, 45.0, 70.0, 90.0]))
-    x = [
-        -0.124 * np.cos(2 * s) + 0.253 + 0.007 * np.cos(-2 * s) + 0.088 * np.sin(2 * s)
-        for s in (b, -b)
-    ]
-    z = [
-        0.206 + 0.169 * np.cos(2 * s) + 0.212 * np.sin(2 * s) + 0.055 * np.sin(-2 * s)
-        for s in (b, -b)
-    ]
-    drag, side = 0.5 * (x[0] + x[1]), 0.5 * (z[0] - z[1])
-    theory = intruders.resistive(90.0 - np.degrees(b))
-    np.testing.assert_allclose(theory, [drag / drag[0], side / drag[0]], atol=1e-12)
-
-
 def test_cylinders_that_push_each_other_away_have_a_force_apart_above_zero(tmp_path):
     """The first is on the left: its side force is then to the left, below zero."""
     side = np.array([-100.0, 100.0])[:, None]

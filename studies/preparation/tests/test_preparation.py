@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import numpy as np
-import xarray as xr
+from sweeps import dataset_of
 
 from conftest import assert_not_blank
 from dem.figures.catalogue import possible
@@ -18,24 +18,11 @@ STUDY = Path(__file__).parent.parent
 def test_the_figure_shows_both_ways_and_their_ratio(tmp_path):
     """Where grown beds drag half as much, each mark of the ratio is at a half."""
     assert "preparation" in possible(load(STUDY / "sweep.yaml").block("drag"), figures())
-    dims = "packing_preparation", "box", "shape", "seed"
     drag = np.array([1000.0, 500.0])[:, None, None, None] * np.ones((2, 2, 3, 4))
-    drag = drag * np.linspace(0.9, 1.1, 4)  # by seed
-    runs = xr.Dataset(
-        {
-            "drag": ((*dims, "displacement"), drag[..., None]),
-            "run_id": (dims, np.full(drag.shape, "x")),
-        },
-        {
-            "packing_preparation": ["relaxed", "grown"],
-            "box": ["1", "2"],
-            "shape": ["c1", "e1", "e3"],
-            "box_width": ("box", [0.02, 0.04], {"long_name": "width", "units": "m"}),
-            "seed": np.arange(4),
-            "displacement": [2e-3],
-        },
-        {"window_start": 1e-3, "window_stop": 3e-3},
-    )
+    axes = {"packing_preparation": ["relaxed", "grown"], "box": ["1", "2"]}
+    axes |= {"shape": ["c1", "e1", "e3"]}
+    width = "box", [0.02, 0.04], {"long_name": "width", "units": "m"}
+    runs = dataset_of(drag * np.linspace(0.9, 1.1, 4), axes).assign_coords(box_width=width)
     figure = plot(runs)
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["relaxed", "grown"]
     titles = [axes.get_title() for axes in figure.axes[:2]]

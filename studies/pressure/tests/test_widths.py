@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
+from sweeps import dataset_of
 
 from conftest import assert_not_blank
 from dem.base.errors import InputError
@@ -25,21 +25,8 @@ def boxes(power=1.0, slope=(0.8, 1.5), seeds=4, noise=0.0, seed=1):
     rng = np.random.default_rng(seed)
     drag = np.array([[1000.0], [500.0]]) * (1.0 + np.array(slope)[:, None] / WIDTH) ** power
     drag = drag[..., None] * (1.0 + noise * rng.standard_normal((2, 4, seeds)))
-    dims = "shape", "box", "seed"
-    return xr.Dataset(
-        {
-            "drag": ((*dims, "displacement"), np.repeat(drag[..., None], 3, axis=-1)),
-            "run_id": (dims, np.full(drag.shape, "x")),
-        },
-        {
-            "shape": ["c1", "e1"],
-            "box": BOXES,
-            "seed": np.arange(seeds),
-            "box_width": ("box", 20e-3 * WIDTH),
-            "cylinder_start": ("box", [0.25] * 3 + [0.125]),
-            "displacement": [0.5e-3, 1.5e-3, 2.5e-3],
-        },
-        {"window_start": 1e-3, "window_stop": 3e-3},
+    return dataset_of(drag, {"shape": ["c1", "e1"], "box": BOXES}).assign_coords(
+        box_width=("box", 20e-3 * WIDTH), cylinder_start=("box", [0.25] * 3 + [0.125])
     )
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
+from sweeps import dataset_of
 
 from conftest import assert_not_blank
 from dem.figures.catalogue import possible
@@ -25,22 +25,9 @@ def test_the_sweep_makes_what_its_figure_needs():
 
 def test_discs_are_compared_with_other_granules(tmp_path):
     """At equal fraction no disc drags as little as e3, at equal pressure one of 0.2 drags as much."""
-    dims = "model", "state", "density", "seed"
     drag = np.broadcast_to(DRAG.T[:, :, None, None], (4, 2, 1, 4)) * np.linspace(0.99, 1.01, 4)
-    runs = xr.Dataset(
-        {
-            "drag": ((*dims, "displacement"), drag[..., None]),
-            "run_id": (dims, np.full(drag.shape, "x")),
-        },
-        {
-            "model": LABELS,
-            "state": ["fraction", "pressure"],
-            "density": [3900.0],
-            "seed": np.arange(4),
-            "displacement": [2e-3],
-        },
-        {"window_start": 1e-3, "window_stop": 3e-3},
-    )
+    axes = {"model": LABELS, "state": ["fraction", "pressure"], "density": [3900.0]}
+    runs = dataset_of(drag, axes)
     study = findings.rolling.of(runs)
     assert study.rises("fraction") and study.beyond("e3", "fraction")
     assert not study.reaches("e3", "fraction") and study.reaches("e3", "pressure")

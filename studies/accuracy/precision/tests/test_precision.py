@@ -10,7 +10,7 @@ from dem.sweep.precision import Until, excess
 from studies.accuracy.precision.findings import precision
 from studies.accuracy.precision.results import tried
 from studies.accuracy.precision.sources import UNJAMMED, Source, gamma, lognormal, mixture, normal
-from studies.accuracy.precision.stopping import OTHERS, ROUNDS, RULES, first_narrow
+from studies.accuracy.precision.stopping import ROUNDS, RULES, first_narrow
 
 TRIALS, ERRORS = 6_000, 2.0
 SOURCES = {
@@ -34,12 +34,6 @@ def shortfall(rule, name):
 def test_the_true_mean_is_within_what_was_asked_for_as_often_as_was_asked_for(name):
     """Within the scatter of so many trials; the seed is fixed."""
     assert shortfall(ROUNDS, name) < ERRORS
-
-
-@pytest.mark.parametrize("name", SOURCES)
-def test_the_first_narrow_interval_is_right_less_often(name):
-    """The test above would notice it in the place of the rule."""
-    assert shortfall(OTHERS[0], name) > ERRORS
 
 
 @pytest.mark.parametrize(
