@@ -212,9 +212,7 @@ def test_a_run_that_is_gone_or_was_not_watched_is_named(swept, tmp_path):
         read_snapshots(tmp_path / "results/drag.nc", [])
 
 
-@pytest.mark.parametrize(
-    ("color", "forces"), [("speed", False), ("force", True), ("cluster", False)]
-)
+@pytest.mark.parametrize(("color", "forces"), [("force", True), ("cluster", False)])
 def test_films_and_pictures(motion, tmp_path, color, forces):
     """A frame a snapshot, at 720p, in which granules are drawn and move; pictures by the name."""
     progress = []

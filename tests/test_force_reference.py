@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_array_equal
 from test_twin import LEDGERS, TIME_STEP, scene_of
-from twin import forces_of
 
-from dem import Cylinder, Disc, Dumbbell, Friction, Material, Scene, Simulation, State, box
+from dem import Cylinder, Simulation
 from dem.dynamics.checkpoint import copied
 from dem.dynamics.forces import forces
 from dem.dynamics.integration import look_ahead
@@ -17,46 +16,11 @@ GUARDS = 16  # rows before and after an array, which hold what no array should
 NO_NUMBER = {"f": np.nan, "i": -(10**9), "u": 10**9, "b": True}
 
 
-def random_bed(kind, seed):
-    """Granules thrown into a box without looking: many overlap each other, walls and the cylinder."""
-    rng = np.random.default_rng(seed)
-    n, width, height = 24, 8e-3, 6e-3
-    scene = Scene(
-        kind(rng.uniform(0.3e-3, 0.9e-3, n)),
-        material=Material(2.5e3, 3e9, 0.3, 0.5),
-        friction=Friction(0.2, 0.4, 0.7),
-        walls=box(width, height),
-        solids=Cylinder(2e-3, (4e-3, 2e-3), (1.0, 2.0)),
-        thickness=1e-3,
-    )
-    state = State(
-        rng.random((n, 2)) * [width, height], rng.normal(size=(n, 2)),
-        rng.uniform(0.0, 7.0, n), rng.normal(scale=1e3, size=n),
-    )  # fmt: skip
-    return scene, state
-
-
-@pytest.mark.parametrize(("dt", "steps"), [(0.0, 1), (1e-8, 1), (1e-6, 1), (1e-8, 5)])
-@pytest.mark.parametrize("kind", [Disc, Dumbbell])
-def test_forces_of_a_random_bed(kind, dt, steps):
-    """Forces and torques of pairs, walls and the cylinder, after slips that the contacts remember."""
-    for seed in range(3):
-        scene, state = random_bed(kind, seed)
-        world = copied(Simulation(scene, state).world)
-        for _ in range(steps):  # all granules stay where they are
-            forces(world, dt, np.inf)
-        force, torque = forces_of(scene, state, steps * dt)
-        result = world.force
-        assert_allclose(result[:, :2], force, rtol=1e-10, atol=1e-10 * np.abs(force).max())
-        assert_allclose(result[:, 2], torque, rtol=1e-10, atol=1e-10 * np.abs(torque).max())
-        assert (np.hypot(*force.T) > 0.0).sum() > 15
-
-
 def test_the_stages_that_are_timed_make_the_forces_of_a_step():
     """All stages of a pair, one after the other, give what a step gives where nothing meets walls or
     cylinder."""
     stages = pytest.importorskip("studies.benchmark.stages")
-    scene, state = random_bed(Disc, 1)
+    scene, state = scene_of("box of discs")
     walls = [[1.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, -1.0, 1.0]]  # m
     scene = replace(scene, walls=walls, solids=Cylinder(1e-3, (0.9, 0.9)))
     world = copied(Simulation(scene, state).world)

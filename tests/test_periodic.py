@@ -43,8 +43,8 @@ def packed(periodic="xy", cylinder=CYLINDER):
     return shape, dem.pack(shape, side, side, cylinder, 1, periodic)
 
 
-def crowd():
-    """Dumbbells on a grid that press on each other across the sides, shaken, around a cylinder, in a box
+def crowd(kind=dem.Disc):
+    """Granules on a grid that press on each other across the sides, shaken, around a cylinder, in a box
     that repeats itself along x and y."""
     rng, side = np.random.default_rng(1), 7
     position = PITCH * np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2)
@@ -53,7 +53,7 @@ def crowd():
     position = position[distance > CYLINDER.radius + 0.4 * PITCH]
     n = len(position)
     scene = dem.Scene(
-        dem.Dumbbell.of_size(rng.uniform(1.0, 1.1, n) * PITCH),
+        kind.of_size(rng.uniform(1.0, 1.1, n) * PITCH),
         SOFT,
         dem.Friction(),
         solids=CYLINDER,
@@ -194,7 +194,7 @@ def test_where_the_box_begins_changes_no_motion():
 
 def test_a_polygon_across_the_sides_is_met_as_one_in_the_middle():
     """Forces are those of the bed half a period away, whichever image of a granule is given."""
-    scene, state = crowd()
+    scene, state = crowd(dem.Dumbbell)
     corners = PITCH * np.array([[-0.8, -0.6], [0.9, -0.5], [0.1, 0.9]])
     wedge = dem.Solid(dem.Polygon(corners, 0.5 * PITCH), (0.0, 0.0), 0.4, (0.3, 0.2), 500.0)
     period = np.array(scene.periodic)

@@ -244,7 +244,7 @@ def test_impulses_are_the_change_of_momentum(bed):
     held = [dem.Held(np.sort(far[:4]), (1.0, 0.0)), dem.Held(np.sort(far[4:7]), (0.0, -1.0))]
     held.append(dem.Held(far[7:], ANCHOR))
     scene = replace(scene, held=held, gravity=(0.0, 0.0))
-    run = dem.Simulation(scene, state)
+    run = dem.Simulation(scene, state, ledger=True)
     free, normal = np.where(scene.is_held, 0.0, scene.mass)[:, None], scene.planes[:, :2]
     across = np.stack([-normal[:, 1], normal[:, 0]], 1)
     for lasts in (0.77e-4, 1.313e-4):

@@ -137,10 +137,8 @@ def scene_of(name):
     if name == "dumbbells":
         shape, state = granules(lambda r: dem.Dumbbell(0.55 * r))
         turning = path(*TO_AND_FRO, spin=[0.0, 900.0, -500.0, 0.0])
-        return dem.Scene(
-            shape, damped, rough, solids=dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), turning),
-            periodic=(WIDTH, HEIGHT),
-        ), state  # fmt: skip
+        cylinder = dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), turning)
+        return dem.Scene(shape, damped, rough, WALLS, cylinder), state
     if name == "clumps":
         forms = [
             [(0, 0, 1)],
@@ -162,10 +160,19 @@ def scene_of(name):
 
 
 SCENES = (
-    "box of discs", "discs that resist rolling", "discs", "smooth discs", "discs around solids",
-    "smooth discs around solids", "dumbbells", "clumps", "ellipses", "ellipses by the chord",
-    "ellipses of local radius around solids", "superellipses", *LAWS,
-)  # fmt: skip
+    "box of discs",
+    "discs that resist rolling",
+    "discs",
+    "smooth discs",
+    "discs around solids",
+    "dumbbells",
+    "clumps",
+    "ellipses",
+    "ellipses by the chord",
+    "ellipses of local radius around solids",
+    "superellipses",
+    *LAWS,
+)  # fmt: skip; smooth discs around solids at night
 
 
 def assert_same(result, expected, close=1e-9):

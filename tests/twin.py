@@ -718,13 +718,6 @@ class Twin:
         return twin
 
 
-def forces_of(scene, state, dt):
-    """Forces (n, 2) and torques (n,) on granules that stay where they are, after a slip of dt (s)."""
-    twin = Twin(scene, state)
-    twin.find_forces(dt)
-    return twin.force, twin.torque
-
-
 def simulate(scene, state, dt, steps, frames=1):
     """The arrays of a `dem.Result` by name: after `steps` steps of dt (s), in equal intervals."""
     twin, rows = Twin(scene, state), []

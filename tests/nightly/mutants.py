@@ -68,7 +68,7 @@ MUTANTS = (
     Mutant("contacts/force_law.py", "order", "capped(mindlin(history[p], measured, last, stiffness, distance), limit)", "mindlin(history[p], measured, last, stiffness, distance)", BOX),
     Mutant("contacts/loops.py", "sign", "gx, gy, -torque, 0.0)", "gx, gy, torque, 0.0)", BOX),
     Mutant("contacts/blocks.py", "index", "+= two[j + FIVE]", "+= two[j + SIX]", SMOOTH),
-    Mutant("contacts/blocks.py", "sign", "+= contacts.shift_x[p]", "-= contacts.shift_x[p]", DUMBBELLS),
+    Mutant("contacts/blocks.py", "sign", "+= contacts.shift_x[p]", "-= contacts.shift_x[p]", ONE_THREAD),
     Mutant("contacts/loops.py", "not summed", "loads[b, 0] += normal", "loads[b, 0] = normal", BOX),
     Mutant("contacts/loops.py", "missing term", "on[b, FX] += hx + tx", "on[b, FX] += hx", DISCS),
     Mutant("contacts/loops.py", "not summed", "on[b, TAU] += values[TORQUE_2 + k]", "on[b, TAU] = values[TORQUE_2 + k]", DISCS),

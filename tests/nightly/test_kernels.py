@@ -26,6 +26,27 @@ def test_walls_that_move_do_the_same_work_without_friction(small_bed):
     test_motion.test_a_bed_without_friction_moves_as_in_the_limit_of_little(small_bed, ledger=True)
 
 
+@pytest.mark.parametrize("mover", test_motion.MOVERS)
+def test_the_work_of_a_boundary_is_what_a_bed_of_dumbbells_gains(small_bed, mover):
+    test_motion.test_the_work_of_a_boundary_on_a_path_is_what_the_bed_gains(
+        small_bed, mover, "dumbbell"
+    )
+
+
+def test_energy_of_dumbbells_adds_up_between_boundaries_that_all_move(small_bed):
+    test_motion.test_energy_adds_up_between_boundaries_that_all_move(small_bed, "dumbbell")
+
+
+def test_smooth_discs_around_solids_move_as_the_model():
+    test_twin.assert_run_is_that_of_the_model(*test_twin.scene_of("smooth discs around solids"))
+
+
+def test_dumbbells_in_a_box_that_repeats_itself_move_as_the_model():
+    scene, state = test_twin.scene_of("dumbbells")
+    scene = replace(scene, walls=None, periodic=(test_twin.WIDTH, test_twin.HEIGHT))
+    test_twin.assert_run_is_that_of_the_model(scene, state)
+
+
 def test_the_number_of_threads_changes_no_bit_of_discs_that_do_not_turn():
     assert_threads_change_no_bit(None)
 
