@@ -79,7 +79,7 @@ MUTANTS = (
     Mutant("dynamics/integration.py", "constant", "((pending_kick + half, ahead), (half, 0.0))", "((half, ahead), (half, 0.0))", BOX),
     Mutant("dynamics/integration.py", "factor", "dv = half * extrapolated", "dv = dt * extrapolated", BOX),
     Mutant("dynamics/integration.py", "missing term", "ahead = 2.0 * now - previous_acceleration[i, c]", "ahead = now", BOX),
-    Mutant("contacts/blocks.py", "missing call", "values[lane.ROOT + k] = mean_root(law, overlap, change, length)", "pass", BOX),
+    Mutant("contacts/blocks.py", "missing call", "values[lane.MEAN_ROOT + k] = mean\n", "pass\n", BOX),
     Mutant("dynamics/integration.py", "sign", "rotate(orientation, i, angle[i], dt * spin)", "rotate(orientation, i, angle[i], -dt * spin)", ELLIPSES),
     Mutant("dynamics/integration.py", "dropped wait", "        barrier(thread)\n        if leads(thread):\n            boundary_forces", "        if leads(thread):\n            boundary_forces", TWO_THREADS),
     Mutant("dynamics/boundary_motion.py", "time", "impulses[b, c] += kick * contact_forces", "impulses[b, c] += dt * contact_forces", BOX),
