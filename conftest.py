@@ -70,7 +70,7 @@ QUICK = {
     "test_replicates.py": ("",),
     "test_energy.py": ("",),
     "test_stress.py": ("",),
-    "test_packing.py": ("test_bed_is", "test_packing_fraction", "test_a_stage"),
+    "test_packing.py": ("test_bed_is", "test_packing_fraction", "test_a_stage", "jams_sooner"),
     "test_geometry.py": ("",),
     "test_step.py": ("held", "elastic_gas", "bound"),
     "test_simulate.py": ("critical_time_step", "wrong_input", "change_of_momentum"),
