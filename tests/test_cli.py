@@ -168,7 +168,10 @@ def test_the_console_script_is_the_application():
     assert getattr(import_module(module), name) is app
 
 
-@pytest.mark.parametrize("command", ["dem sweep config/paper.yaml -n", "snakemake -n -d {}"])
+@pytest.mark.parametrize(
+    "command",
+    ["dem sweep config/paper.yaml -n", pytest.param("snakemake -n -d {}", marks=posix)],
+)
 def test_a_plan_waits_for_neither_kernels_nor_datasets(tmp_path, command):
     words = [sys.executable, "-X", "importtime", "-m", *command.format(tmp_path).split()]
     process = subprocess.run(words, cwd=ROOT, text=True, capture_output=True)
