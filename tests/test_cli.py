@@ -14,6 +14,7 @@ import pytest
 from typer.main import get_command
 from typer.testing import CliRunner
 
+from conftest import posix
 from dem.base.errors import InputError
 from dem.cli.app import app
 from dem.figures import film
