@@ -9,8 +9,10 @@ from sweeps import assert_shown_and_drawn, of_file
 from workflows import snakemake
 
 import studies
-from conftest import CONFIG, posix
-from studies.catalogue import reported
+from conftest import CONFIG, needs_study, posix
+from dem.figures.catalogue import drawable_from
+from dem.io.lazily import open_lazily
+from studies.catalogue import figures, reported
 from studies.common.results import write_results
 
 ROOT = CONFIG.parent
@@ -49,3 +51,9 @@ def test_a_study_works_in_its_smallest_form(name, tmp_path, monkeypatch):
         of_file(config := studies.FOLDERS[name] / "smoke.yaml")
     write_results(name, file := tmp_path / f"{name}.nc", config)
     assert_shown_and_drawn(name, file)
+
+
+@needs_study("verification")
+def test_a_file_without_runs_suffices_for_the_figures_of_its_study():
+    with open_lazily(studies.FOLDERS["verification"] / "verification.nc") as dataset:
+        assert "verification" in drawable_from(dataset, figures())

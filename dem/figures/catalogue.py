@@ -53,8 +53,8 @@ def _varies(coordinates: dict, name: str, least: int) -> bool:
     dims, values = coordinates.get(name, ((), ()))
     if name in LABELS:
         return np.unique(values).size >= least
-    beside = [other for other, (over, _) in coordinates.items() if {*dims} & {*over} - {name}]
-    return len(dims) == 1 and {*beside} <= {name, *dims} and len(values) >= least
+    beside = {other for other, (over, _) in coordinates.items() if {*dims} & {*over} - {name}}
+    return len(dims) == 1 and beside <= {name, *dims} and len(values) >= least
 
 
 def figures_of(package: str, folder: Path) -> dict[str, FigureSpec]:
@@ -69,7 +69,7 @@ def figures_of(package: str, folder: Path) -> dict[str, FigureSpec]:
             says.get("AXES", {}),
             says.get("VARIABLES", VARIABLES.get(says["FILE"], ())),
         )
-        for name, says in described(Path(folder) / "figures", "CAPTION").items()
+        for name, says in described(folder / "figures", "CAPTION").items()
     }
 
 
@@ -101,7 +101,7 @@ def possible(block, figures: dict[str, FigureSpec] = FIGURES) -> list[str]:
 
 def drawable_from(dataset, figures: dict[str, FigureSpec] = FIGURES) -> list[str]:
     """Names of those of some figures that a file suffices for."""
-    axes = dataset["run_id"].dims
+    axes = dataset.get("run_id", dataset).dims  # a study may have no runs
     labels = {*dataset.coords, *LABELS} & {*dataset.variables}
     coordinates = {name: (dataset[name].dims, dataset[name]) for name in labels}
     return [
