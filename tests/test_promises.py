@@ -188,7 +188,7 @@ def verbs():
                 yield tuple(filter(None, (*program, name, verb)))
 
 
-@pytest.mark.parametrize("verb", verbs(), ids=shlex.join)
+@pytest.mark.parametrize("verb", [*verbs()], ids=shlex.join)
 def test_every_verb_has_help(verb):
     """--help says what each verb does, and what each of its options is for."""
     app, words = (dem_app, verb[1:]) if verb[0] == "dem" else (studies_app, verb[3:])
@@ -282,7 +282,7 @@ def pieces(path):
 
 
 @pytest.mark.parametrize(
-    "path", filter(pieces, PAGES), ids=lambda path: f"{path.relative_to(ROOT)}"
+    "path", [*filter(pieces, PAGES)], ids=lambda path: f"{path.relative_to(ROOT)}"
 )
 def test_python_of_a_page_runs_as_it_is_shown(small_checkout, monkeypatch, path):
     """One piece after another; a file that it names first is written."""
