@@ -124,7 +124,7 @@ def draw(
     of: the quantity of the figure sweep. Raises InputError if there is nothing to draw, or no such
     figure.
     """
-    if name not in (known := [*sorted(figures), "all"]):
+    if name not in (known := [*figures, "all"]):
         raise InputError(f"figure is {name!r}; there is no such figure{did_you_mean(name, known)}.")
     names = [name]
     if name == "all":

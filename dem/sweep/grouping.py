@@ -28,10 +28,13 @@ def plan_batches(
             batches.append(batch)
             for run in batch.runs:
                 left.pop(run, None)
+    keys = {}  # of one configuration and shape all runs have the same
     for replicate in left.values():
-        experiment = replicate.configuration.module
-        key = (replicate.files, *experiment.layout), *experiment.sizes(replicate).values()
-        beds = groups.setdefault(key, {})
+        at = id(replicate.configuration), replicate.label
+        if at not in keys:
+            experiment = replicate.configuration.module
+            keys[at] = (replicate.files, *experiment.layout), *experiment.sizes(replicate).values()
+        beds = groups.setdefault(keys[at], {})
         beds.setdefault(replicate.bed_key(), []).append(replicate)
     parts, new = {}, {}
     for (kind, *_), beds in groups.items():
