@@ -448,7 +448,7 @@ def Cylinder(
     >>> cylinder.velocity
     (0.0, 2.0)
     """
-    return Solid(Disc([0.5 * diameter]), position, 0.0, velocity, spin, friction, material)
+    return Solid(Disc([0.5 * diameter]), position, 0.0, velocity, spin, friction, material)  # type: ignore[arg-type]
 
 
 Solids = Annotated[

@@ -4,11 +4,8 @@ The file is one of runs (a batch of the store, or what `dem simulate` writes), o
 of a sweep, whose runs are in the store.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pandas as pd
 import xarray as xr
@@ -21,9 +18,6 @@ from dem.io.dataset import LABELS
 from dem.io.lazily import open_lazily
 from dem.sweep.axis import is_written
 from dem.sweep.store import Store
-
-if TYPE_CHECKING:
-    from dem.experiment.snapshots import Snapshots
 
 SHOWN = 8  # values of an axis that a sentence lists
 
@@ -115,10 +109,8 @@ def _word(value) -> str:
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
-def read_snapshots(
-    path: Path, select: list[str] = (), shapes: Path | str | None = None
-) -> Snapshots:
-    """The snapshots of one run, with its drag; raises InputError where it has none.
+def read_snapshots(path: Path, select: list[str] = (), shapes: Path | str | None = None) -> tuple:
+    """The Snapshots of one run, with its drag; raises InputError where it has none.
 
     shapes: folder of the files of shapes of a user's own, which may then run.
     """

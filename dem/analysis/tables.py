@@ -1,13 +1,6 @@
 """Tables for the terminal: no number is cut, however narrow the terminal is."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from rich.text import Text
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 WIDE = 10_000  # characters: no table is wider
 ROWS = 60  # of a table on a terminal, at most
@@ -20,10 +13,10 @@ def number(value: float) -> str:
 
 
 class TextTable:
-    """The first rows of a table, on a console: columns for which it is too narrow are below, beside
+    """The first rows of a table of pandas, on a console: columns for which it is too narrow are below, beside
     the first column again."""
 
-    def __init__(self, frame: pd.DataFrame):
+    def __init__(self, frame):
         self.frame = frame.dropna(axis="columns", how="all")
 
     def __rich_console__(self, console, options):

@@ -4,16 +4,11 @@ All of dem that prints an interval takes it from here. Runs are independent, so 
 run; what failed is NaN or infinite and does not count.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 LEVEL = 0.95  # of the confidence intervals
 RESAMPLES = 2000  # of the bootstrap
@@ -103,8 +98,8 @@ def log_ratio_interval(sample, reference, paired: bool, level: float = LEVEL) ->
     return Estimate(ratio, ratio * math.exp(-half), ratio * math.exp(half))
 
 
-def half_interval(sample: xr.DataArray, over: Sequence[str] = ()) -> xr.DataArray:
-    """Half the interval of the mean of a sample (seed, ...), by Student's t; NaN for a single run.
+def half_interval(sample, over: Sequence[str] = ()):
+    """Half the interval of the mean of a DataArray (seed, ...), by Student's t; NaN for a single run.
 
     over: axes along which the means are averaged. There, runs of one seed belong together, and
     places may have other seeds: the degrees of freedom are Welch's, but at most those of all seeds.

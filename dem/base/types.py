@@ -191,21 +191,22 @@ def checked(target: Target) -> Target:
 
 def _checked(function: Any, head: str) -> Any:
     parameters = inspect.signature(function).parameters
-    names = [name for name, each in parameters.items() if each.kind is each.POSITIONAL_OR_KEYWORD]
+    names = [name for name, p in parameters.items() if p.kind is p.POSITIONAL_OR_KEYWORD]
     types = {
         name: parameter.annotation
         for name, parameter in parameters.items()
         if parameter.annotation is not parameter.empty
     }
-    validators: dict[str, Any] = {}  # of the arguments that were given so far: a bed asks often
+
+    @functools.cache  # because a bed asks often
+    def validate(name: str) -> Callable[[Any], Any]:
+        return adapter(types[name]).validator.validate_python
 
     def taken(name: str, value: Any) -> Any:
         if name not in types:
             return value
-        if name not in validators:
-            validators[name] = adapter(types[name]).validator
         try:
-            return validators[name].validate_python(value)
+            return validate(name)(value)
         except ValidationError:
             return parsed(types[name], value, head + name, show=shown)
 

@@ -46,15 +46,18 @@ def check_room(replicate) -> None:
     What fits into the lowest box that could be, with the largest granule, fits for every seed: only
     where it does not is the box of the seed looked at.
     """
-    configuration, spread = replicate.configuration, replicate.configuration.packing.size_spread
-    sizes = [part.diameter for part in replicate.parts]
+    c, label = replicate.configuration, replicate.label
+    if label in c.fitting_shapes:
+        return
+    spread, sizes = c.packing.size_spread, [part.diameter for part in replicate.parts]
     least, most = min(sizes) * (1.0 - spread), max(sizes) * (1.0 + spread)
     try:
-        height = height_of_box(configuration, least, replicate.shape.granules)
+        height = height_of_box(c, least, replicate.shape.granules)
         _check_box(replicate, height, most)
+        c.fitting_shapes.add(label)
     except InputError:
         diameters = diameters_of(replicate)
-        _check_box(replicate, height_of_box(configuration, diameters), diameters.max())
+        _check_box(replicate, height_of_box(c, diameters), diameters.max())
 
 
 def _check_box(replicate, height: float, largest: float) -> None:

@@ -6,6 +6,7 @@ refuses values that cannot be simulated with one sentence per fault, which names
 
 from collections.abc import Iterable
 from functools import cached_property
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, NamedTuple, get_origin
 
 import numpy as np
@@ -246,6 +247,17 @@ class Configuration(Section):
             if self.shape_of(label).kind != "ellipse":
                 known[label] = {k: v for k, v in known[label].items() if k[:8] != "ellipse."}
         return known
+
+    @cached_property
+    def files(self) -> dict[str, tuple[Path, ...]]:
+        """The files of the experiment, of observables, of each shape and of the law, by shape."""
+        files, law = self.module.files, law_file(self.law_name, self.beside)
+        return {label: (*files, self.kind_of(label).file, law) for label in self.shapes}
+
+    @cached_property
+    def fitting_shapes(self) -> set[str]:
+        """The shapes that are known to fit into the box for every seed."""
+        return set()
 
     @checked
     def replicate(self, shape: str, density: Density, seed: Seed) -> Replicate:

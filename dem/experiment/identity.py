@@ -6,7 +6,6 @@ from pathlib import Path
 
 from dem.base.provenance import compilers
 from dem.base.source_hash import digest, run_hash
-from dem.laws import file_of as law_file
 
 LAYOUT = 2  # of the files of runs: raise it where a variable comes, goes or has another meaning
 # what a bed depends on, beside its shape and how densely it is packed
@@ -72,8 +71,7 @@ class Identity:
     @property
     def files(self) -> tuple[Path, ...]:
         """The files of its experiment, observables, shape and law."""
-        c = self.configuration
-        return *c.module.files, self.kind.file, law_file(c.law_name, c.beside)
+        return self.configuration.files[self.label]
 
     @property
     def source_hash(self) -> str:

@@ -152,7 +152,7 @@ class Room(NamedTuple):
         walls, periods = walls_of(self.width, self.height, self.periods), self.periods
         return Scene(
             shape,
-            [replace(material, young_modulus=modulus) for modulus in self.moduli],
+            [replace(material, young_modulus=modulus) for modulus in self.moduli],  # type: ignore[arg-type]
             friction,
             walls,
             still,
@@ -305,7 +305,7 @@ def relaxed(shape: Any, room: Room, job: Job) -> Bed:
     factor, state = dilute_start(shape, room)
     factor = float(job.stage.get("factor", factor))
     while factor < 1.0:
-        job.stage["factor"] = factor
+        job.stage["factor"] = factor  # type: ignore[assignment]  # beside a count
         scene = room.scene(shape.scaled(factor))
         state = minimise(scene, state, PATIENCE, SETTLED * room.unit(scene.shape), job).state
         factor = min(factor * GROWTH, 1.0)
@@ -331,7 +331,7 @@ def dilute_start(shape: Any, room: Room) -> tuple[float, State]:
 
 def at_rest(shape: Any, room: Room, state: State, job: Job) -> Bed:
     """The bed of full-sized granules, brought to rest; raises PackingError if it finds none."""
-    job.stage["factor"] = 1.0
+    job.stage["factor"] = 1.0  # type: ignore[assignment]
     fraction = float(shape.area.sum() / room.area)
     limit = most_iterations(len(shape.area), fraction)
     bed = minimise(room.scene(shape), state, limit, None, job)

@@ -111,9 +111,8 @@ def runs_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
 def _runs_of(dataset: xr.Dataset) -> dict[str, str]:
     """Seeds of the runs of a combined file, how many there are so far, and which are missing and
     why."""
-    facts, seeds = {}, dataset.get("seed")
-    if seeds is not None:
-        facts["seeds"] = f"{seeds.size}, from {seeds.min():d} to {seeds.max():d}"
+    seeds = dataset["seed"]
+    facts = {"seeds": f"{seeds.size}, from {seeds.min():d} to {seeds.max():d}"}
     if "partial" in dataset.attrs:
         facts["so far"] = dataset.attrs["partial"]
     if "failure" in dataset and (failed := int((dataset["failure"] != 0).sum())):

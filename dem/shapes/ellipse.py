@@ -133,12 +133,12 @@ class Ellipse(Shape, _Fields):
         return cls(0.5 * sizes * root, 0.5 * sizes / root, contact, hertz_radius)
 
     @property
-    def guesses(self) -> bool:
+    def guesses(self) -> bool:  # type: ignore[override]  # other shapes have it as a constant
         """Whether a contact remembers its normal."""
         return isinstance(self.contact, CommonNormal)
 
     @property
-    def fault(self) -> str | None:
+    def fault(self) -> str | None:  # type: ignore[override]
         """Why these granules cannot be used, as a sentence, or None."""
         if np.any(self.semi_minor > self.semi_major):
             return (

@@ -40,7 +40,7 @@ from dem.sweep.store import Batch, Store
 
 PROVENANCE = ("versions", "git_revision", "source_hash", "processor")
 BLOCK = 64  # runs along the last axis that are compressed and read together, at most
-CHUNK = 4_000_000  # bytes that are, at most: netCDF buffers several of these
+CHUNK = 4_000_000  # bytes that are, at most, and that netCDF buffers of each variable
 BEDS = "snapshots"  # the observable whose file has values for every granule, of the first seeds
 REASONS = 5  # of failed runs that a file tells, at most
 
@@ -69,7 +69,7 @@ def combine(
     gaps = bool(sweep.failures or partial or block.until or observable == BEDS)
     origins = []
     with create(output) as file:
-        for done, path in enumerate(sorted(paths, key=str), 1):
+        for done, path in enumerate(paths, 1):
             values, origin = read(path, (*names, "run_id", "failure", "failure_reason"))
             runs = values["run_id"].tolist()
             places = sorted(
@@ -113,8 +113,7 @@ def combine(
         origins = zip(PROVENANCE, zip(*origins, strict=True), strict=True)
         merged = {name: "; ".join(dict.fromkeys(values)) for name, values in origins}
         if left:
-            total = len(block.points)
-            merged["partial"] = f"{total - len(left)} of {total} runs"
+            merged["partial"] = f"{len(block.points) - len(left)} of {len(block.points)} runs"
         file.setncatts(about(sweep, block, merged))
 
 
@@ -157,10 +156,11 @@ def _create_variables(file, block: Block, layout: dict, values: dict, gaps: bool
             layout[name][0],
             zlib=True,
             fletcher32=True,
+            chunk_cache=CHUNK,
             chunksizes=(*[1] * (len(block.dims) - 1), runs, *shape),
             fill_value=np.nan if gaps else False,
         )
-        variable.setncatts(attributes(name, layout) | ({"coordinates": labels} if labels else {}))
+        variable.setncatts(attributes(name, layout) | {"coordinates": labels})
 
 
 def _labels(block: Block, layout: dict, left: set[str]) -> Iterator[tuple]:
@@ -283,8 +283,10 @@ def combine_block(
             say(sentence)
     if observable == BEDS:
         block = block.first_seeds()
-    runs = block.points.keys()
-    batches = [batch for batch in state.batches(name) if not runs.isdisjoint(batch.runs)]
+    places = block.points
+    batches = [batch for batch in state.batches(name) if not places.keys().isdisjoint(batch.runs)]
+    # in the order of the grid, so that each chunk is compressed once
+    batches.sort(key=lambda batch: min(places[run] for run in batch.runs if run in places))
     files = [state.store.file_of(batch.id) for batch in batches]
     with TemporaryDirectory() as folder:
         if partial:

@@ -40,14 +40,12 @@ class Choice(Section):
     ]
 
     def at(self, place: float):
-        """The value at a place from 0 to 1."""
-        return self.choices[min(int(place * len(self.choices)), len(self.choices) - 1)]
+        """The value at a place from 0 to below 1."""
+        return self.choices[int(place * len(self.choices))]
 
 
 def _factor(value):
     """A range or a choice, by its keys, so that only the faults of one kind are reported."""
-    if isinstance(value, Range | Choice):
-        return value
     chosen = Choice if isinstance(value, dict) and "choices" in value else Range
     return chosen.model_validate(value)
 

@@ -28,9 +28,9 @@ def plan_batches(
             batches.append(batch)
             for run in batch.runs:
                 left.pop(run, None)
-    keys = {}  # of one configuration and shape all runs have the same
+    keys = {}  # runs of one configuration have one shape and the same sizes
     for replicate in left.values():
-        at = id(replicate.configuration), replicate.label
+        at = id(replicate.configuration)
         if at not in keys:
             experiment = replicate.configuration.module
             keys[at] = (replicate.files, *experiment.layout), *experiment.sizes(replicate).values()

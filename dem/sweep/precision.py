@@ -33,10 +33,10 @@ GridPoint = tuple[int, ...]  # index along each axis of a block; of replicates, 
 
 def _quantity(text: str) -> tuple[float, str]:
     """A positive number and its unit; raises ValueError."""
-    estimate = re.fullmatch(rf"\s*({NUMBER})\s*(%|[A-Za-z].*?)\s*", text)
-    if not estimate or not 0.0 < float(estimate[1]) < math.inf:
+    match = re.fullmatch(rf"\s*({NUMBER})\s*(%|[A-Za-z].*?)\s*", text)
+    if not match or not 0.0 < float(match[1]) < math.inf:
         raise ValueError("it must be a positive number with its unit")
-    return float(estimate[1]), estimate[2]
+    return float(match[1]), match[2]
 
 
 def _is_level(text: str) -> bool:
@@ -131,12 +131,12 @@ def numbers_of(configuration) -> list[str]:
     """Names of the numbers that a run gives, whose mean may be asked for: first what is measured.
     How long it took is none, because then no file would give the same runs twice."""
     layout = configuration.module.layout
-    estimate = [
-        n
-        for n, (dims, unit, _) in layout.items()
-        if unit and "granule" not in dims and n != "run_time"
+    names = [
+        name
+        for name, (dims, unit, _) in layout.items()
+        if unit and "granule" not in dims and name != "run_time"
     ]
-    return sorted(estimate, key=lambda name: name in OF_RUN)
+    return sorted(names, key=lambda name: name in OF_RUN)
 
 
 def excess(estimate: Estimate, until: Until) -> float:

@@ -107,7 +107,7 @@ class Store:
         """What the runs of a batch are; raises InputError where its plan is not of today's code."""
         path = self.plan_of(batch)
         # what is wrong with a plan does not matter, because it is written again
-        with suppress(OSError, ValueError, KeyError, TypeError, IndexError, RecursionError):
+        with suppress(Exception):
             head, body = path.read_text(encoding="utf-8").splitlines()
             replicates = [of_values(values | self.values) for values in json.loads(body)]
             if json.loads(head) == [run.id for run in replicates]:
