@@ -46,7 +46,7 @@ VARIABLES = along(
     "limit_shape": (("limit_shape",), None, "label of the shape, small bed"),
     "limit_bound": (("limit_shape",), "s", "bound of the critical time step"),
     "limit_limit": (("limit_shape",), "s", "time step at which the linearised bed begins to grow"),
-    "paper_case": (("paper_case",), None, "case of the sweep, first seed, default step"),
+    "paper_case": (("paper_case",), None, "case of the sweep, first seed, the paper's step"),
     "paper_displacement": (("paper_displacement",), "m", "displacement of the cylinder"),
     "paper_residual": (
         ("paper_case", "paper_displacement"),

@@ -132,7 +132,7 @@ class Velocity(Findings):
 
     def table(self) -> Table:
         """One row per velocity: mean drags and their ratio, beds paired."""
-        heads = "drag without friction, N", "with friction, N", "with over without"
+        heads = "drag without friction, N", "with friction, N", "with / without"
         table = numbers("velocity, m/s", "inertial number", *heads, words=0)
         for v in self.rates.velocity.tolist():
             smooth, rough = (self._means(friction, v) for friction in ("0.0", "0.3"))
