@@ -96,8 +96,7 @@ def array(*shape: int | None, low: float = -np.inf, high: float = np.inf) -> Pla
         fits = all(n in (None, size) and size for n, size in zip(shape, rows.shape, strict=False))
         if rows.ndim != len(shape) or not fits:
             raise ValueError(f"it must have shape {axes}, not {rows.shape}")
-        wrong = np.argwhere(ranged & ~((rows >= low) & (rows <= high)))
-        if len(wrong):
+        if ranged and len(wrong := np.argwhere(~((rows >= low) & (rows <= high)))):
             at = tuple(wrong[0].tolist())
             raise ValueError(
                 f"all must be from {low:g} to {high:g}, and {rows[at]:g} is at {list(at)}"

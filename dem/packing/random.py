@@ -149,15 +149,14 @@ class Room(NamedTuple):
     ) -> Scene:
         """The box with granules one metre thick and the solids at rest."""
         still = [Solid(s.outline, s.position, s.angle, friction=None) for s in self.solids]
-        walls, periods = walls_of(self.width, self.height, self.periods), self.periods
         return Scene(
             shape,
             [replace(material, young_modulus=modulus) for modulus in self.moduli],  # type: ignore[arg-type]
             friction,
-            walls,
+            walls_of(self.width, self.height, self.periods),
             still,
             thickness=1.0,
-            periodic=periods,
+            periodic=self.periods,
             law=self.law,
             species=self.species,
         )
@@ -303,10 +302,10 @@ def pack(
 def relaxed(shape: Any, room: Room, job: Job) -> Bed:
     """`pack` in a room."""
     factor, state = dilute_start(shape, room)
-    factor = float(job.stage.get("factor", factor))
+    factor, scene = float(job.stage.get("factor", factor)), room.scene(shape)
     while factor < 1.0:
         job.stage["factor"] = factor  # type: ignore[assignment]  # beside a count
-        scene = room.scene(shape.scaled(factor))
+        object.__setattr__(scene, "shape", shape.scaled(factor))  # checking a scene takes long
         state = minimise(scene, state, PATIENCE, SETTLED * room.unit(scene.shape), job).state
         factor = min(factor * GROWTH, 1.0)
     return at_rest(shape, room, state, job)
