@@ -44,14 +44,15 @@ def summary(state: SweepState, jobs: int, retry: bool = False) -> str:
         new = [run for run in runs if run.id not in rows or (retry and run.id in failed)]
         beds = {run.bed_id for run in new if not state.store.file_of_bed(run).is_file()}
         axes = ", ".join(f"{axis.name} {len(axis.points)}" for axis in block.axes)
+        words = "these are made again" if retry else "dem sweep --retry makes these again"
         lines.append(
             f"{state.folder_of(name)}: {len(runs)} runs ({axes}), {len(rows) - len(failed)} finished"
-            f"{f', {len(failed)} failed (dem sweep --retry makes these again)' if failed else ''}, {len(new)} to be made; "
+            f"{f', {len(failed)} failed ({words})' if failed else ''}, {len(new)} to be made; "
             f"{len(beds)} beds to pack."
         )
         if block.until:
-            least, most = sum(block.counts.values()), len(block.counts) * block.until.most
-            lines.append(f"  {block.until.words()} takes {least:,} to {most:,} runs.")
+            most = len(block.counts) * block.until.most
+            lines.append(f"  {block.until.words()} takes {len(runs):,} to {most:,} runs.")
         why = reasons(state.store, new).most_common()
         lines += [f"  {count} because {reason}." for reason, count in why]
         coming += new
