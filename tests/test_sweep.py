@@ -23,6 +23,7 @@ from dem.experiment.run import Replicate
 from dem.report.info import drag_table
 from dem.report.status import status
 from dem.sweep import batch as making
+from dem.sweep import combine as combining
 from dem.sweep import store as stores
 from dem.sweep.axis import changes_of_words
 from dem.sweep.combine import about, combine, combine_block
@@ -525,6 +526,23 @@ def test_failed_runs_have_the_same_gaps_whichever_chunk_comes_first(tmp_path):
             RunError, match=r"2 of 4 runs .* The first is c1 at 3900 kg/m3, seed 1:"
         ):
             combine(named, strict, strict.block("drag"), "drag", tmp_path / "drag.nc")
+
+
+def test_batches_are_combined_in_the_order_of_the_grid(tmp_path, monkeypatch):
+    """Whatever their names are, so that netCDF compresses each chunk once and keeps few in memory."""
+    work = done(small({"shape": "c1", "seed": "1 to 6"}, batch=1), tmp_path)
+    read_file, seeds = combining.read, []
+
+    def noted(path, names):
+        values = read_file(path, (*names, "seed"))
+        seeds.extend(values[0]["seed"].tolist())
+        return values
+
+    monkeypatch.setattr(combining, "read", noted)
+    combined(work, tmp_path)
+    work._planned = dict(sorted(work._planned.items()))  # as a second process finds them
+    combined(work, tmp_path)
+    assert seeds == 2 * [1, 2, 3, 4, 5, 6]
 
 
 def test_prune_removes_what_no_sweep_needs(tmp_path, monkeypatch):
