@@ -15,11 +15,15 @@ from numba.core.registry import cpu_target
 from numba.core.runtime import rtsys
 from numba.core.runtime._nrt_python import memsys_enable_stats
 
+import dem
 from conftest import posix
 from dem.base.source_hash import ROOT
+from dem.dynamics.assembly import SKIN_OF_PACKING, assemble, granule_table
+from dem.dynamics.energy import kinetic
 from dem.jit import compilation
 from dem.jit.address import FEW, local
 from dem.jit.compilation import compiled, computing, inlined
+from dem.packing.minimise import settle
 
 ASK = """
 from dem.dynamics.stepping import quantised
@@ -308,3 +312,17 @@ def test_the_time_of_a_run_is_without_compiling():
     before, started = computing(), time.process_time()
     kernel(np.ones(2))
     assert computing() - before < 0.1 * (time.process_time() - started)
+
+
+def test_ellipses_as_round_as_discs_take_the_kernels_of_others():
+    """Without friction they do not turn, and their energy is that of their motion alone."""
+    state = dem.State([[0.0, 0.0], [1.0, 0.0]], velocity=[[3.0, 0.0], [0.0, 0.0]])
+    kinds = set()
+    for ratio in (1.0, 1.25):
+        scene = dem.Scene(dem.Ellipse.of_size([1e-3, 1e-3], ratio))
+        world = assemble(scene, state.checked(2), granule_table(scene, SKIN_OF_PACKING))
+        kinds.add(settle.typeof_pyval(world))
+        energy, speed = kinetic.py_func(world, 0.0, (0.0, 0.0))
+        assert energy == pytest.approx(0.5 * scene.mass[0] * 3.0**2, rel=1e-12) and speed == 3.0
+        assert world.inverse_inertia.any() == (ratio > 1.0)
+    assert len(kinds) == 1

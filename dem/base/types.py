@@ -251,7 +251,11 @@ def parsed(
     try:
         return adapter(annotation).validate_python(value)
     except ValidationError as error:
-        faults = [fault for fault in error.errors() if not _follows(fault)]
+        faults = [
+            fault  # but for a list or group that is too short only because what it holds is wrong
+            for fault in error.errors()
+            if fault["type"] != "too_short" or len(fault["input"]) < fault["ctx"]["min_length"]
+        ]
     field = FieldInfo.from_annotation(annotation)
     sentences = [f"{_sentence(fault, key, field, show)}." for fault in faults]
     if more := len(sentences[LISTED:]):
@@ -262,11 +266,6 @@ def parsed(
 def refuse(key: str, value: Any, words: str) -> NoReturn:
     """Raise InputError: what the value is, and what it must do."""
     raise InputError(f"{key} is {shown(value)}; it must {words}.")
-
-
-def _follows(fault: Any) -> bool:
-    """Whether a list or group is called too short only because what it holds is wrong."""
-    return fault["type"] == "too_short" and len(fault["input"]) >= fault["ctx"]["min_length"]
 
 
 BOUNDS = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}

@@ -7,6 +7,7 @@ Symbols: overlap delta (m), constant K, measure and root of the law (dem.laws.pr
 c = alpha sqrt(m* K), E* and G* the effective moduli (Pa), m* the effective mass (kg).
 """
 
+import functools
 import math
 
 from dem.jit.compilation import inlined
@@ -104,6 +105,7 @@ def restitution_from_damping(zeta):
     return math.exp(-2.0 * u / math.tanh(u)) if u > 0.0 else math.exp(-2.0)
 
 
+@functools.cache
 def damping_from_restitution(restitution, unit=1.0):
     """Damping ratio for a coefficient of restitution in (0, 1], times the dashpot of a law in whose
     unit it is asked for: inverse of restitution_from_damping."""
@@ -114,8 +116,6 @@ def damping_from_restitution(restitution, unit=1.0):
         high *= 2.0
     while high - low > 1e-15 * high:
         middle = 0.5 * (low + high)
-        if middle in (low, high):
-            break
         if restitution_from_damping(middle / unit) > restitution:
             low = middle
         else:

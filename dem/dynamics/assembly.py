@@ -396,6 +396,8 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
     bodies[:, [X, Y]], bodies[:, [VX, VY]] = state.position, state.velocity
     bodies[:, W] = state.angular_velocity
     inverse_mass, inverse_inertia = mobilities(scene)
+    if not can_turn(scene, table.laws):  # None is a type, and zeros let round ellipses keep theirs
+        inverse_inertia = np.zeros(n) if scene.shape.needs_angle else None
     turned = np.column_stack([np.cos(state.angle), np.sin(state.angle)])
     moving, none = boundaries(scene), np.zeros(0, np.int64)
     held_drive = moving.drive[len(moving.drive) - len(scene.held) :]
@@ -406,7 +408,7 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
         angle=state.angle,
         orientation=turned if scene.shape.needs_angle else None,
         inverse_mass=inverse_mass,
-        inverse_inertia=inverse_inertia if can_turn(scene, table.laws) else None,
+        inverse_inertia=inverse_inertia,
         force=force,
         constituents=bodies if table.alone else rows(count, 8),
         constituent_force=force if table.alone else rows(count, 4),
@@ -444,7 +446,9 @@ def order_of(scene: Scene, state: State) -> np.ndarray:
 
 
 def ordered(scene: Scene, state: State, order) -> tuple[Scene, State]:
-    """The same scene and state with granules in another order."""
+    """The same scene and state with granules in the order of memory."""
+    if scene.granules <= PATCH:
+        return scene, state
     state = State(*(getattr(state, name)[order] for name in ARRAYS))
     places = np.argsort(order)
     held = tuple(replace(group, granules=places[group.granules]) for group in scene.held)

@@ -104,7 +104,7 @@ def kinetic(world, later, frame):
         if world.inverse_mass[i] > 0.0:
             squared = (vx + frame[0]) ** 2 + (vy + frame[1]) ** 2
             total += 0.5 * squared / world.inverse_mass[i]
-            if inverse_inertia is not None:
+            if inverse_inertia is not None and inverse_inertia[i] > 0.0:
                 spin = world.bodies[i, W] + later * inverse_inertia[i] * world.force[i, TAU]
                 total += 0.5 * spin * spin / inverse_inertia[i]
         speed_bound = greater(speed_bound, vx * vx + vy * vy)

@@ -252,7 +252,7 @@ class World(NamedTuple):
     inverse_mass : ndarray of shape (n,)
         1/m (1/kg).
     inverse_inertia : ndarray of shape (n,) or None
-        1/I (1/(kg m2)); None where nothing turns.
+        1/I (1/(kg m2)); None where nothing turns, zeros if granules that could do not.
     force : ndarray of shape (n, 4)
         Forces and torques: rows of dem.jit.columns.
     constituents : ndarray of shape (constituents, 8)

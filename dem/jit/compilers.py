@@ -5,7 +5,7 @@ library that calls it. A part is only lowered and simplified. The kernels that c
 Python calls, are optimised and assembled once.
 """
 
-import operator
+from operator import is_, is_not
 
 from llvmlite import binding
 from numba import _dynfunc
@@ -22,8 +22,6 @@ from dem.jit.address import local
 # LLVM uses vectors of 256 bits on processors of Intel that have some of 512. This attribute changes
 # that; other processors ignore it.
 WIDE_VECTORS = '"prefer-vector-width"="512"'
-
-IDENTITY = operator.is_, operator.is_not
 
 
 class KernelLibrary(JITCodeLibrary):
@@ -119,7 +117,7 @@ class DecideAbsence(FunctionPass):
         for block in state.func_ir.blocks.values():
             for assignment in block.find_insts(ir.Assign):
                 test = assignment.value
-                if not (isinstance(test, ir.Expr) and test.op == "binop" and test.fn in IDENTITY):
+                if getattr(test, "op", None) != "binop" or test.fn not in (is_, is_not):
                     continue
                 kind = guard(type_of, state, test.lhs)
                 other = guard(get_definition, state.func_ir, test.rhs)

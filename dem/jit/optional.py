@@ -34,13 +34,11 @@ def optional(function):
             return signature(NONE, *kinds) if kinds[0] is NONE else None
 
     infer_global(present, types.Function(Absent))
-    lower_builtin(present, NONE, types.VarArg(types.Any))(_nothing)
+    lower_builtin(present, NONE, types.VarArg(types.Any))(
+        lambda context, *_: context.get_dummy_value()
+    )
     overload(present, strict=False, jit_options=INLINED)(choose)
     return present
-
-
-def _nothing(context, builder, signature, arguments):
-    return context.get_dummy_value()
 
 
 def rolled_without_first(function):

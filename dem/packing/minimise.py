@@ -59,11 +59,11 @@ POWER, PUSH, LARGEST, SPEED, MOVED, SUMS = 0, 1, 2, 3, 4, 8
 @inlined
 def gyration(world, i):
     """Inertia over mass (m2), which puts torques and spins on the scale of forces and speeds; 0 if
-    nothing turns."""
+    granule i does not turn."""
     inverse_inertia = world.inverse_inertia
-    if inverse_inertia is None:
-        return 0.0
-    return world.inverse_mass[i] / inverse_inertia[i]
+    if inverse_inertia is not None and inverse_inertia[i] > 0.0:
+        return world.inverse_mass[i] / inverse_inertia[i]
+    return 0.0
 
 
 @compiled
@@ -108,7 +108,7 @@ def halt(world, back, patch):
             bodies[i, X + c] += back * bodies[i, DVX + c]
             bodies[i, VX + c] = 0.0
         bodies[i, W] = 0.0
-        if world.inverse_inertia is not None:
+        if gyration(world, i) > 0.0:
             angle[i] += back * bodies[i, DW]
             rotate(orientation, i, angle[i], back * bodies[i, DW])
 
@@ -118,7 +118,7 @@ def move(world, alpha, factor, dt, patch):
     """Turn the velocities of a patch towards the forces, v = (1 - alpha) v + factor F, and move it
     over dt (s)."""
     force, bodies, angle = world.force, world.bodies, world.angle
-    inverse_inertia, orientation = world.inverse_inertia, world.orientation
+    orientation = world.orientation
     low, high = granules_of(bodies.shape[0], patch)
     for i in range(low, high):
         g2 = gyration(world, i)
@@ -127,7 +127,6 @@ def move(world, alpha, factor, dt, patch):
             bodies[i, X + c] += dt * bodies[i, VX + c]
         if g2 > 0.0:
             bodies[i, W] = (1.0 - alpha) * bodies[i, W] + factor * force[i, TAU] / g2
-        if inverse_inertia is not None:
             angle[i] += dt * bodies[i, W]
             rotate(orientation, i, angle[i], dt * bodies[i, W])
     place(world.shape, bodies, orientation, world.constituents, low, high)
@@ -342,11 +341,9 @@ def minimise(scene, state, iterations, enough=None, job=None):
     iterations. Raises PackingError if a position becomes infinite.
     """
     job = job or Job()
-    stopped, order, state = job.stopped(), order_of(scene, state), state.checked(scene.granules)
-    if stopped:
-        order = stopped["order"]
-    if scene.granules > PATCH:
-        scene, state = ordered(scene, state, order)
+    stopped, state = job.stopped(), state.checked(scene.granules)
+    order = stopped["order"] if stopped else order_of(scene, state)
+    scene, state = ordered(scene, state, order)
     table = granule_table(scene, SKIN_OF_PACKING)
     world, memory, left = assemble(scene, state, table), np.zeros(4), iterations
     if stopped:

@@ -147,7 +147,7 @@ def refine_normal(shape, dx, dy, outline_1, outline_2, guess):
 # What Python asks of a shape
 
 
-@functools.lru_cache(maxsize=8)
+@functools.lru_cache(8)
 def _sampled(cls, sizes):
     """h, q, rho (n, ANGLES) in m of the granules, at equal steps of the angle of the normal."""
     sizes = [np.expand_dims(size, -1) if np.ndim(size) else size for size in pickle.loads(sizes)]
