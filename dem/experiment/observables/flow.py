@@ -86,9 +86,8 @@ def neighbors(position, distance: float, periodic=None) -> tuple[np.ndarray, np.
 
 def sums(values, index, count: int) -> np.ndarray:
     """Sums (count, ...) of values (m, ...) by index (m,)."""
-    total = np.zeros((count, *values.shape[1:]))
-    np.add.at(total, index, values)
-    return total
+    columns = [np.bincount(index, column, count) for column in values.reshape(len(values), -1).T]
+    return np.transpose(columns).reshape(count, *values.shape[1:])
 
 
 def non_affine(before, after, diameter: float, periodic=None) -> np.ndarray:
