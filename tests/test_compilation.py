@@ -7,10 +7,13 @@ import shutil
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from typing import NamedTuple
 
 import numpy as np
 import pytest
+from filelock import FileLock
 from numba.core.registry import cpu_target
 from numba.core.runtime import rtsys
 from numba.core.runtime._nrt_python import memsys_enable_stats
@@ -267,6 +270,23 @@ def test_damaged_machine_code_is_compiled_again(tmp_path, tiny, damage):
         file.write_bytes(DAMAGE[damage](file.read_bytes()))
     assert tiny() == ([0, 0], [])
     assert tiny() == ([1, 1], [])
+
+
+def test_of_processes_that_want_the_same_one_compiles_it(tmp_path, tiny):
+    """The others wait for it. Here a lock stands for the process that compiles."""
+    assert tiny() == ([0, 0], [])
+    code = {file: file.read_bytes() for file in (tmp_path / "cache").rglob("*.nbc")}
+    with ThreadPoolExecutor() as other, ExitStack() as locks:
+        for file in code:
+            file.unlink()
+            locks.enter_context(FileLock(f"{file}.lock"))
+        answer = other.submit(tiny)
+        time.sleep(1.0)
+        assert not answer.done()
+        for file, content in code.items():
+            file.write_bytes(content)
+        locks.close()
+        assert answer.result() == ([1, 1], [])
 
 
 FULL = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))\n"

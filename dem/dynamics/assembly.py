@@ -225,9 +225,12 @@ def has_friction(laws: np.ndarray) -> bool:
 
 def can_turn(scene: Scene, laws: np.ndarray) -> bool:
     """Whether any contact turns a granule, or a solid that is not round."""
-    turns = scene.rolling is not None or any(not solid.is_round for solid in scene.solids)
-    turns |= bool(np.any(scene.shape.normal_lever > 0.0))
-    return turns or has_friction(laws)
+    return bool(
+        scene.rolling
+        or not all(solid.is_round for solid in scene.solids)
+        or np.any(scene.shape.normal_lever > 0.0)
+        or has_friction(laws)
+    )
 
 
 def waypoints_of(motion) -> np.ndarray:
@@ -396,8 +399,7 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
     bodies[:, [X, Y]], bodies[:, [VX, VY]] = state.position, state.velocity
     bodies[:, W] = state.angular_velocity
     inverse_mass, inverse_inertia = mobilities(scene)
-    if not can_turn(scene, table.laws):  # None is a type, and zeros let round ellipses keep theirs
-        inverse_inertia = np.zeros(n) if scene.shape.needs_angle else None
+    turns = can_turn(scene, table.laws)
     turned = np.column_stack([np.cos(state.angle), np.sin(state.angle)])
     moving, none = boundaries(scene), np.zeros(0, np.int64)
     held_drive = moving.drive[len(moving.drive) - len(scene.held) :]
@@ -408,7 +410,8 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
         angle=state.angle,
         orientation=turned if scene.shape.needs_angle else None,
         inverse_mass=inverse_mass,
-        inverse_inertia=inverse_inertia,
+        # None is a type, and zeros let round ellipses keep theirs
+        inverse_inertia=inverse_inertia * turns if turns or scene.shape.needs_angle else None,
         force=force,
         constituents=bodies if table.alone else rows(count, 8),
         constituent_force=force if table.alone else rows(count, 4),

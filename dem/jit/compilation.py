@@ -12,10 +12,11 @@ import multiprocessing
 import pickle
 import sys
 import time
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import numba
+from filelock import FileLock
 from numba.core import types
 from numba.core.caching import FunctionCache
 from numba.core.compiler import CompileResult
@@ -79,7 +80,8 @@ class KernelCache(FunctionCache):
     """Machine code of a function on disk: a file for each combination of types of its arguments.
 
     Where the source lies does not count, so that all copies of it share machine code. A file that
-    is damaged counts as absent.
+    is damaged counts as absent. Of processes that want the same at once one compiles it, and the
+    others wait: Kernel.compile gives up the locks.
     """
 
     def __init__(self, function):
@@ -92,8 +94,11 @@ class KernelCache(FunctionCache):
     def load_overload(self, sig, target_context):
         target_context.refresh()
         file = self._file(sig, target_context.codegen())
-        if file is not None and file.is_file():
-            with suppress(Exception):  # damage makes pickle and LLVM raise many errors
+        if file is not None:
+            # a disk may be full or lack locks, and damage makes pickle and LLVM raise many errors
+            with suppress(Exception):
+                if not file.is_file():
+                    self.locks.enter_context(FileLock(f"{file}.lock"))
                 return CompileResult._rebuild(target_context, *pickle.loads(file.read_bytes()))
         _say_compiling()
         return None
@@ -158,7 +163,8 @@ class Kernel(CPUDispatcher):
         enabled, started = gc.isenabled(), time.process_time()
         gc.disable()
         try:
-            return super().compile(sig)
+            with ExitStack() as self._cache.locks:
+                return super().compile(sig)
         finally:
             Kernel.compiling += time.process_time() - started
             if enabled:

@@ -161,9 +161,10 @@ class LowerPart(LowerKernel):
     def run_pass(self, state):
         state.flags.no_compile = True
         super().run_pass(state)
-        name, library = state.func_id.func_qualname, state.library
-        fndesc, env = state.cr.fndesc, state.cr.env
-        key = _dynfunc.make_function(fndesc.lookup_module(), name, "a part", 0, env, (library,))
+        library, fndesc = state.library, state.cr.fndesc
+        key = _dynfunc.make_function(
+            fndesc.lookup_module(), fndesc.qualname, "a part", 0, state.cr.env, (library,)
+        )
         state.targetctx.insert_user_function(key, fndesc, [library])
         state.cr = state.cr._replace(cfunc=key)
         return True
