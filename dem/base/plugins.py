@@ -16,8 +16,6 @@ from dem.base import source_hash
 from dem.base.constants import constants, definitions
 from dem.base.errors import InputError
 
-KEYS = "kind", "law", "observables", "experiment"  # of configurations, that may name a file
-
 _added: list[str] = []  # the folder of such files that is on Python's path for the last of them
 _imported: dict[Path, dict[str, str]] = {}  # code of the files of users as this process runs them
 
@@ -47,7 +45,7 @@ def _words(data, key: str = ""):
     elif isinstance(data, list | tuple):
         for value in data:
             yield from _words(value, key)
-    elif key in KEYS:
+    elif key in ("kind", "law", "observables", "experiment"):  # these may name a file
         yield data
 
 

@@ -16,7 +16,6 @@ from dem.figures.frames import Frames, of_motion
 from dem.shapes import is_drawn, outlines
 from dem.sweep.axis import RUN_KEYS
 
-SHARES = (0.0, 0.5, 1.0)  # of the stroke: displacements that are shown
 PANEL, AROUND = 2.5, 1.2  # inches: width of a bed; height of the words around all beds
 SCALE = 5.0  # mm, of the bar
 
@@ -51,7 +50,8 @@ def beds(dataset: xr.Dataset, shapes: tuple[str, ...], colors: str, title: str) 
     if not motions:
         raise InputError(f"there is none of the shapes {', '.join(shapes)} in the data.")
     moved = dataset["snapshot_displacement"].values
-    snapshots = [int(np.abs(moved - moved[-1] * share).argmin()) for share in SHARES]
+    # at the start, halfway and at the end
+    snapshots = [int(np.abs(moved - moved[-1] * share).argmin()) for share in (0.0, 0.5, 1.0)]
     width = json.loads(dataset.attrs["configuration"])["box_width"]
     tall = sum(motion.height.max() / width for motion in motions.values())
     figure = Figure(figsize=(style.WIDTH, AROUND + PANEL * tall))

@@ -29,7 +29,6 @@ FAR = 5.0  # greatest over least value beyond which an axis is logarithmic
 DECADES = 30.0  # the same beyond which powers of ten are ticks enough
 APART = 0.6, 0.012  # between two lines, so that intervals show: of a category's place; of a range
 BASES = ("shape", "case")  # axes that lines show
-PREFIXED = ("m", "s", "N", "Pa")  # units of which a value is written as "20 mm"
 
 
 @style.styled
@@ -159,7 +158,7 @@ def at_place(runs: xr.DataArray | xr.Dataset, dim: str, at) -> str:
         values, at = only, only.sel({dim: at}).item()
     unit = values.attrs.get("units", "1")
     number = f"{at:.6g}"
-    if unit in PREFIXED:
+    if unit in ("m", "s", "N", "Pa"):  # such as 20 mm
         number = EngFormatter(unit, sep="\N{NO-BREAK SPACE}")(at)
     elif unit != "1":
         number += f" {units(values)}"
