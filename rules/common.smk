@@ -9,12 +9,13 @@ import sys
 from functools import cache
 from itertools import chain
 from pathlib import Path
+from threading import Lock
 
 from dem.base.messages import say
 from dem.base.source_hash import code_hash, codes, files_of, run_codes, with_imports
 from dem.experiment.config import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
-from dem.figures.catalogue import FIGURES, wanted
+from dem.figures.catalogue import FIGURES, draw, wanted
 from dem.sweep.restart import prepare
 from dem.sweep.estimate import interrupted, outcome
 from dem.sweep.state import SweepState
@@ -123,6 +124,8 @@ def code_of(*names, runs=False):
 
 # Files that all figures share, and sweep.py, whose headings some have.
 SHARED = {*files_of(["dem/figures"], HERE)} - {HERE / f"dem/figures/{name}.py" for name in FIGURES if name != "sweep"}
+
+DRAWING = Lock()  # neither Matplotlib nor HDF5 may be used by two threads
 
 NOT_READ = "record", "sweep", "title", "failures"  # by a study without runs
 

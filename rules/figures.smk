@@ -26,8 +26,7 @@ rule figure:
     params:
         code=lambda w: code_of(f"{KNOWN_FIGURES[w.figure].module.replace('.', '/')}.py") + code_of(*SHARED, "dem/analysis"),
         caption=lambda w: KNOWN_FIGURES[w.figure].caption,
-        by=lambda w: "dem" if w.figure in FIGURES else "python -P -m studies",
-    log:
-        "{folder}/logs/figures/{figure}.log",
-    shell:
-        "{params.by} figure {wildcards.figure} {input.data:q} -o $(dirname {output.svg:q}) 2> {log:q}"
+    # by profiles/default in the process of Snakemake, which imports Matplotlib once for all figures
+    run:
+        with DRAWING:
+            draw(wildcards.figure, Path(input.data), Path(output.svg).parent, KNOWN_FIGURES)

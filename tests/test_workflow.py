@@ -141,8 +141,8 @@ def test_what_is_there_is_planned_drawn_and_taken_and_not_made(checkout):
 
 def test_what_is_asked_for_is_made_again_with_the_same_bits(checkout, tmp_path):
     """One batch, by the Python of Snakemake, which is called by its path with nothing on PATH and another
-    package named dem before this one. All figures, where kernels are newer than the results too, and
-    nothing is simulated; then all is up to date."""
+    package named dem before this one. All figures, where kernels are newer than the results too, by no other
+    process, and nothing is simulated; then all is up to date."""
     folder = tmp_path / "forced"
     shutil.copytree(checkout, folder, symlinks=True)
     results, kernel = folder / "results/smoke", folder / "dem/contacts/loops.py"
@@ -173,6 +173,7 @@ def test_what_is_asked_for_is_made_again_with_the_same_bits(checkout, tmp_path):
     data, figures = stamps(results.rglob("*.nc")), stamps((results / "figures").iterdir())
     assert planned(folder)["batch"] == 3 and len(figures) >= 16
     assert planned(folder, *REDRAW) == {"figure": len(figures) // 2, "figures": 1}
+    (folder / "sitecustomize.py").write_text("open('started', 'w')")  # Python begins with it
     # the dry run names them all; to draw a few of them, as if they were all, is enough
     for arguments in (("--batch", "figures=1/8"), ("--touch",)):
         run = snakemake(folder, "-j2", *arguments, *REDRAW)
@@ -180,7 +181,7 @@ def test_what_is_asked_for_is_made_again_with_the_same_bits(checkout, tmp_path):
         if "--batch" in arguments:
             new = stamps((results / "figures").iterdir())
             assert 2 <= sum(new[path] > at for path, at in figures.items()) < len(figures)
-    assert data == stamps(results.rglob("*.nc"))
+    assert data == stamps(results.rglob("*.nc")) and not (folder / "started").exists()
     kernel.write_text(text)
     os.utime(kernel, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
     assert planned(folder, "figures") == {}
