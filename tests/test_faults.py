@@ -3,6 +3,7 @@
 import io
 import re
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -299,6 +300,8 @@ def test_a_stopped_sweep_keeps_what_is_finished_and_says_how_to_go_on(tmp_path, 
         while not list(runs.rglob("*.npz")):
             assert process.poll() is None
             time.sleep(0.05)
+        # as a process leaves it that is ended while it writes
+        (runs / f".a.npz.{socket.gethostname()}.{2**22 + 1}.dem.part").touch()
         process.send_signal(number)
         output = process.stderr.read()  # until its workers have ended, which have the pipe too
     assert process.returncode == 128 + number

@@ -27,7 +27,7 @@ def sweep(
     Example: dem sweep config/smoke.yaml -j 2
     """
     from dem.sweep.estimate import interrupted, outcome, summary
-    from dem.sweep.restart import prepare
+    from dem.sweep.restart import clear_parts, prepare
     from dem.sweep.state import SweepState
     from dem.sweep.workers import processes
 
@@ -60,6 +60,7 @@ def sweep(
                 state.make(workers, progress)
         say(outcome(state, state.counts()[0] - before))
     except KeyboardInterrupt as stop:
+        clear_parts(state.store.folder)  # of processes that were ended while they wrote
         stop.add_note(interrupted(state))
         raise
     finally:

@@ -106,7 +106,6 @@ def workers_of(executor) -> Workers:
 @contextmanager
 def processes(jobs: int) -> Iterator[Workers]:
     """Processes of this machine, which end with the context, or with this process."""
-    before = threading.enumerate()
     pool = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), _begin)
     workers = Workers(pool)
     workers.window = 2 * jobs
@@ -114,12 +113,9 @@ def processes(jobs: int) -> Iterator[Workers]:
         yield workers
         pool.shutdown()
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)
         for process in multiprocessing.active_children():
             process.terminate()  # what is finished is on disk
-        for thread in threading.enumerate():
-            if thread not in before and not thread.daemon:  # that of the pool: if it closes a pipe
-                thread.join()  # while Python ends, Python may write to it, and show a traceback
+        pool.shutdown(cancel_futures=True)
 
 
 def _begin() -> None:
