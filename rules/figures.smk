@@ -26,7 +26,13 @@ rule figure:
     params:
         code=lambda w: code_of(f"{KNOWN_FIGURES[w.figure].module.replace('.', '/')}.py") + code_of(*SHARED, "dem/analysis"),
         caption=lambda w: KNOWN_FIGURES[w.figure].caption,
+    log:
+        "{folder}/logs/figures/{figure}.log",
     # by profiles/default in the process of Snakemake, which imports Matplotlib once for all figures
     run:
-        with DRAWING:
-            draw(wildcards.figure, Path(input.data), Path(output.svg).parent, KNOWN_FIGURES)
+        with DRAWING, open(log[0], "w") as text:
+            try:
+                draw(wildcards.figure, Path(input.data), Path(output.svg).parent, KNOWN_FIGURES)
+            except Exception as error:
+                print(error, file=text)
+                raise
