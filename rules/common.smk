@@ -127,6 +127,17 @@ SHARED = {*files_of(["dem/figures"], HERE)} - {HERE / f"dem/figures/{name}.py" f
 
 DRAWING = Lock()  # neither Matplotlib nor HDF5 may be used by two threads
 
+
+def draw_one(figure, data, picture, log):
+    """Draw a figure into the folder of a picture, after those before it; the log says why it failed, if it did."""
+    with DRAWING, open(log, "w") as text:
+        try:
+            draw(figure, Path(data), Path(picture).parent, KNOWN_FIGURES)
+        except Exception as error:
+            print(error, file=text)
+            raise
+
+
 NOT_READ = "record", "sweep", "title", "failures"  # by a study without runs
 
 

@@ -30,9 +30,4 @@ rule figure:
         "{folder}/logs/figures/{figure}.log",
     # by profiles/default in the process of Snakemake, which imports Matplotlib once for all figures
     run:
-        with DRAWING, open(log[0], "w") as text:
-            try:
-                draw(wildcards.figure, Path(input.data), Path(output.svg).parent, KNOWN_FIGURES)
-            except Exception as error:
-                print(error, file=text)
-                raise
+        draw_one(wildcards.figure, input.data, output.svg, log[0])
