@@ -2,6 +2,8 @@
 PYTHON ?= python3
 ACTIVATE = . .venv/bin/activate
 INSTALL = @$(ACTIVATE) && python setup/install.py
+# uv and pip by the pip of that Python, where it has one: to unpack its own copy takes ensurepip five seconds.
+FETCH = $(PYTHON) -m pip --python .venv/bin/python -qq install --no-compile --require-hashes -r setup/requirements.txt
 # Empty, so that Python keeps bytecode: else each of many processes compiles the package anew, in half a second.
 export PYTHONDONTWRITEBYTECODE :=
 # Bytecode of what the workflow imports, two processes; of all packages it would take three times as long.
@@ -23,7 +25,8 @@ docs: .venv/docs
 .venv/ready: requirements.txt setup/requirements.txt pyproject.toml
 	@$(PYTHON) -c "import sys; sys.exit('Python 3.11 or newer is needed: make PYTHON=...' if sys.version_info < (3, 11) else 0)"
 	@echo "Making .venv"
-	@$(PYTHON) -m venv --clear .venv
+	@$(PYTHON) -m venv --clear --without-pip .venv
+	@$(FETCH) 2> /dev/null || .venv/bin/python -m ensurepip > /dev/null
 	$(INSTALL) requirements.txt
 	$(INSTALL) --editable .
 	@echo "Compiling what the workflow imports"
@@ -44,7 +47,7 @@ COMPILE = .venv/bin/uv pip compile --quiet --universal --generate-hashes --no-ca
 	--no-emit-index-url --no-emit-find-links --no-header --no-annotate --python-version 3.11
 PACKAGE = pyproject.toml --extra build
 locks:
-	echo uv | $(COMPILE) -o setup/requirements.txt -
+	printf 'pip\nuv\n' | $(COMPILE) -o setup/requirements.txt -
 	$(COMPILE) $(PACKAGE) -o requirements.txt
 	$(COMPILE) $(PACKAGE) --constraint requirements.txt --extra test -o tests/requirements.txt
 	$(COMPILE) $(PACKAGE) --constraint requirements.txt --extra docs -o docs/requirements.txt
