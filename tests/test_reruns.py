@@ -22,15 +22,14 @@ def project(checkout_with_claims, tmp_path_factory):
     """A copy of the sources and of the results of sweep and claims, with a file for each result."""
     folder = tmp_path_factory.mktemp("made") / "copy"
     shutil.copytree(checkout_with_claims, folder, symlinks=True)
-    for _ in range(2):  # the second finds what is derived
-        lines = snakemake(folder, *TARGETS, "-c2", "--summary").stdout.splitlines()[1:]
-        for name in (line.partition("\t")[0] for line in lines):
-            path = folder / name
-            if not path.exists():
-                path.parent.mkdir(parents=True, exist_ok=True)
-                path.touch()
-        run = snakemake(folder, *TARGETS, "-c2", "--forceall", "--touch")
-        assert run.returncode == 0, run.stderr
+    lines = snakemake(folder, *TARGETS, "-c2", "--summary").stdout.splitlines()[1:]
+    for name in (line.partition("\t")[0] for line in lines):
+        path = folder / name
+        if not path.exists():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.touch()
+    run = snakemake(folder, *TARGETS, "-c2", "--forceall", "--touch")
+    assert run.returncode == 0, run.stderr
     return folder
 
 
