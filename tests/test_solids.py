@@ -19,6 +19,7 @@ ELASTIC = dem.Material(restitution=1.0 - 1e-12)  # the kind of scene that has da
 GRAVITY = (0.0, -9.81)
 WEDGE = dem.Polygon([[-2e-3, -1e-3], [2e-3, -1e-3], [0.0, 2e-3]], radius=0.4e-3)
 BLADE = dem.plate(8e-3, 0.6e-3)
+BAR = dem.Polygon([[-1e-3, -3e-3], [4e-3, 0.0], [-4e-3, 0.0]], radius=0.3e-3)
 FAR = dem.Cylinder(1e-3, (1.0, 1.0))
 # so that all scenes of discs with friction are of one kind
 OTHERS = [
@@ -216,19 +217,41 @@ def test_a_bar_on_a_pivot_swings_as_its_torque_says():
     )
 
 
-@pytest.mark.parametrize("restitution", [0.2, 0.5, 0.9])
-@pytest.mark.parametrize("heavier", [0.1, 1.0, 30.0])
-def test_the_restitution_of_a_driven_solid_is_that_of_its_material(restitution, heavier):
+# what a disc hits from above, at a lever of 2 mm: the solid, and 1/m of it there over that of the disc
+LEVER = 2e-3
+
+
+def struck(body, ratio, mass):
+    """A solid whose mass, or inertia over the squared lever, is `ratio` of the mass (kg) of a disc."""
+    drive, turn = dem.Drive((0.0, 0.0), ratio * mass), dem.Turn(ratio * mass * LEVER**2)
+    return {
+        "driven": dem.Solid(BLADE, (LEVER, 0.0), 0.0, drive),
+        "round": dem.Solid(dem.Disc([0.3e-3]), (LEVER, 0.0), 0.0, drive, turn),
+        "pivot": dem.Solid(BLADE, (0.0, 0.0), spin=turn),
+        "pivot of a wedge": dem.Solid(BAR, (0.0, 0.0), spin=turn),
+        "free": dem.Solid(BLADE, (0.0, 0.0), 0.0, drive, turn),
+    }[body]
+
+
+@pytest.mark.parametrize("restitution", [0.1, 0.5, 0.9, 1.0 - 1e-9])
+@pytest.mark.parametrize("ratio", [0.1, 1.0, 10.0])
+@pytest.mark.parametrize("body", ["driven", "round", "pivot", "pivot of a wedge", "free"])
+def test_the_restitution_of_a_solid_that_yields_or_turns_is_that_of_its_material(
+    body, ratio, restitution
+):
+    """Also where it turns about a point far from the contact: of the velocities of both there."""
     scene, state = rough(
         [FAR],
-        dem.State([[0.0, R + 0.31e-3]], [[0.0, -1.0]]),
+        dem.State([[LEVER, R + 0.301e-3]], [[0.0, -1.0]]),
         material=dem.Material(restitution=restitution),
+        friction=replace(ROUGH, solid=0.0),
     )
-    solid = dem.Solid(BLADE, (0.0, 0.0), 0.0, dem.Drive((0.0, 0.0), heavier * float(scene.mass[0])))
-    run = dem.Simulation(replace(scene, solids=[FAR, solid, *OTHERS]), state)
+    solid = struck(body, ratio, float(scene.mass[0]))
+    run = dem.Simulation(replace(scene, solids=[FAR, solid, *OTHERS]), state, step_fraction=0.2)
     run.advance(1e-4)
-    apart = run.state.velocity[0, 1] - run.world.boundaries.motion[1, 3]
-    assert_allclose(apart, restitution, rtol=1e-2)
+    moving = run.world.boundaries.motion[1]
+    away = run.state.velocity[0, 1] - moving[3] - moving[4] * (LEVER - solid.position[0])
+    assert_allclose(away, restitution, rtol=1e-2)
 
 
 def test_a_mirrored_bed_moves_as_in_a_mirror():

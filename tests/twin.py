@@ -450,14 +450,16 @@ class Contacts:
     """All contacts that there could be of constituents `one` with `two`: constituents or boundaries.
 
     laws: of which `which` (k,) tells that of each; lightness (k, 2): the sum of inverse masses (1/kg) of both along
-    x and y; where nothing yields, that of the granule; inertia (k,): I* (kg m2) about the contact.
+    x and y; where nothing yields, that of the granule; inertia (k,): I* (kg m2) about the contact; swing: 1/I
+    (1/(kg m2)) of a boundary that turns, unless it is round.
     """
 
-    def __init__(self, laws, kind, one, two, lightness, mass, inertia):
+    def __init__(self, laws, kind, one, two, lightness, mass, inertia, swing=0.0):
         self.one, self.two, self.law = one, two, copy(laws[0])
         for name in CONSTANTS:
             setattr(self.law, name, np.array([getattr(law, name) for law in laws])[kind])
-        self.lightness = np.where(lightness > 0.0, lightness, 1.0 / mass[:, None])
+        self.lightness = np.where(lightness + swing > 0.0, lightness, 1.0 / mass[:, None])
+        self.mass, self.swing = mass, swing
         self.inertia, self.memory = inertia, np.zeros((3, len(one)))
 
 
@@ -529,8 +531,11 @@ class Twin:
             for k, (body, mu) in enumerate(zip(bodies, coefficients, strict=True)):
                 partner = body.material or scene.boundary
                 laws = [law(material, partner, mu, mu_r) for material in materials]
-                two = np.full(len(owner), k)
-                yield Contacts(laws, species, every, two, lightness + yields[k], mass, inertia)
+                two, turn = np.full(len(owner), k), getattr(body, "spin", None)
+                swing = isinstance(turn, dem.Turn) and not body.is_round and 1.0 / turn.inertia
+                yield Contacts(
+                    laws, species, every, two, lightness + yields[k], mass, inertia, float(swing)
+                )
 
         self.at_walls = list(around(scene.walls, self.walls, friction[0], rolling.wall))
         self.at_solids = list(around(solids, self.solids, friction[1], rolling.solid))
@@ -659,7 +664,10 @@ class Twin:
         spin = partners.spin[h] - self.bodies.spin[g]
         spins = spin, spin + partners.spin_change[h] - self.bodies.spin_change[g]
         memory = [values[index] for values in contacts.memory]
-        mass = 1.0 / (contacts.lightness[index] * n**2).sum(axis=1)  # m*, along the normal
+        # 1/m*, along the normal
+        yields = (contacts.lightness[index] * n**2).sum(axis=1)
+        yields += contacts.swing * cross(other, n) ** 2
+        mass = np.divide(1.0, yields, where=yields > 0.0, out=contacts.mass[index])
         normal, tangential, moment, memory = contacts.law.of(index).push(
             memory, touch.overlap, radii, mass, contacts.inertia[index],
             (dot(middle, n), dot(middle, t), spins[0]), (dot(end, n), dot(end, t), spins[1]), dt,

@@ -35,17 +35,19 @@ def measure_of(contacts, p, overlap):
 
 
 @optional
-def _yielding(mass_ratio, damping, p, nx, ny):
-    return damping[p] / math.sqrt(mass_ratio[0, p] * nx * nx + mass_ratio[1, p] * ny * ny)
+def _yielding(mass_ratio, damping, p, nx, ny, lever):
+    ratio = mass_ratio[0, p] * nx * nx + mass_ratio[1, p] * ny * ny
+    ratio = plus(ratio, times(mass_ratio[2, p], times(lever, lever)))
+    return damping[p] / math.sqrt(ratio if ratio > 0.0 else 1.0)
 
 
 @optional
-def dashpot_constant(damping, mass_ratio, p, nx, ny, radius, constant):
+def dashpot_constant(damping, mass_ratio, p, nx, ny, lever, radius, constant):
     """alpha sqrt(m* K) of contact p, with the effective mass m* along its normal.
 
-    radius: not None where R* is that at the contact; then `damping` lacks the root of K, `constant`.
+    lever: of the normal about the centre of body 2 (m), None where no normal has one; radius: not None where R* is that at the contact; then `damping` lacks the root of K, `constant`.
     """
-    known = either(_yielding(mass_ratio, damping, p, nx, ny), damping[p])
+    known = either(_yielding(mass_ratio, damping, p, nx, ny, lever), damping[p])
     return either(times(given(radius, math.sqrt(constant)), known), known)
 
 
@@ -110,8 +112,10 @@ def respond(contacts, p, geometry, velocity, change, mean, dt, account):
     elastic = force(contacts.law, constant, overlap, measured)
     mean = _root_of(mean, contacts.law, overlap, measured)
     rate = -plus(velocity[0], change[0])
-    nx, ny, radius = geometry.nx, geometry.ny, geometry.radius
-    damping = dashpot_constant(contacts.damping, contacts.mass_ratio, p, nx, ny, radius, constant)
+    nx, ny, lever, radius = geometry.nx, geometry.ny, geometry.t2, geometry.radius
+    damping = dashpot_constant(
+        contacts.damping, contacts.mass_ratio, p, nx, ny, lever, radius, constant
+    )
     normal = either(damped_force(damping, elastic, mean, rate), elastic)
     damped_normal = dissipated_power(given(damping, account), normal - elastic, -rate)
     last = entry(contacts.measure, p)  # before friction overwrites it

@@ -304,12 +304,12 @@ def held_groups(scene: Scene, bodies: np.ndarray, motion: np.ndarray) -> HeldGro
 
 
 def contacts(
-    scene: Scene, table: GranuleTable, drive: np.ndarray, partner: str = "granule", shape=None
+    scene: Scene, table: GranuleTable, yields: bool, partner: str = "granule", shape=None
 ) -> Contacts:
     """The contacts of granules with granules, walls or solids, none yet: see
     dem.dynamics.neighbor_list.
 
-    drive: rows of Boundaries.drive of those that may be part of them; shape: of the contact search,
+    yields: whether forces move a boundary that may be part of them; shape: of the contact search,
     that of the granules if absent.
     """
     index, numbers = np.empty(0, np.uint32), np.empty(0)
@@ -318,7 +318,6 @@ def contacts(
     memory = numbers if rough else None
     remembers = (scene.shape if shape is None else shape).guesses
     guesses = numbers if partner != "wall" and remembers else None
-    yields = drive[:, INVERSE_MASS : INVERSE_MASS + 2].any()
     x, y = (0.0, 0.0) if partner == "wall" else table.period
     return Contacts(
         first=np.zeros(len(table.radius) + 1, np.uint32) if partner == "granule" else None,
@@ -329,7 +328,7 @@ def contacts(
         stiffness=numbers,
         length=None if length(table.law, 1.0, 1.0, 1.0, 1.0) is None else numbers,
         damping=numbers if damped else None,
-        mass_ratio=np.empty((2, 0)) if damped and yields else None,
+        mass_ratio=np.empty((3, 0)) if damped and yields else None,
         friction=np.empty((3, 0)) if rough else None,
         tangential_force=memory,
         measure=memory,
@@ -352,9 +351,16 @@ def meeting(outlines, shape):
     return outlines._replace(contact=shape.contact, hertz_radius=shape.hertz_radius)
 
 
-def surfaces(scene: Scene, table: GranuleTable, drive: np.ndarray) -> dict[str, Surface | None]:
+def yielding(moving: Boundaries) -> np.ndarray:
+    """Whether normal forces move each boundary (r,), or turn it."""
+    inverse = moving.drive[:, INVERSE_MASS : INVERSE_MASS + 3]
+    return inverse[:, :2].any(axis=1) | (inverse[:, 2] * moving.reach > 0.0)
+
+
+def surfaces(scene: Scene, table: GranuleTable, yields: bool) -> dict[str, Surface | None]:
     """Walls, and solids by their outlines, as members of a World."""
-    walls, r = len(scene.walls), len(drive)
+    walls = len(scene.walls)
+    r = walls + len(scene.solids) + len(scene.held)
     radius, rounding, first = np.zeros(r), np.zeros(r), np.zeros(r + 1, np.int64)
     circles, polygons, faces, others = [], [], [], {}
     for b, solid in enumerate(scene.solids, walls):
@@ -370,7 +376,7 @@ def surfaces(scene: Scene, table: GranuleTable, drive: np.ndarray) -> dict[str, 
             others[b] = outline
 
     def surface(boundary, partner="solid", **outline) -> Surface:
-        listed = contacts(scene, table, drive, partner, outline.get("outlines"))
+        listed = contacts(scene, table, yields, partner, outline.get("outlines"))
         forms = dict.fromkeys(("planes", "radius", "outlines", "faces")) | outline
         return Surface(boundary=np.array(boundary, np.int64), **forms, contacts=listed)
 
@@ -402,8 +408,8 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
     turns = can_turn(scene, table.laws)
     turned = np.column_stack([np.cos(state.angle), np.sin(state.angle)])
     moving, none = boundaries(scene), np.zeros(0, np.int64)
-    held_drive = moving.drive[len(moving.drive) - len(scene.held) :]
-    pairs = contacts(scene, table, held_drive)
+    yields = yielding(moving)
+    pairs = contacts(scene, table, yields[len(yields) - len(scene.held) :].any())
     return World(
         shape=scene.shape,
         bodies=bodies,
@@ -419,7 +425,7 @@ def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = 
         previous_acceleration=None if pairs.damping is None else rows(n, 4),
         pairs=pairs,
         boundaries=moving,
-        **surfaces(scene, table, moving.drive),
+        **surfaces(scene, table, yields.any()),
         gravity=scene.gravity or (0.0, 0.0),
         lanes=make_lanes(accounted),
         patches=Patches(index, index, none, none) if n > PATCH else None,

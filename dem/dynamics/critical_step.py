@@ -133,10 +133,10 @@ def add_contact(contacts, p, bounds, geometry, pair, one, two):
     overlap, nx, ny, constant, radius = geometry
     law, rows, held = contacts.law, bounds.rows, max(overlap, bounds.least)
     friction, rolling, measured = contacts.friction, contacts.rolling, measure_of(contacts, p, held)
-    damping = times(
-        dashpot_constant(contacts.damping, contacts.mass_ratio, p, nx, ny, radius, constant),
-        root(law, held, measured),
+    known = dashpot_constant(
+        contacts.damping, contacts.mass_ratio, p, nx, ny, two.arms[0], radius, constant
     )
+    damping = times(known, root(law, held, measured))
     k = slope(law, constant, measured)
     add_pair(rows, pair, k, damping, (nx, ny), (weight(one, 0), weight(two, 0)))
     if friction is not None:

@@ -78,7 +78,7 @@ def renewed(old, first, constituent, partner, force_row, shape):
         stiffness=np.empty(count),
         length=zeros_like(old.length, count),
         damping=zeros_like(old.damping, count),
-        mass_ratio=zeros_like(old.mass_ratio, (2, count)),
+        mass_ratio=zeros_like(old.mass_ratio, (3, count)),
         friction=zeros_like(old.friction, (3, count)),
         tangential_force=carried(old.tangential_force, source),
         measure=carried(old.measure, source),
@@ -94,17 +94,20 @@ def renewed(old, first, constituent, partner, force_row, shape):
 
 @inlined
 def inverse_masses_driven(boundaries, b):
-    """Inverse mass (1/kg) of boundary b along x and y."""
-    return boundaries.drive[b, INVERSE_MASS], boundaries.drive[b, INVERSE_MASS + 1]
+    """Inverse mass (1/kg) of boundary b along x and y, and inverse inertia (1/(kg m2)) unless round."""
+    drive = boundaries.drive
+    turns = drive[b, INVERSE_MASS + 2] if boundaries.reach[b] > 0.0 else 0.0
+    return drive[b, INVERSE_MASS], drive[b, INVERSE_MASS + 1], turns
 
 
 @inlined
 def inverse_masses_of(world, g):
-    """Inverse mass (1/kg) of granule g along x and y; if it is held, those of its group."""
+    """Inverse mass (1/kg) of granule g along x and y, and zero: its turning does not count in m*. If
+    it is held, those of its group."""
     held = world.held
     if held is not None and held.group[g] >= 0:
         return inverse_masses_driven(world.boundaries, held.group[g])
-    return world.inverse_mass[g], world.inverse_mass[g]
+    return world.inverse_mass[g], world.inverse_mass[g], 0.0
 
 
 @inlined
@@ -112,7 +115,7 @@ def set_constants(contacts, p, law, shape, radii, mass, inverse_masses):
     """Constants of contact p from its row of GranuleTable.laws, the radii of both bodies (m; zero of
     a flat one) and its effective mass m* (kg).
 
-    inverse_masses: of both bodies, along x and y (1/kg).
+    inverse_masses: of both bodies, along x and y (1/kg), and inverse inertia (1/(kg m2)).
     """
     one, two = radii
     radius = effective_radius(one, two)
@@ -128,9 +131,11 @@ def set_constants(contacts, p, law, shape, radii, mass, inverse_masses):
         for c in range(LAW - FRICTION):
             contacts.friction[c, p] = law[FRICTION + c]
     if contacts.mass_ratio is not None:
-        for c in range(2):  # where neither body yields, the mass is m* itself
+        turns = inverse_masses[1][2]
+        contacts.mass_ratio[2, p] = mass * turns
+        for c in range(2):  # where neither body yields or turns, the mass is m* itself
             both = inverse_masses[0][c] + inverse_masses[1][c]
-            contacts.mass_ratio[c, p] = mass * both if both > 0.0 else 1.0
+            contacts.mass_ratio[c, p] = mass * both if both + turns > 0.0 else 1.0
 
 
 @inlined

@@ -38,9 +38,10 @@ class Contacts(NamedTuple):
         Its second constant (m), of laws that have one.
     damping : ndarray of shape (m,) or None
         Dashpot constant alpha sqrt(m* K); alpha sqrt(m*) where R* is that at the contact.
-    mass_ratio : ndarray of shape (2, m) or None
-        m/m* for a normal along x and along y, where a driven boundary yields; the dashpot constant
-        is then that of the mass m. None where none yields.
+    mass_ratio : ndarray of shape (3, m) or None
+        m/m* for a normal along x and along y, where a driven boundary yields, and what a squared
+        lever (m2) about one that turns adds to it; the dashpot constant is then that of the mass m.
+        None where none yields.
     friction : ndarray of shape (3, m) or None
         Friction of each contact, see COEFFICIENT.
     tangential_force : ndarray of shape (m,) or None
