@@ -103,6 +103,24 @@ def test_a_snapshot_shows_the_top_wall_where_it_is():
     assert abs(motion.height[-1] / motion.height[0] - 1.0) > 1e-3
 
 
+@pytest.mark.parametrize("outline", ["plate", "wedge"])
+def test_a_bed_at_rest_pushes_the_solid_of_a_picture_as_that_of_its_run(outline):
+    """The solid is where the run has it: forces of the contacts that the picture shows add up to what
+    the run records, though the bed under the pressure is lower than the box that it was packed in."""
+    run = replicate(**{"cylinder.outline": outline, "cylinder.diameter": 2.4e-3})
+    bed = make_bed(run)
+    scene = make_scene(run, bed)
+    still = [replace(solid, velocity=(0.0, 0.0)) for solid in scene.solids]
+    simulation = Simulation(replace(scene, solids=still), bed.state)
+    data = drag.RunData(run, bed, simulation.record(1e-10, 20), [simulation.state] * 3)
+    contacts = data.snapshots.contacts(0)
+    push = contacts.force[:, None] * contacts.normal
+    on_solid = push[contacts.partner == -1].sum(axis=0)
+    scale = contacts.force[contacts.partner == -1].sum()
+    np.testing.assert_allclose(on_solid, data.record.normal_force[0, 0], rtol=0, atol=0.02 * scale)
+    assert scale > 1.0
+
+
 def test_the_packing_fraction_follows_the_top_wall():
     """Granules keep their area: fraction times free area is the same in all bins."""
     run, values = replicate(), drawn()

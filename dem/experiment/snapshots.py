@@ -72,7 +72,7 @@ class Snapshots(NamedTuple):
         ahead = np.array(ahead_of(self.replicate.configuration.cylinder))
         moved = (
             replace(solid, position=tuple(solid.position + self.displacement[snapshot] * ahead))
-            for solid in solids(self.replicate, self.height[0])
+            for solid in solids(self.replicate, start_height(self.replicate, self.height[0]))
         )
         return tuple(
             solid if angle is None else replace(solid, angle=angle[snapshot])
