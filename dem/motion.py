@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import AfterValidator, InstanceOf, PlainValidator
+from pydantic import InstanceOf, PlainValidator
 
 from dem.base.errors import InputError
 from dem.base.types import (
@@ -30,8 +30,8 @@ def finite(*shape: int | None) -> PlainValidator:
     return array(*shape, low=-MOST, high=MOST)
 
 
-Series = Annotated[np.ndarray, finite(None), AfterValidator(np.copy)]
-Velocities = Annotated[np.ndarray, finite(None, 2), AfterValidator(np.copy)]
+Series = Annotated[np.ndarray, finite(None)]
+Velocities = Annotated[np.ndarray, finite(None, 2)]
 
 
 @checked

@@ -19,7 +19,7 @@ from dem.motion import Held, finite
 from dem.periodic import ROOM, Periods, nearest_image
 from dem.shapes.disc import Disc
 from dem.shapes.protocol import is_of_discs
-from dem.solids import Polygon, Solid, Solids, Walls, beyond, granules
+from dem.solids import ROUNDED, Polygon, Solid, Solids, Walls, beyond, granules
 
 TOUCHING = 1e-9  # of the size of solids: less is no overlap
 THINNEST = 0.2  # of the radius of a granule: more than its overlap can exceed it
@@ -88,9 +88,9 @@ class Scene:
     ------
     InputError
         If a value cannot be used, for instance if a wall's normal is not a unit vector, if a wall
-        crosses a periodic side, if a period is so short that a granule could touch two images of
-        one body, if solids overlap each other or a wall, or if a granule could pass through a thin
-        solid.
+        crosses a periodic side or is given twice, if a period is so short that a granule could touch
+        two images of one body, if solids overlap each other or a wall, or if a granule could pass
+        through a thin solid.
 
     Notes
     -----
@@ -153,6 +153,7 @@ class Scene:
                 f"rolling is for discs, and shape is {type(self.shape).__name__}; rolling must be "
                 "None, because granules that are not round resist rolling by their shape."
             )
+        self._check_walls()
         for axis, period in enumerate(self.periodic or ()):
             if period is not None:
                 self._check_period(axis, period)
@@ -183,6 +184,16 @@ class Scene:
             raise InputError(
                 f"Friction.granule has {len(table)} rows; it must have one for each of the {count} "
                 "materials."
+            )
+
+    def _check_walls(self) -> None:
+        planes, near = self.planes, ROUNDED * float(self.shape.constituent_radius.min())
+        away = abs(planes[:, None] - planes) < [ROUNDED, ROUNDED, near]
+        if len(twice := np.argwhere(np.tril(away.all(axis=-1), -1))):
+            wall, other = twice[0]
+            raise InputError(
+                f"walls[{wall}] is where walls[{other}] is, so that granules would feel both; leave "
+                "one out."
             )
 
     def _check_period(self, axis: int, period: float) -> None:
@@ -351,4 +362,4 @@ class State:
             raise InputError(
                 f"state has {len(self.position)} granules; it must have {granules}, as scene."
             )
-        return State(**{name: getattr(self, name).copy() for name in ARRAYS})
+        return State(*(getattr(self, name) for name in ARRAYS))

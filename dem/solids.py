@@ -141,14 +141,14 @@ Walls = Annotated[Any, PlainValidator(walls)]
 
 
 def convex(corners: np.ndarray) -> np.ndarray:
-    """Corners (k, 2) in m of a convex polygon, anticlockwise, as a copy; raises ValueError."""
+    """Corners (k, 2) in m of a convex polygon, anticlockwise; raises ValueError."""
     edges = np.diff(corners @ [1.0, 1j], append=corners[:1] @ [1.0, 1j])
     turns = edges.conj() * np.roll(edges, -1)
     least = FLAT * np.ptp(corners, axis=0).max() ** 2
     once = abs(np.angle(turns).sum() - 2.0 * np.pi) < 1e-6
     if not (turns.imag.min() > least and once if len(corners) > 2 else abs(edges).min() > 0.0):
         raise ValueError("it must be two or more corners of a convex polygon, anticlockwise")
-    return corners.copy()
+    return corners
 
 
 @checked

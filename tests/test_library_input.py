@@ -116,6 +116,15 @@ MISTAKES = [  # what is called, with what: a part of the sentence
     (dem.Material, {"young_modulus": "70 GPa"}, "is '70 GPa'; it must be a number, in Pa."),
     (scene, {"friction": 0.3}, "Scene.friction is 0.3; it must be an instance of Friction."),
     (scene, {"walls": (1e-2, 1e-2)}, "is (0.01, 0.01); it must have shape (n, 3), not (2,)."),
+    *(
+        (scene, {"walls": [[0, -1, 0], [1, 0, 1], again]}, "walls[2] is where walls[0] is, so that")
+        for again in (
+            [0, -1, 0],
+            [0, -0.9999, 0],
+            [0, -1, 1e-9],
+            dem.Wall([0, -1, 0], friction=0.1),
+        )
+    ),
     (scene, {"walls": [[1, 0, 1], [1, 1, 0]]}, "the normal (nx, ny) of row 1 must have length 1"),
     (scene, {"gravity": 9.81}, "is 9.81; it must be two finite numbers (x, y), in m s-2."),
     (dem.Disc, {"radius": 1e-3}, "is 0.001; it must hold real numbers in a list or an array."),
@@ -217,13 +226,35 @@ def test_scalars_of_any_kind_are_taken_alike():
     assert (one.radius, one.position, one.velocity) == (0.5, other.position, other.velocity)
 
 
-def test_a_scene_does_not_follow_the_arrays_of_its_user():
-    """Sizes and walls are copies."""
-    radius, walls = np.full(2, 1e-3), dem.box(1.0, 1.0)
-    system = scene(shape=dem.Disc(radius), walls=walls)
-    radius[:], walls[:] = 5.0, 5.0
-    assert_array_equal(system.shape.radius, 1e-3)
-    assert_array_equal(system.planes, dem.box(1.0, 1.0))
+def test_nothing_follows_the_arrays_of_its_user():
+    """What is given is copied: sizes, walls, tables, paths, outlines, and all that a state has."""
+    ones = np.ones(2)
+    held = {
+        "sizes": dem.Disc, "planes": lambda rows: scene(walls=rows).planes,
+        "wall": lambda rows: dem.Wall(rows[0]).plane,
+        "friction": lambda rows: dem.Friction(rows).granule,
+        "corners": lambda rows: dem.Polygon(rows, 1e-3).corners,
+        "time": lambda rows: dem.PrescribedMotion(rows, np.zeros((2, 2))).time,
+        "velocity": lambda rows: dem.PrescribedMotion([0.0, 1.0], rows).velocity,
+        "spin": lambda rows: dem.PrescribedMotion([0.0, 1.0], np.zeros((2, 2)), rows).spin,
+        "granules": lambda rows: dem.Held(rows).granules,
+    }  # fmt: skip
+    given = {
+        "planes": dem.box(1.0, 1.0), "wall": dem.box(1.0, 1.0), "friction": np.eye(2),
+        "corners": np.eye(2), "time": np.arange(2.0), "velocity": np.eye(2),
+        "granules": np.arange(2),
+    }  # fmt: skip
+    for name, maker in held.items():
+        rows = given.get(name, ones).copy()
+        kept, before = maker(rows), rows.copy()
+        kept = kept.radius if name == "sizes" else kept
+        rows += 5
+        assert_array_equal(kept, before[0] if name == "wall" else before, err_msg=name)
+    for name, axes in {"position": 2, "velocity": 2, "angle": 0, "angular_velocity": 0}.items():
+        rows = np.ones((2, axes) if axes else 2)
+        state = dem.State(**{"position": np.zeros((2, 2))} | {name: rows})
+        rows += 5
+        assert_array_equal(getattr(state, name), 1.0, err_msg=name)
 
 
 def test_a_run_whose_steps_shrink_ends():

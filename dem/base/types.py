@@ -85,7 +85,7 @@ def must(words: str, holds: Callable[[Any], Any] = lambda value: True) -> WrapVa
 def array(*shape: int | None, low: float = -np.inf, high: float = np.inf) -> PlainValidator:
     """Real numbers in a list or an array of a shape, None for any length but zero.
 
-    They become a float64 array, the one that was given if that is one. low, high: the range of its
+    They become a float64 array, a copy of what is given. low, high: the range of its
     numbers; without them NaN is taken too.
     """
     axes = str(tuple("n" if n is None else n for n in shape)).replace("'", "")
@@ -107,14 +107,14 @@ def array(*shape: int | None, low: float = -np.inf, high: float = np.inf) -> Pla
 
 
 def real_array(value: Any) -> np.ndarray:
-    """Real numbers as a float64 array, not copied if they are one; raises ValueError."""
+    """Real numbers as a float64 array, a copy; raises ValueError."""
     try:
         rows = np.asarray(value)
     except Exception:  # of any object in a list, or of its own conversion to an array
         rows = np.empty(0, object)
     if isinstance(value, np.ma.MaskedArray) or rows.dtype.kind not in "iuf" or not rows.ndim:
         raise ValueError("it must hold real numbers in a list or an array")
-    return np.ascontiguousarray(rows, np.float64)
+    return np.array(rows, np.float64, order="C")
 
 
 Number = Annotated[float, BeforeValidator(real)]
