@@ -120,6 +120,18 @@ def test_a_clump_in_free_fall_turns_about_its_centre_of_mass():
     assert_allclose(run.world.constituents[:, :2], discs, rtol=1e-12)
 
 
+@pytest.mark.parametrize("more", [[0.0, 0.0, 1.0], [0.0, -0.2, 0.8], [0.0, -0.5, 0.5]])
+def test_a_disc_inside_another_of_its_clump_bears_no_force(more):
+    """A union has the surface of its outline: what is within returns nothing to a wall."""
+    shape = dem.Clump([1e-3 * np.array([[0.0, 0.0, 1.0], more])])
+    damped = dem.Material(restitution=0.5)
+    scene = dem.Scene(shape, damped, LEAST, [[0.0, -1.0, 0.0]])
+    run = dem.Simulation(scene, dem.State([[0.0, 1.001e-3]], [[0.0, -1.0]]))
+    run.advance(1e-4)
+    assert_allclose(run.state.velocity[0, 1], 0.5, rtol=1e-2)
+    assert scene.mass[0] == dem.Scene(dem.Clump([[[0.0, 0.0, 1e-3]]])).mass[0]
+
+
 def test_an_impact_is_that_of_a_rigid_body():
     """A wall gives the impulse 2 v_n / (1/m + arm^2/I) at the disc that meets it."""
     shape = dem.Clump([1e-3 * TRIMER])

@@ -59,7 +59,7 @@ class Clump(_Fields, Shape):
     Notes
     -----
     Where discs overlap, the area counts once: area, centre of mass and moment of inertia are those
-    of the union, from the arcs of its outline. Each contact is one of two discs and has their radii
+    of the union, from the arcs of its outline. A disc inside another is left out. Each contact is one of two discs and has their radii
     in Hertz's law. A disc of a second granule in the notch between two discs has two contacts.
 
     See Also
@@ -230,15 +230,19 @@ def _arcs(discs):
     end = np.hstack([begin[:, 1:], begin[:, :1] + 2.0 * np.pi])
     middle = centre[:, None] + other * np.exp(0.5j * (begin + end))
     gap, least = abs(middle[..., None] - centre) - radius, SAME * radius.max()
-    inside = distance + other <= radius + least  # of equal discs only the first is in no other
-    inside &= np.tri(len(discs), k=-1, dtype=bool) | ~inside.T
-    free = (gap >= -least).all(axis=-1) & ~inside.any(axis=1, keepdims=True) & (end > begin)
+    free = (gap >= -least).all(axis=-1) & (end > begin)
     i, _ = np.nonzero(free)
     return centre[i], radius[i], begin[free], end[free]
 
 
 def _centred(discs):
-    """Discs (k, 3) about the centre of mass of their union, and Clump.radii (2,) of it."""
+    """Discs (k, 3) about the centre of mass of their union, and Clump.radii (2,) of it; without
+    those inside others, which would bear forces twice."""
+    x, y, radius = discs.T
+    distance = np.hypot(x - x[:, None], y - y[:, None])
+    inside = distance + radius[:, None] <= radius + SAME * radius.max()
+    inside &= np.tri(len(discs), k=-1, dtype=bool) | ~inside.T  # of equal discs the first stays
+    discs = discs[~inside.any(axis=1)]
     discs = discs - discs[0] * [1.0, 1.0, 0.0]  # near zero, where integrals lose no digits
     discs[:, :2] -= _moments(discs)[1]
     area, _, gyration_squared = _moments(discs)
