@@ -19,7 +19,7 @@ from dem.contacts.rolling import rolling_stiffness
 from dem.dynamics.contact_output import measured
 from dem.dynamics.forces import greater
 from dem.dynamics.world import STIFFNESS_RATIO, at_full_steps
-from dem.jit.block_memory import ACCOUNTS, WORK
+from dem.jit.block_memory import ACCOUNTS, PEAK, WORK
 from dem.jit.columns import DVX, FX, TAU, VX, W
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import given, minus
@@ -52,6 +52,8 @@ class Ledger(NamedTuple):
         Work of gravity on the granules since the start (J).
     before : float
         Energy held at the start (J).
+    peak : float
+        Greatest energy that boundaries and gravity together had given or taken at any time (J).
 
     Notes
     -----
@@ -68,6 +70,7 @@ class Ledger(NamedTuple):
     work: float
     fallen: float
     before: float
+    peak: float
 
     @property
     def held(self) -> float:
@@ -76,10 +79,12 @@ class Ledger(NamedTuple):
 
     @property
     def residual(self) -> float:
-        """Error of the energy balance over its largest term, without unit."""
+        """Error of the energy balance over its largest term so far, without unit: a piston may take
+        back all that it gave."""
         change = self.held - self.before
         gained, gone = self.work + self.fallen, self.damped + self.slid + self.rolled
-        scale = max(self.held, self.before, abs(self.work), abs(self.fallen), abs(gone))
+        terms = self.held, self.before, self.work, self.fallen, gone, self.peak
+        scale = max(map(abs, terms))
         return abs(change - gained + gone) / scale if scale > 0.0 else 0.0
 
 
@@ -162,4 +167,5 @@ def energies(world, held: float, height: float, later: float) -> Ledger:
         work=float(account[WORK]),
         fallen=fallen(world) - height,
         before=held,
+        peak=float(account[PEAK]),
     )

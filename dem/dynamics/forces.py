@@ -4,7 +4,7 @@ import numpy as np
 
 from dem.contacts.loops import boundary_contacts, pair_contacts
 from dem.dynamics.world import granules_of, number_of_patches
-from dem.jit.block_memory import ACCOUNTS, FOUR, ONE, TWO, ZERO
+from dem.jit.block_memory import ACCOUNTS, FALL, FOUR, ONE, PEAK, TWO, WORK, ZERO
 from dem.jit.columns import FX, FY, X, Y
 from dem.jit.compilation import compiled, inlined
 from dem.shapes.protocol import collect, first_of, place
@@ -17,6 +17,7 @@ def integrate_account(account, kick):
         for kind in range(ACCOUNTS):
             account[ACCOUNTS + kind] += kick * account[kind]
             account[kind] = 0.0
+        account[PEAK] = greater(account[PEAK], abs(account[WORK] + account[FALL]))
 
 
 @inlined

@@ -27,6 +27,7 @@ from dem.dynamics.forces import (
 )
 from dem.dynamics.threads import LINE, barrier, leads, share_of
 from dem.dynamics.world import at_full_steps, granules_of, number_of_patches
+from dem.jit.block_memory import FALL
 from dem.jit.columns import DVX, DW, FX, TAU, VX, W, X
 from dem.jit.compilation import compiled, inlined
 from dem.jit.optional import given, minus, plus
@@ -58,6 +59,7 @@ def drift(world, kick, dt, low, high):
     inverse_mass, inverse_inertia = world.inverse_mass, world.inverse_inertia
     orientation, angle, gravity = world.orientation, world.angle, world.gravity
     previous, full = world.previous_acceleration, at_full_steps(world)
+    account = world.lanes.account
     collect(world.shape, world.constituent_force, orientation, force, low, high)
     for number in range(low, high):
         i = np.uint64(number)  # unsigned: no test for an index that counts from the end
@@ -68,6 +70,8 @@ def drift(world, kick, dt, low, high):
             bodies[i, VX + c] = plus(v, given(full, dv))
             bodies[i, X + c] += dt * v
             bodies[i, DVX + c] = dv
+            if account is not None and inverse_mass[i] > 0.0:
+                account[FALL] += kick * gravity[c] * v / inverse_mass[i]
         if inverse_inertia is not None:
             alpha = force[i, TAU] * inverse_inertia[i]
             bodies[i, W] += kick * alpha

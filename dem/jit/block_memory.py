@@ -27,9 +27,10 @@ class Lanes(NamedTuple):
     ----------
     motion, values : ndarray
         Rows of BLOCK lanes and a LINE of padding, see the offsets below.
-    account : ndarray of shape (7,) or None
+    account : ndarray of shape (9,) or None
         Energy ledger: three powers (W) now, the energies (J) that they have made with the kicks so
-        far, and the work (J) of the boundaries (dem.dynamics.energy).
+        far, the work (J) of the boundaries and that of gravity, and the greatest sum of both so far
+        (dem.dynamics.energy).
     """
 
     motion: np.ndarray
@@ -60,13 +61,13 @@ OUTLINE_2 = np.uint64(OUTLINE_1 + OUTLINE_SIZE * ROW)
 VALUES = int(OUTLINE_2 + OUTLINE_SIZE * ROW)  # numbers in all
 
 # account: power (W) that dashpots take, tangential springs, and rolling springs; their energies;
-# work on the granules
-POWER_DAMPED, POWER_SPRINGS, POWER_ROLLING, ACCOUNTS, WORK = 0, 1, 2, 3, 6
+# work on the granules, of boundaries and of gravity; its greatest sum in size
+POWER_DAMPED, POWER_SPRINGS, POWER_ROLLING, ACCOUNTS, WORK, FALL, PEAK = 0, 1, 2, 3, 6, 7, 8
 
 
 def make_lanes(accounted: bool = False) -> Lanes:
     """Scratch memory for one thread; accounted: keep the energies of the ledger."""
-    account = rows(1, WORK + 1)[0] if accounted else None
+    account = rows(1, PEAK + 1)[0] if accounted else None
     return Lanes(rows(1, 16 * (BLOCK + LINE))[0], rows(1, VALUES)[0], account)
 
 
