@@ -193,6 +193,23 @@ def test_a_run_goes_on_where_its_boundaries_are_put(small_bed):
     assert_allclose(second.solid_position[-1, 0], cylinder.position + np.array([0.0, 1.1e-5]))
 
 
+def test_a_result_goes_on_as_one_run(small_bed):
+    """A lid on a path, a wall, a solid and held granules that are pushed, a solid that turns, springs of
+    contacts: all go on with the same bits, as often as one asks."""
+    path = dem.PrescribedMotion([0.0, 1e-5, 3e-5], [(0.0, 0.0), (0.0, -0.2), (0.0, 0.3)])
+    drive = dem.Drive((0.5, None), 2e-3, velocity=(0.0, 0.5))
+    cylinder = replace(small_bed("disc").cylinder, velocity=drive, spin=dem.Turn(1e-9, 1e-3))
+    system, start = bed(small_bed, {TOP: path, RIGHT: drive}, solids=cylinder)
+    whole = simulate(system, start, 3e-5, frames=2)
+    half = simulate(system, start, 1.5e-5)
+    for rest in (half.continuation(1.5e-5), half.continuation(1.5e-5)):
+        assert rest.time.tolist() == whole.time[1:].tolist()
+        for name in "position velocity wall_offset wall_force solid_position solid_angle".split():
+            now, then = getattr(rest, name)[-1], getattr(whole, name)[-1]
+            assert_allclose(now, then, rtol=1e-14, err_msg=name)
+    assert whole.wall_offset[-1, TOP] != system.planes[TOP, 2]
+
+
 def test_a_held_granule_in_the_place_of_the_cylinder_feels_what_it_feels(small_bed):
     """A disc of its size, spin and velocity, of one material: same forces, same motion."""
     small = small_bed("disc")

@@ -1,6 +1,7 @@
 """What a run returns: `Record` of intervals, `Result` of frames, as arrays and as files."""
 
 import os
+from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -8,11 +9,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from dem.base.files import atomic, check_output
+from dem.base.types import Time, checked
 from dem.dynamics.contact_output import ContactList
+from dem.dynamics.numerics import OneOrMore
 from dem.scene import ARRAYS, Scene, State
 
 if TYPE_CHECKING:
     import xarray
+
+    from dem.dynamics.simulation import Simulation
 
 
 class Record(NamedTuple):
@@ -144,8 +149,9 @@ class Result(NamedTuple):
     wall_force : (f, w) array
         Mean normal force on each wall since the frame before (N); NaN in the first frame.
     state : State
-        The last state, from which another run can start. It does not hold the tangential springs of
-        the contacts: another run starts without them. Simulation.checkpoint keeps them.
+        The last state of the granules. Another run that starts from it begins without the tangential
+        springs of contacts, and with walls, solids and their paths as at the start of the scene:
+        `continuation` goes on with all of these.
     time_step : float
         Shortest time step taken (s).
     scene : Scene
@@ -165,6 +171,8 @@ class Result(NamedTuple):
     held_force : (f, g, 2) array
         Mean force of the contacts on each group of held granules since the frame before (N); NaN in
         the first frame.
+    simulation : Simulation
+        The simulation at its end.
 
     Examples
     --------
@@ -194,6 +202,43 @@ class Result(NamedTuple):
     wall_tangential_force: np.ndarray
     wall_offset: np.ndarray
     held_force: np.ndarray
+    simulation: "Simulation"
+
+    @checked
+    def continuation(self, duration: Time, frames: OneOrMore = 1) -> "Result":
+        """Go on from the last frame, as if there had been no end.
+
+        Parameters
+        ----------
+        duration : float
+            Further time to simulate (s).
+        frames : int
+            Number of equal intervals after each of which the state is kept (without unit).
+
+        Returns
+        -------
+        Result
+            The last frame and one per interval, frames + 1 in all; time goes on.
+
+        Raises
+        ------
+        InputError, RunError
+            As for `simulate`.
+
+        Examples
+        --------
+        A disc flies for two milliseconds, then for a third:
+
+        >>> import dem
+        >>> scene = dem.Scene(dem.Disc([1e-3]))
+        >>> state = dem.State([[0.0, 0.0]], velocity=[[2.0, 0.0]])
+        >>> result = dem.simulate(scene, state, duration=2e-3).continuation(1e-3)
+        >>> result.time.round(4), result.position[:, 0, 0].round(4)
+        (array([0.002, 0.003]), array([0.004, 0.006]))
+        """
+        from dem.dynamics.simulation import result_of  # which imports this file
+
+        return result_of(deepcopy(self.simulation), duration, frames)
 
     @property
     def walls(self) -> np.ndarray:

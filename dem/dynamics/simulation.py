@@ -187,7 +187,8 @@ class Simulation:
 
     @property
     def state(self) -> State:
-        """Copy of positions (m) and angles (rad) with their rates (1/s)."""
+        """Copy of positions (m) and angles (rad) of granules with their rates (1/s). Another run that
+        starts from it has its boundaries at their start; `checkpoint` keeps them."""
         back = np.argsort(self.engine.order)
         bodies, angle = self.world.bodies[back], self.world.angle[back]
         return State(bodies[:, :2].copy(), bodies[:, [VX, VY]], angle, bodies[:, W].copy())
@@ -666,16 +667,21 @@ def simulate(
     >>> result.velocity[-1, :, 0].round(1)
     array([-0.5,  0.5])
     """
-    run = Simulation(scene, state, time_step, **options)
+    return result_of(Simulation(scene, state, time_step, **options), duration, frames)
+
+
+def result_of(run: Simulation, duration: float, frames: int) -> Result:
+    """Frames of a further duration (s) of a simulation."""
     run.check_duration(duration)
     interval, shortest, rows = duration / frames, math.inf, [frame_of(run, math.nan)]
+    begin = run.time
     for frame in range(1, frames + 1):
         # the last one ends at the duration itself, however many there are
-        schedule = Schedule(begin=duration * (frame / frames), intervals=1)
+        schedule = Schedule(begin=begin + duration * (frame / frames), intervals=1)
         shortest = min(shortest, run.engine.run(schedule).shortest)
         rows.append(frame_of(run, interval))
     series = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
-    return Result(**series, state=run.state, time_step=shortest, scene=scene)
+    return Result(**series, state=run.state, time_step=shortest, scene=run.scene, simulation=run)
 
 
 def frame_of(run: Simulation, interval: float) -> dict[str, Any]:
