@@ -1,8 +1,10 @@
 """Files whose content is damaged, foreign or hostile: noticed, refused with their name, never obeyed."""
 
 import contextlib
+import json
 import shutil
 import warnings
+from pathlib import Path
 
 import netCDF4
 import numpy as np
@@ -158,6 +160,67 @@ def test_a_drag_over_other_dimensions_is_refused(tmp_path, dims):
     for verb in ("info", "figure"):
         status, output = outcome(*VERBS[verb](path, tmp_path / "out"))
         assert status == 2 and "its drag is not over case, seed, displacement" in output
+
+
+EVIL = """\
+from pathlib import Path
+Path(__file__).with_name("ran").touch()
+VARIABLES = {"evil": ((), None, None)}
+class Stone:
+    def of_size(diameter, aspect_ratio): ...
+def run(replicate): ...
+def look(simulation): ...
+"""
+NAMED = {
+    "shape": {"kind": "evil.Stone"},
+    "law": {"contact": {"law": "evil.Stone"}},
+    "experiment": {"experiment": "evil.py"},
+    "observable": {"observables": ["drag", "snapshots", "evil.py"]},
+}
+READERS = (
+    ("info", "runs.nc"),
+    ("info", "drag.nc"),
+    ("means", "drag.nc"),
+    ("figure", "all", "drag.nc"),
+    ("figure", "figure10", "snapshots.nc"),
+    ("report", "drag.nc", "-o", "page.html"),
+    *(
+        ("draw", "runs.nc", "seed=1", "--forces", "-o", f"run.{end}")
+        for end in ("png", "gif", "pvd")
+    ),
+)
+
+
+@pytest.mark.parametrize("what", NAMED)
+def test_no_reader_runs_code_that_a_file_of_results_names(results, tmp_path, monkeypatch, what):
+    """Only --shapes FOLDER lets code run, of that folder, and a sentence says so."""
+    monkeypatch.chdir(shutil.copytree(results, tmp_path / "given"))
+    (tmp_path / "given/evil.py").write_text(EVIL)
+
+    def named(values):
+        change = {"beside": str(tmp_path / "given"), **NAMED[what]}
+        kind, observables = change.pop("kind", None), change.pop("observables", None)
+        for shape in values["shapes"].values() if kind else ():
+            shape |= {"kind": kind, "aspect_ratio": 1.0}
+        if observables:
+            values["record"]["observables"] = observables
+        return values | change
+
+    for name in ("runs.nc", "drag.nc", "snapshots.nc"):
+        with netCDF4.Dataset(name, "a") as file:
+            if name == "runs.nc":
+                file.setncattr("values", json.dumps([*map(named, json.loads(file.values))]))
+            else:
+                file.configuration = json.dumps(named(json.loads(file.configuration)))
+    for words in READERS:
+        status, output = outcome(*words)
+        assert status in (0, 2) and not Path("ran").exists(), (words, output)
+    if what in ("shape", "law"):
+        words = "draw", "runs.nc", "seed=1", "--forces", "-o", "run.png"
+        status, output = outcome(*words)
+        assert status == 2 and "--shapes FOLDER" in output and not Path("run.png").exists()
+        outcome(*words, "--shapes", ".")
+        assert Path("ran").exists()
 
 
 def test_text_of_a_file_is_no_script_in_the_report(hostile, tmp_path):

@@ -184,7 +184,9 @@ def test_readers_run_no_code_that_a_sweep_names(swept):
             run("-m", "dem", *words, cwd=swept)
         picture = "-m", "dem", "draw", results / "drag.nc", "seed=1", "-o"
         output = run(*picture, "plain.png", cwd=swept, status=2)
-        assert "--shapes on the command line" in output and not (swept / "plain.png").exists()
+        assert (
+            "--shapes FOLDER on the command line" in output and not (swept / "plain.png").exists()
+        )
         assert not (folder / "ran").exists() and not (swept / "mine/ran").exists()
         run(*picture, "true.png", "--shapes", "telling", cwd=swept)
         assert (folder / "ran").exists() and not (swept / "mine/ran").exists()

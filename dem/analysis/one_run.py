@@ -12,7 +12,7 @@ import xarray as xr
 
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
-from dem.experiment.config import of_values
+from dem.experiment.config import of_results
 from dem.experiment.run import Replicate
 from dem.io.dataset import LABELS
 from dem.io.lazily import open_lazily
@@ -61,8 +61,7 @@ def batch_of(path: Path, run: str) -> Path:
 
 def replicate_of(path: Path, dataset: xr.Dataset, row: int, shapes=None) -> Replicate:
     """What a run of a batch is."""
-    beside = {"beside": str(Path(shapes).resolve())} if shapes else {}
-    return of_values(json.loads(dataset.attrs["values"])[row] | beside, str(path))
+    return of_results(json.loads(dataset.attrs["values"])[row], str(path), shapes)
 
 
 def values_of_runs(dataset: xr.Dataset) -> pd.DataFrame:

@@ -59,8 +59,8 @@ def find(key: str, word: str, beside: str | None, known: tuple[str, ...]) -> Pat
         raise InputError(f"{start}it must be one of {', '.join(known)}, or of a file of your own.")
     if beside is None:
         raise InputError(
-            f"{start}the folder of its file is not known here; name it (beside in a configuration, "
-            "--shapes on the command line)."
+            f"{start}code that results name does not run; to let that of a folder run, name the folder "
+            "(--shapes FOLDER on the command line, beside in a configuration)."
         )
     file = Path(beside, f"{word.partition('.')[0]}.py")
     if file.stem in known:

@@ -336,6 +336,12 @@ def of_values(data: dict, source: str = "values") -> Replicate:
     return parse(rest, source).replicate(run.shape, run.density, run.seed)
 
 
+def of_results(values: dict, source: str = "values", folder: Path | str | None = None) -> Replicate:
+    """The same from a file of results: of the files of users that it names, those in a folder that
+    the reader names may run, and no other."""
+    return of_values(values | {"beside": folder and str(Path(folder).resolve())}, source)
+
+
 def parse(data, source: str = "configuration") -> Configuration:
     """Values from the content of a file; raises InputError with one sentence per fault."""
     return parsed(model_of(Configuration, data), data, source=source)

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from dem.analysis.drag import find
 from dem.base.errors import InputError
-from dem.experiment.config import Configuration, of_values
+from dem.experiment.config import Configuration, of_results
 from dem.experiment.snapshots import Snapshots, snapshots_of
 from dem.figures import style
 from dem.figures.bed import draw, view_of
@@ -30,7 +30,7 @@ def motion_of(dataset: xr.Dataset, case: str) -> Snapshots | None:
     values = {name: values[name] for name in Configuration.read if name in values}
     values |= {name: one[name].item() for name in RUN_KEYS}
     variables = {str(name): variable.values for name, variable in one.variables.items()}
-    return snapshots_of(of_values(values), variables)
+    return snapshots_of(of_results(values), variables)
 
 
 def frames_of_case(motion: Snapshots) -> Frames:

@@ -14,7 +14,7 @@ from dem.base.errors import InputError
 from dem.base.files import is_full
 from dem.base.provenance import versions
 from dem.base.source_hash import run_codes
-from dem.experiment.config import of_values
+from dem.experiment.config import of_results
 from dem.experiment.run import Replicate
 from dem.io.dataset import read
 from dem.io.progress import span
@@ -106,7 +106,7 @@ def newest(store: Store) -> Iterator[tuple[list[Replicate], dict, dict]]:
     for path in sorted(paths, key=lambda path: path.stat().st_mtime)[-NEWEST:]:
         with suppress(InputError, KeyError, ValueError):  # of another version
             values, attrs = read(path, ("spent", "failure"))
-            yield [of_values(run) for run in json.loads(attrs["values"])], values, attrs
+            yield [of_results(run) for run in json.loads(attrs["values"])], values, attrs
 
 
 def reasons(store: Store, runs: Iterable[Replicate]) -> Counter:
