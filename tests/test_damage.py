@@ -150,6 +150,14 @@ def test_a_foreign_file_is_answered_with_a_sentence(tmp_path, verb, fault):
         assert "nan" not in output
 
 
+def test_a_sound_file_is_not_blamed_for_a_figure_that_fails(tmp_path):
+    """Of a name that matplotlib takes for a formula, and cannot read as one."""
+    path = foreign(tmp_path / "mine.nc", lambda data: data.assign_coords(case=["c1", "$x_{$", "e"]))
+    status, output = outcome("figure", "sweep", path, "-o", tmp_path / "out")
+    assert status == 2 and f"{path}: sweep cannot be drawn: " in output
+    assert "damaged" not in output and not list((tmp_path / "out").glob("*"))
+
+
 @pytest.mark.parametrize("dims", [(), ("seed",), ("displacement", "seed", "case")])
 def test_a_drag_over_other_dimensions_is_refused(tmp_path, dims):
     def change(data):

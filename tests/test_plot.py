@@ -1,5 +1,8 @@
 """Figures, films and files of a user's own result."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -238,3 +241,51 @@ def test_a_picture_says_where_outlines_are_not_those_of_the_granules(kind, words
         if "c1" in text.get_text()
     )
     assert label.partition("\n")[0].endswith(words or "µm") and kind in label
+
+
+MATPLOTLIBRC = """
+text.usetex: True
+lines.linewidth: 5
+lines.marker: x
+figure.facecolor: black
+savefig.facecolor: black
+axes.facecolor: black
+savefig.format: pdf
+savefig.bbox: tight
+axes.formatter.use_mathtext: True
+animation.bitrate: 10
+path.sketch: 1, 100, 2
+"""
+DRAWS = """
+import sys, xarray, dem
+from pathlib import Path
+from dem.figures.catalogue import draw
+from dem.figures.film import picture
+from dem.figures.snapshots import motion_of
+from dem.figures.style import save
+
+root, folder = map(Path, sys.argv[1:])
+draw("figure07", root / "docs/data/drag.nc", folder)
+with xarray.open_dataset(root / "docs/data/snapshots.nc") as dataset:
+    motion = motion_of(dataset, "c1")
+for end in ("pdf", "svg", "png"):
+    picture(motion, folder / f"bed.{end}", None, "layer", False)
+scene = dem.Scene(dem.Disc([1e-3]), walls=[[0, -1, 0]], friction=dem.Friction(), gravity=(0, -9.81))
+result = dem.simulate(scene, dem.State([[0, 1.01e-3]]), duration=1e-4, frames=2)
+dem.film(result, folder / "film.gif")
+save(dem.plot.forces(result), folder / "forces")
+"""
+
+
+def test_no_matplotlibrc_and_no_date_changes_a_byte(tmp_path):
+    """Of figures, pictures and films. A PDF has its letters as TrueType, which journals ask for."""
+    folders = [tmp_path / name for name in ("plain", "other")]
+    (tmp_path / "matplotlibrc").write_text(MATPLOTLIBRC)
+    for folder in folders:
+        folder.mkdir()
+        rc = {"MATPLOTLIBRC": str(tmp_path / "matplotlibrc")} if folder == folders[1] else {}
+        words = [sys.executable, "-c", DRAWS, SNAPSHOTS.parent.parent.parent, folder]
+        subprocess.run(words, env=os.environ | rc, check=True)
+    plain, other = ({p.name: p.read_bytes() for p in folder.iterdir()} for folder in folders)
+    assert len(plain) == 8 and [name for name in plain if plain[name] != other.get(name)] == []
+    assert b"/Type3" not in plain["bed.pdf"] and b"/FontFile2" in plain["bed.pdf"]

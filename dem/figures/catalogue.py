@@ -174,4 +174,7 @@ def _draw(figure: FigureSpec, data: Path, folder: Path, options: dict) -> list[P
             drawing = import_module(figure.module).plot(runs, **options)
         except InputError as error:
             raise InputError(f"{data}: {figure.name} cannot be drawn: {error}") from None
+    try:  # without the file, which is sound
         return save(drawing, Path(folder) / figure.name, figure.caption)
+    except ValueError as error:  # of a name that is no formula, although it has $
+        raise InputError(f"{data}: {figure.name} cannot be drawn: {error}") from None

@@ -4,7 +4,6 @@ import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-import matplotlib
 import numpy as np
 from imageio_ffmpeg import get_ffmpeg_exe
 from matplotlib.animation import FFMpegWriter, FuncAnimation
@@ -88,11 +87,10 @@ def picture(
         raise InputError(
             f"displacement is {displacement:g} m; it must lie between 0 and the stroke, {stroke:g} m."
         )
-    with matplotlib.rc_context(RC):
+    with style.context(RC, after_reset=True):
         figure, show = figure_of(frames_of(motion), color, forces)
         show(motion.nearest(displacement))
-        with atomic(path) as part:
-            figure.savefig(part, format=path.suffix[1:].lower())
+        style.write(figure, path)
 
 
 def encoder() -> str:
@@ -155,7 +153,7 @@ def film(
     if (count := len(frames.position)) < 2:
         raise InputError(f"result has {count} frame; a film needs two: simulate with more frames.")
     suffix = path.suffix.lower()
-    with matplotlib.rc_context(RC | {"animation.ffmpeg_path": encoder()}):
+    with style.context(RC | {"animation.ffmpeg_path": encoder()}, after_reset=True):
         figure, show = figure_of(frames, color, forces)
         writer = FFMpegWriter(
             max(2.0, count / SECONDS), FILMS[suffix], extra_args=["-f", suffix[1:]]

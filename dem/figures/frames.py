@@ -20,7 +20,7 @@ from dem.solids import Solid, box
 
 AHEAD = 1.5  # diameters of the cylinder: height of the cluster that is shaded
 SIDES = {(-1, 0): " (left)", (1, 0): " (right)", (0, -1): " (bottom)", (0, 1): " (top)"}
-SECONDS = EngFormatter("s")
+SECONDS = style.styled(EngFormatter)("s")
 
 
 class Frames(NamedTuple):

@@ -3,10 +3,10 @@
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import matplotlib
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.style import context
 from matplotlib.ticker import LogLocator, NullLocator
 
 from dem.analysis.drag import window_text
@@ -36,8 +36,10 @@ RC: dict[Any, Any] = {
     "figure.constrained_layout.use": True,
     "svg.hashsalt": "dem",
     "svg.fonttype": "path",
+    "pdf.fonttype": 42,  # TrueType, which journals and editors take
 }
-styled = matplotlib.rc_context(RC)  # decorator of plot functions
+styled = context(RC, after_reset=True)  # decorator of what draws: no matplotlibrc changes it
+NO_DATE = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {"Software": None}}
 WIDTH = 8.0  # inches
 DPI = 200
 CURVE = "#17457d"  # where one colour is enough
@@ -221,17 +223,21 @@ def percent(share: float, half: float) -> str:
     return value(100.0 * share, 100.0 * half, "%", "+z.1f")
 
 
+@styled
 def save(figure: Figure, stem: Path, caption: str = "") -> list[Path]:
-    """Write stem.svg and stem.png atomically, with a caption; the same figure gives the same
-    bytes."""
-    files = []
-    for suffix, metadata in ((".svg", {"Date": None}), (".png", {"Software": None})):
-        metadata |= {"Title": caption} if caption else {}
-        path = Path(f"{stem}{suffix}")
-        with matplotlib.rc_context(RC), atomic(path) as part:
-            figure.savefig(part, format=suffix[1:], dpi=DPI, metadata=metadata)
-        files.append(path)
+    """Write stem.svg and stem.png, with a caption."""
+    files = [Path(f"{stem}{suffix}") for suffix in (".svg", ".png")]
+    for path in files:
+        write(figure, path, caption, DPI)
     return files
+
+
+def write(figure: Figure, path: Path, caption: str = "", dpi: float | str = "figure") -> None:
+    """Write a figure atomically, as the end of the path says; the same one gives the same bytes."""
+    form = path.suffix[1:].lower()
+    metadata = NO_DATE[form] | ({"Title": caption} if caption else {})
+    with atomic(path) as part:
+        figure.savefig(part, format=form, dpi=dpi, metadata=metadata)
 
 
 def logarithmic(axes, along: str = "y", subs: tuple[float, ...] = (1.0, 2.0, 5.0)) -> None:
