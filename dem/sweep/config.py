@@ -125,11 +125,6 @@ class Sweep(Configuration):
                 )
         return names
 
-    @cached_property
-    def first_seed(self) -> int:
-        """The least seed of the first block, for what needs one bed."""
-        return min(run.seed for run in self.block(next(iter(self.blocks))).runs.values())
-
     def density_of(self, shape: str) -> float:
         """Density (kg/m3) of the first case of a shape, or of the first case of all."""
         cases = list(self.cases.values())

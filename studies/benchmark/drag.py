@@ -19,6 +19,7 @@ from dem.dynamics.simulation import STEP_FRACTION, Simulation
 from dem.sweep.config import Sweep
 from studies.benchmark.scenes import Case, packed
 from studies.common.peers import lammps
+from studies.common.results import first_seed
 
 TOLERANCE = 0.01  # of the mean drag
 KINKS = 200  # steps that are tried as the end of the level
@@ -64,7 +65,7 @@ def compare_drag(sweep: Sweep, beds: int, ways=WAYS) -> dict:
     bounds, window = np.empty(beds), sweep.record.window
     disc = next(label for label, shape in sweep.shapes.items() if shape.kind == "disc")
     for bed in range(beds):
-        case = packed(sweep, disc, sweep.first_seed + bed)
+        case = packed(sweep, disc, first_seed(sweep) + bed)
         bounds[bed] = case.time_step / STEP_FRACTION
         for code, (name, (way, steps)) in enumerate(ways.items()):
             for level, fraction in enumerate(steps):

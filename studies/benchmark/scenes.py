@@ -13,6 +13,7 @@ from dem.motion import Drive, Held, PrescribedMotion
 from dem.scene import Scene, State
 from dem.solids import Wall
 from dem.sweep.config import Sweep
+from studies.common.results import first_seed
 
 ASPECT_RATIO = 1.25  # of the ellipses, or the nearest to it in the sweep
 LOADED = {"ellipse": 0.90}  # least packing fraction: those of the paper are below jamming
@@ -53,7 +54,7 @@ def beds(sweep: Sweep) -> dict[str, Case]:
         label = next((label for label, shape in shapes if shape.kind == kind), None)
         if label is None:
             raise InputError(f"the configuration has no {kind}; the benchmark needs one.")
-        cases[kind] = packed(sweep, label, sweep.first_seed)
+        cases[kind] = packed(sweep, label, first_seed(sweep))
     return cases
 
 

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dem.base.statistics import LEVEL, log_ratio_interval, mean_interval, student
+from dem.base.statistics import LEVEL, mean_interval, student
+from studies.common.statistics import log_ratio_interval
 
 SUPPORTED, CONTRADICTED, UNDECIDED = "supported", "contradicted", "undecided"
 

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from dem.analysis.drag import find
-from dem.base.statistics import log_ratio_interval
+from studies.common.statistics import log_ratio_interval
 
 SHAPES = "e3", "c1"
 

@@ -32,6 +32,7 @@ from dem.base.errors import InputError, RunError
 from dem.base.source_hash import run_hash
 from dem.experiment.run import Replicate
 from dem.io.dataset import global_attributes, read, write
+from dem.sweep.config import Sweep
 from dem.sweep.expand import Block
 from dem.sweep.precision import GridPoint
 from dem.sweep.state import SweepState
@@ -43,6 +44,11 @@ ORIGIN = ("versions", "git_revision", "source_hash")
 def is_smoke(state: SweepState) -> bool:
     """Whether the sweep is the smallest one, which only shows that the study works."""
     return state.sweep.studies == "smoke.yaml"
+
+
+def first_seed(sweep: Sweep) -> int:
+    """The least seed of the first block, for what needs one bed."""
+    return min(run.seed for run in sweep.block(next(iter(sweep.blocks))).runs.values())
 
 
 def write_results(

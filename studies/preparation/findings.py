@@ -7,8 +7,9 @@ import xarray as xr
 from rich.table import Table
 
 from dem.analysis.drag import summarise
-from dem.base.statistics import Estimate, log_ratio_interval, mean_interval
+from dem.base.statistics import Estimate, mean_interval
 from studies.common.findings import Findings, estimate, numbers
+from studies.common.statistics import log_ratio_interval
 
 __all__ = ["preparation"]
 

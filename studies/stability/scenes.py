@@ -14,6 +14,7 @@ from dem.scene import Scene, State
 from dem.shapes import KINDS
 from dem.solids import box
 from dem.sweep.config import Sweep
+from studies.common.results import first_seed
 from studies.stability.catalogue import Changes
 
 
@@ -31,7 +32,7 @@ def changed(sweep: Sweep, shape: str, change: Changes, more: dict | None = None)
     }
     changes = {path: value for path, value in values.items() if value is not None} | (more or {})
     density = change.density * sweep.density_of(shape)
-    return sweep.changed(changes, shape).replicate(shape, density, sweep.first_seed)
+    return sweep.changed(changes, shape).replicate(shape, density, first_seed(sweep))
 
 
 _beds = {}

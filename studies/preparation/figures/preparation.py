@@ -7,9 +7,10 @@ from matplotlib.figure import Figure
 
 from dem.analysis.drag import summarise
 from dem.analysis.values import along, places_beside
-from dem.base.statistics import log_ratio_interval, mean_interval
+from dem.base.statistics import mean_interval
 from dem.figures import style
 from dem.figures.sweep import heading
+from studies.common.statistics import log_ratio_interval
 
 FILE = "drag"
 CAPTION = "Drag of shapes in beds that were made in several ways"
