@@ -3,18 +3,23 @@
 import json
 import math
 import re
+import tempfile
 import time
+from pathlib import Path
 
 import pytest
 import yaml
+from hypothesis import example, given
+from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
 from conftest import CONFIG
 from dem.base.errors import InputError
-from dem.base.yaml_file import read
+from dem.base.yaml_file import read, text_of
 from dem.experiment.granule_sizes import sample_diameters
 from dem.sweep.config import load, parse
 from dem.sweep.json_schema import schema
+from dem.sweep.state import SweepState
 
 FILES = [
     path
@@ -185,6 +190,63 @@ def test_files_that_are_no_configuration_are_refused(tmp_path, text):
     assert "\n" not in str(error.value)
     assert NO_CONFIGURATION[text] in str(error.value)
     assert time.perf_counter() - start < 60.0  # it would not end otherwise
+
+
+PLAIN = {
+    "1e3": 1e3,
+    "8.0e9": 8e9,
+    "+.5": 0.5,
+    "0x1F": 31,
+    "0o17": 15,
+    "08": 8,
+    "y": "y",
+    "~": None,
+    "TRUE": True,
+    "'010'": "010",
+    "'no'": "no",
+    "1 to 20": "1 to 20",
+    "5 %": "5 %",
+    "010": "write 10, or '010'.",
+    "-0100": "write -100, or '-0100'.",
+    "!!int 010": "write 10, or '010'.",
+    "1:30": "write '1:30'.",
+    "1_000": "write '1_000'.",
+    "0b11": "write '0b11'.",
+    "no": "write 'no'.",
+    "On": "write 'On'.",
+    "2026-11-28": "write '2026-11-28'.",
+    "2026-13-45": "write '2026-13-45'.",
+}
+
+
+@pytest.mark.parametrize("text", PLAIN)
+def test_a_plain_scalar_means_what_yaml_1_2_says_or_is_refused(tmp_path, text):
+    """With its line, and what to write: Snakemake reads a sweep file by YAML 1.1."""
+    path, meant = tmp_path / "own.yaml", PLAIN[text]
+    path.write_text(f"first: 1\nvalues: [{text}]")
+    if isinstance(meant, str) and meant.startswith("write"):
+        plain = text.removeprefix("!!int ")
+        with pytest.raises(InputError) as error:
+            SweepState.of_values(yaml.safe_load(PAPER), [path])
+        assert str(error.value).endswith(
+            f"own.yaml, line 2: {plain} means another value in YAML 1.1; {meant}"
+        )
+    else:
+        (value,) = read(path)["values"]
+        assert value == meant and isinstance(value, str) == isinstance(meant, str)
+
+
+@given(st.text("0123456789.eE+-_:oxnyNO", max_size=5))
+@example("1e3")
+@example("08")
+def test_a_resolved_file_has_the_same_values_for_all_readers(text):
+    """Texts that only one of YAML 1.1 and 1.2 takes for numbers are in quotes."""
+    values = {"title": text, text: 1e-5, "list": [1e20, 3, None, True]}
+    written = text_of(values)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "config.yaml")
+        path.write_text(written)
+        assert read(path) == yaml.safe_load(written) == values
 
 
 def test_keys_for_anchors_are_ignored(tmp_path):

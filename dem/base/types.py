@@ -44,7 +44,7 @@ class Unit:
 
 
 def real(value: Any, words: str = "a number") -> float:
-    """A number, also in a text, because YAML 1.1 and a command line have 3.9e3 as text."""
+    """A number, also in a text, because a command line has 3.9e3 as text."""
     if type(value) is np.ndarray and value.ndim == 0:
         value = value[()]
     is_number = isinstance(value, str | int | float | np.integer | np.floating)

@@ -1,10 +1,26 @@
-"""YAML files: UTF-8 text in, plain values out, one sentence with its line for anything else."""
+"""YAML files: UTF-8 text in, plain values out, one sentence with its line for anything else.
 
+A plain scalar means what the core schema of YAML 1.2 says, so that 1e3 is a number. One that is
+something else in YAML 1.1, by which Snakemake and others read the same file, is refused.
+"""
+
+import re
 from pathlib import Path
 
 import yaml
 
 from dem.base.errors import InputError
+
+CORE = {
+    "merge": "<<",  # not of the core schema: a group in others, by its alias
+    "null": "~|null|Null|NULL|",
+    "bool": "true|True|TRUE|false|False|FALSE",
+    "int": "[-+]?(0|[1-9][0-9]*)|0o[0-7]+|0x[0-9a-fA-F]+",
+    "float": r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)",
+}
+TAG = "tag:yaml.org,2002:"
+RESOLVERS = {None: [(TAG + kind, re.compile(f"({form})$")) for kind, form in CORE.items()]}
+OLD = yaml.resolver.Resolver()  # of YAML 1.1
 
 
 def read(path: Path) -> dict:
@@ -23,14 +39,37 @@ def read(path: Path) -> dict:
     return data
 
 
+def text_of(data: dict) -> str:
+    """The text of a YAML file with these values, for readers of YAML 1.1 and 1.2."""
+    return yaml.dump(data, Dumper=_Dumper, sort_keys=False)
+
+
+class _Dumper(yaml.SafeDumper):
+    yaml_implicit_resolvers = yaml.SafeDumper.yaml_implicit_resolvers | RESOLVERS
+
+
 class _Loader(yaml.SafeLoader):
     """PyYAML's, which takes the last of two equal keys, without these."""
+
+    yaml_implicit_resolvers = RESOLVERS
 
     def compose_mapping_node(self, anchor):
         node, lines = super().compose_mapping_node(anchor), {}
         for key, _ in node.value:
             if (name := str(key.value)) in lines:
-                words = f"{name!r} is a key here and in line {lines[name]}; remove one"
-                raise yaml.MarkedYAMLError(problem=words, problem_mark=key.start_mark)
+                _refuse(key, f"{name!r} is a key here and in line {lines[name]}; remove one")
             lines[name] = key.start_mark.line + 1
         return node
+
+    def compose_scalar_node(self, anchor):
+        node = super().compose_scalar_node(anchor)
+        text = node.value
+        new, old = (tags.resolve(yaml.ScalarNode, text, (True, False)) for tags in (self, OLD))
+        if node.style is None and old not in (new, f"{TAG}str"):
+            number = f"{int(text)}, or " if new == f"{TAG}float" else ""  # zeros in front
+            _refuse(node, f"{text} means another value in YAML 1.1; write {number}'{text}'")
+        return node
+
+
+def _refuse(node, words):
+    raise yaml.MarkedYAMLError(problem=words, problem_mark=node.start_mark)

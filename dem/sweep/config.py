@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import yaml
 from pydantic import Field, model_validator
 
 from dem.base.errors import InputError
@@ -15,7 +14,7 @@ from dem.base.messages import did_you_mean
 from dem.base.plugins import refresh, with_folder
 from dem.base.source_hash import ROOT
 from dem.base.types import Coefficient, Count, Density, Label, Section, must, parsed
-from dem.base.yaml_file import read
+from dem.base.yaml_file import read, text_of
 from dem.experiment.config import Configuration, model_of
 from dem.sweep.expand import Block, expand
 
@@ -210,4 +209,4 @@ def load(path: Path) -> Sweep:
 
 def save(sweep: Sweep, path: Path) -> None:
     """Write the resolved configuration, which `load` reads again."""
-    write_changed(Path(path), yaml.safe_dump(sweep.dump(), sort_keys=False))
+    write_changed(Path(path), text_of(sweep.dump()))

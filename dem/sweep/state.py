@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from dem.base.errors import InputError
+from dem.base.yaml_file import read
 from dem.experiment.run import Replicate
 from dem.io.dataset import BY_CASE
 from dem.packing.cost import near_jamming
@@ -65,8 +66,10 @@ class SweepState:
     @classmethod
     def of_values(cls, values: dict, files: list, root: str = "") -> "SweepState":
         """The sweep of the values that Snakemake has read of some files, and perhaps changed."""
-        names = ", ".join(map(os.path.relpath, files))
-        return cls(parse(values, names or "the configuration"), root=root)
+        names = list(map(os.path.relpath, files))
+        for name in names:
+            read(name)  # which refuses what Snakemake reads as another value
+        return cls(parse(values, ", ".join(names) or "the configuration"), root=root)
 
     # Names of files
 
