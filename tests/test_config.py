@@ -177,6 +177,25 @@ NO_CONFIGURATION = {
     "a: 1\nb: 2\n'a': 3": "line 3: 'a' is a key here and in line 1; remove one.",
     PAPER + "\ncases: {}": "'cases' is a key here and in line ",
 }
+TOO_MUCH = (
+    "it has more than 1,000,000 values, or they are nested more than 64 deep or in themselves."
+)
+NO_TEXT = "it must have at most 1,000 letters, all of them printable."
+LEVELS = [(n, ", ".join(9 * [f"*l{n - 1}"])) for n in range(1, 10)]
+LISTS = "".join(f"\nx-{n}: &l{n} [{parts}]" for n, parts in LEVELS)
+GROUPS = "".join(f"\nx-{n}: &l{n} {{<<: [{parts}]}}" for n, parts in LEVELS)
+NO_CONFIGURATION |= {
+    f"a: 1\nb: {'[' * 70}{']' * 70}": f"line 2: {TOO_MUCH}",
+    f"b: {'[' * 5000}": TOO_MUCH,
+    "sweep: &s {case: *s}": f"line 1: {TOO_MUCH}",
+    "sweep: {seed: &s [1, *s]}": f"line 1: {TOO_MUCH}",
+    f"x-0: &l0 [1, 2]{LISTS}": TOO_MUCH,
+    f"x-0: &l0 {{k: 2}}{GROUPS}": TOO_MUCH,
+    'a: 1\nbeside: "a\\0b"': f"line 2: a text is 'a\\x00b'; {NO_TEXT}",
+    'title: "a \\ud83d"': f"line 1: a text is 'a \\ud83d'; {NO_TEXT}",
+    'shapes: {"c\\udc00": 1}': f"line 1: a text is 'c\\udc00'; {NO_TEXT}",
+    f"title: {'long ' * 1000}": f"line 1: a text is '{'long ' * 8}'; {NO_TEXT}",
+}
 
 
 @pytest.mark.parametrize("text", NO_CONFIGURATION, ids=range(len(NO_CONFIGURATION)))
@@ -247,6 +266,28 @@ def test_a_resolved_file_has_the_same_values_for_all_readers(text):
         path = Path(folder, "config.yaml")
         path.write_text(written)
         assert read(path) == yaml.safe_load(written) == values
+
+
+@pytest.mark.parametrize(
+    "files", [["0"], ["1", "0"], [*map(str, range(1, 100)), "base"]], ids=["itself", "two", "many"]
+)
+def test_files_that_extend_each_other_without_end_are_refused(tmp_path, files):
+    (tmp_path / "base.yaml").write_text(PAPER)
+    for number, base in enumerate(files):
+        text = f"extends: {base}.yaml\nresults: results/own\n"
+        (tmp_path / f"{number}.yaml").write_text(text)
+    with pytest.raises(
+        InputError, match=r"more than 64 files extend each other, perhaps in a circle"
+    ):
+        load(tmp_path / "0.yaml")
+
+
+@pytest.mark.parametrize("key", ["extends", "experiment", "shapes.c1.kind"])
+def test_a_name_that_is_too_long_for_a_file_is_a_wrong_value(key):
+    name = 300 * "n"
+    ends = {"extends": ".yaml", "experiment": ".py"}
+    with pytest.raises(InputError, match=name):
+        parse(changed(key.split("."), name + ends.get(key, ".Own")) | {"results": "results/own"})
 
 
 def test_keys_for_anchors_are_ignored(tmp_path):
@@ -352,7 +393,7 @@ def test_seeds_may_be_words(words, seeds):
     assert sweep.dump()["sweep"]["seed"] == words
 
 
-NO_SEEDS = "5 to 1;1 to;one to two;1 to 99999999999;1, 1;;-1 to 3;2147483648"
+NO_SEEDS = "5 to 1;1 to;one to two;1 to 99999999999;1, 1;;-1 to 3;2147483648;1 to 2000000000"
 
 
 @pytest.mark.parametrize("words", NO_SEEDS.split(";"))

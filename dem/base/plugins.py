@@ -26,10 +26,8 @@ def is_plugin(word) -> bool:
     return len(parts) == 2 and all(map(str.isidentifier, parts))
 
 
-def with_folder(data, folder: Path):
+def with_folder(data: dict, folder: Path) -> dict:
     """Values of a file; `beside`, where files of a user are, is its folder if it names some."""
-    if not isinstance(data, dict):
-        return data
     if isinstance(other := data.get("beside"), str):
         return data | {"beside": str((folder / other).resolve())}
     if data.get("beside") is None and any(map(is_plugin, _words(data))):
@@ -67,7 +65,7 @@ def find(key: str, word: str, beside: str | None, known: tuple[str, ...]) -> Pat
         raise InputError(
             f"{start}{file.stem} is a name of this package; give your file another name."
         )
-    if not file.is_file():
+    if not os.path.isfile(file):  # noqa: PTH113 - of a name that is too long, Path raises
         raise InputError(f"{start}there is no file {file}.")
     try:
         source_hash.planned_codes(file)

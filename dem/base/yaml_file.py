@@ -11,6 +11,10 @@ import yaml
 
 from dem.base.errors import InputError
 
+DEEPEST = 64  # groups and lists within each other, and files that extend each other
+LONGEST = 1000  # letters of a text
+MOST = 1_000_000  # values; those of an alias count wherever it is used
+TOO_MUCH = f"it has more than {MOST:,} values, or they are nested more than {DEEPEST} deep or in themselves"
 CORE = {
     "merge": "<<",  # not of the core schema: a group in others, by its alias
     "null": "~|null|Null|NULL|",
@@ -34,6 +38,8 @@ def read(path: Path) -> dict:
         raise InputError(f"{path}{line}: {words}.") from None
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: cannot read it ({error}).") from None
+    except RecursionError:
+        raise InputError(f"{path}: {TOO_MUCH}.") from None
     if not isinstance(data, dict):
         raise InputError(f"{path}: it must hold keys with values, see config/paper.yaml.")
     return data
@@ -49,9 +55,22 @@ class _Dumper(yaml.SafeDumper):
 
 
 class _Loader(yaml.SafeLoader):
-    """PyYAML's, which takes the last of two equal keys, without these."""
+    """PyYAML's, which takes the last of two equal keys, without these, and within bounds."""
 
     yaml_implicit_resolvers = RESOLVERS
+
+    def get_single_node(self):
+        root = super().get_single_node()
+        left, stack = MOST, [(root, 0)] if root else []
+        while stack:
+            node, depth = stack.pop()
+            left -= 1
+            if left < 0 or depth > DEEPEST:
+                _refuse(node, TOO_MUCH)
+            if isinstance(node, yaml.CollectionNode):
+                groups = node.value if isinstance(node, yaml.MappingNode) else [node.value]
+                stack += [(part, depth + 1) for group in groups for part in group]
+        return root
 
     def compose_mapping_node(self, anchor):
         node, lines = super().compose_mapping_node(anchor), {}
@@ -64,6 +83,9 @@ class _Loader(yaml.SafeLoader):
     def compose_scalar_node(self, anchor):
         node = super().compose_scalar_node(anchor)
         text = node.value
+        if len(text) > LONGEST or self.NON_PRINTABLE.search(text):
+            words = f"it must have at most {LONGEST:,} letters, all of them printable"
+            _refuse(node, f"a text is {text[:40]!a}; {words}")
         new, old = (tags.resolve(yaml.ScalarNode, text, (True, False)) for tags in (self, OLD))
         if node.style is None and old not in (new, f"{TAG}str"):
             number = f"{int(text)}, or " if new == f"{TAG}float" else ""  # zeros in front

@@ -17,7 +17,7 @@ from dem.experiment.observables import OBSERVABLES
 from dem.experiment.sections import RunSection
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
 from dem.sweep import design
-from dem.sweep.precision import Until
+from dem.sweep.precision import MOST_RUNS, Until
 
 RUN_KEYS = tuple(RunSection.model_fields)  # of a run, beside the values of its configuration
 RUNS = {
@@ -209,10 +209,11 @@ def seeds_of(words: str, key: str) -> list[int]:
     for part in words.split(","):
         ends = re.fullmatch(r"\s*(\d{1,20})(?:\s+to\s+(\d{1,20}))?\s*", part)
         first, last = (int(ends[1]), int(ends[2] or ends[1])) if ends else (1, 0)
-        if not first <= last < SEEDS:
+        if not first <= last < SEEDS or len(seeds) + last - first >= MOST_RUNS:
             raise InputError(
                 f"{key} is {written(words)}; it must be a list of whole numbers, or words such as 1 "
-                f"to 100, 205: each part from less to more, below {SEEDS}."
+                f"to 100, 205: each part from less to more, below {SEEDS}, at most {MOST_RUNS:,} in "
+                "all."
             )
         seeds += range(first, last + 1)
     return seeds

@@ -1,5 +1,6 @@
 """A whole configuration file: the values of a run, and what is varied."""
 
+import os
 import sys
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +15,7 @@ from dem.base.messages import did_you_mean
 from dem.base.plugins import refresh, with_folder
 from dem.base.source_hash import ROOT
 from dem.base.types import Coefficient, Count, Density, Label, Section, must, parsed
-from dem.base.yaml_file import read, text_of
+from dem.base.yaml_file import DEEPEST, read, text_of
 from dem.experiment.config import Configuration, model_of
 from dem.sweep.expand import Block, expand
 
@@ -149,26 +150,34 @@ def parse(data, source: str = "configuration") -> Sweep:
     return sweep
 
 
-def extended(data, source: str):
-    """A file's content merged over the file that it extends; raises InputError."""
+def extended(data, source: str, left: int = DEEPEST):
+    """A file's content merged over the file that it extends, which may extend another, and so on for
+    so many files; raises InputError."""
     folder = Path(source.partition(", ")[0]).parent  # of the first, where Snakemake names several
-    data = with_discs(with_folder(data, folder), source, folder)
-    if isinstance(data, dict):  # keys for anchors of YAML, as Docker Compose has them
-        data = {key: value for key, value in data.items() if not str(key).startswith("x-")}
-    if not isinstance(data, dict) or "extends" not in data:
+    if not isinstance(data, dict):
         return data
-    base = find_file(parsed(str, data.pop("extends"), "extends", source), folder)
+    data = with_discs(with_folder(data, folder), source, folder)
+    # without keys for anchors of YAML, as Docker Compose has them
+    data = {key: value for key, value in data.items() if not str(key).startswith("x-")}
+    if "extends" not in data:
+        return data
+    name = parsed(str, data.pop("extends"), "extends", source)
+    if not left:
+        raise InputError(
+            f"{source}: extends is {name!r}; more than {DEEPEST} files extend each other, perhaps in "
+            "a circle."
+        )
+    base = find_file(name, folder)
     if "results" not in data:
         raise InputError(
             f"{source}: results is missing; a file that extends another needs a folder of its own."
         )
-    return merged(extended(read(base), str(base)), data)
+    return merged(extended(read(base), str(base), left - 1), data)
 
 
-def with_discs(data, source: str, folder: Path):
+def with_discs(data: dict, source: str, folder: Path) -> dict:
     """Values of a file, with the discs of clumps in place of files in its folder that hold them."""
-    shapes = data.get("shapes") if isinstance(data, dict) else None
-    if not isinstance(shapes, dict):
+    if not isinstance(shapes := data.get("shapes"), dict):
         return data
     shapes = dict(shapes)
     for label, shape in shapes.items():
@@ -197,7 +206,8 @@ def merged(base: dict, changes: dict, top: bool = True) -> dict:
 def find_file(name: str | Path, beside: Path = Path()) -> Path:
     """The file of that name: in the working folder, beside another, in the checkout, or of the package."""
     folders = Path(), beside, ROOT, Path(sys.prefix, "share/granular-drag")
-    return next((folder / name for folder in folders if (folder / name).is_file()), Path(name))
+    paths = [folder / name for folder in folders]  # Path would raise for a name that is too long
+    return next((path for path in paths if os.path.isfile(path)), Path(name))  # noqa: PTH113
 
 
 def load(path: Path) -> Sweep:
