@@ -31,8 +31,8 @@ class Speed(Findings):
         self.name = name
 
     def codes(self) -> Table:
-        """By bed and code that ran; the damping of LAMMPS and LIGGGHTS has another form, with the
-        same restitution."""
+        """By bed and code that ran; the damping of LAMMPS has another form, with the same
+        restitution at one speed."""
         heads = "bed", "code", "10⁶ granule-steps/s", "lowest to highest", "ns a contact"
         table = numbers(*heads, words=2)
         every = 1e-6 * self.dataset["granule_steps_per_second"].stack(bed=("scene", "code"))

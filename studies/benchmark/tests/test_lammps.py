@@ -62,15 +62,17 @@ def test_softer_tangential_springs_are_handed_on(small_bed):
     assert distance < 0.1 * displacement
 
 
-def test_a_collision_returns_the_coefficient_of_restitution():
-    """The dashpot that LAMMPS gets is the one for which discs part at e times the speed they
-    met."""
+@pytest.mark.parametrize("e", [0.2, 0.5, 0.9])
+@pytest.mark.parametrize("same", [False, True])
+def test_a_collision_returns_the_coefficient_of_restitution(same, e):
+    """The dashpot that LAMMPS gets, in either style, is the one for which discs part at e times the
+    speed they met."""
     size = 1e-3
-    scene = dem.Scene(dem.Disc(np.full(2, size)), dem.Material(restitution=0.5), thickness=size)
+    scene = dem.Scene(dem.Disc(np.full(2, size)), dem.Material(restitution=e), thickness=size)
     state = dem.State([[0.0, 0.0], [2.001 * size, 0.0]], [[0.5, 0.0], [-0.5, 0.0]])
-    with lammps.Run(scene, state, 1e-9) as run:
+    with lammps.Run(scene, state, 1e-9, same=same) as run:
         run.advance(20_000)
-        assert run.velocity[:, 0] == pytest.approx([-0.25, 0.25], rel=1e-3)
+        assert run.velocity[:, 0] == pytest.approx([-0.5 * e, 0.5 * e], rel=1e-3)
 
 
 def test_the_force_on_the_cylinder_is_the_same(small_bed):
@@ -102,3 +104,11 @@ def test_what_lammps_has_no_equivalent_for_is_refused(small_bed):
     small = small_bed("ellipse")
     with pytest.raises(dem.InputError, match="ellipse"):
         lammps.Run(small.scene(), small.state, 1e-9)
+
+
+def test_a_restitution_that_lammps_cannot_have_by_our_law_is_refused(small_bed):
+    """Below exp(-2) our dashpot is stronger than any that its coefficient of restitution asks for."""
+    small = small_bed("disc")
+    scene = small.scene(material=dem.Material(restitution=0.1))
+    with pytest.raises(dem.InputError, match=r"restitution is 0\.1; it must be above exp\(-2\)"):
+        lammps.Run(scene, small.state, 1e-9, same=True)

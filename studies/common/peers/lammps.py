@@ -4,8 +4,9 @@ The same in both codes: masses and moments of inertia, Hertz's law with our E*, 
 mu, rigid walls and a rigid cylinder, velocity Verlet, order of the granules. Not the same: the dashpot (see
 studies.common.peers.material); the tangential spring, which remembers its length in LAMMPS and its
 force in ours; and the arm of the tangential force, the full radius in LAMMPS and radius - overlap /
-2 in ours. LAMMPS has our dashpot and our spring too, in a style that takes longer for a step; only
-the arm then differs. Without friction and damping the two codes follow the same equations, discs and
+2 in ours. LAMMPS has our dashpot and our spring too, in a style that takes longer for a step. Only arms
+then differ: that of the torque is ours between granules, those of the slip and at walls are the full
+radius. Without friction and damping the two codes follow the same equations, discs and
 dumbbells alike.
 """
 
@@ -28,7 +29,7 @@ from dem.laws.hertz import Hertz
 from dem.scene import Scene, State
 from dem.shapes.disc import Disc
 from dem.shapes.dumbbell import Dumbbell
-from studies.common.peers.material import hertz
+from studies.common.peers.material import hertz, restitution_if_pulling
 
 NAME, SHAPES = "LAMMPS", (Disc, Dumbbell)
 SKIN = 0.3  # of the mean radius; timings are flat about it
@@ -244,7 +245,8 @@ def _law(scene, kind, same):
     make NaN of a zero."""
     law = hertz(scene, kind)
     if same:
-        e, ratio = scene.material.restitution, math.sqrt(law.tangential / (1.5 * law.normal))
+        e = restitution_if_pulling(scene.material.restitution)
+        ratio = math.sqrt(law.tangential / (1.5 * law.normal))
         spring = f"mindlin_rescale/force {law.tangential!r} {ratio!r} {law.friction!r}"
         dashpot = "damping coeff_restitution limit_damping"
         return f"granular hertz {law.normal!r} {e!r} tangential {spring} {dashpot}"

@@ -1,6 +1,6 @@
 """Our discs as a run of LIGGGHTS (https://www.cfdem.com), by its program: for time, not for motion.
 
-Its Hertz contact is ours up to the value of the dashpot; its tangential spring remembers a length.
+Its Hertz contact and its dashpot are ours; its tangential spring remembers a length.
 Walls and the cylinder are of a material RIGID times stiffer than the granules, and the cylinder is a
 disc HEAVY times denser with a prescribed velocity: LIGGGHTS has no moving cylinder.
 """
@@ -14,7 +14,7 @@ import numpy as np
 from dem.base.errors import RunError
 from dem.scene import Scene, State
 from dem.shapes.disc import Disc
-from studies.common.peers.material import RIGID
+from studies.common.peers.material import RIGID, restitution_if_pulling
 from studies.common.peers.program import absent, last_lines, output
 
 NAME, SHAPES = "LIGGGHTS", (Disc,)
@@ -111,7 +111,7 @@ def _input(scene, time_step, warm, steps):
         modulus=material.young_modulus,
         rigid=RIGID * material.young_modulus,
         poisson=material.poisson_ratio,
-        restitution=" ".join(9 * [repr(material.restitution)]),
+        restitution=" ".join(9 * [repr(restitution_if_pulling(material.restitution))]),
         friction=" ".join(repr(kinds[max(i, j)]) for i in range(3) for j in range(3)),
         skin=SKIN * scene.shape.radius.mean(),
         time_step=time_step,

@@ -7,6 +7,8 @@ from typing import NamedTuple
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from dem.base.errors import InputError
+from dem.contacts.force_law import damping_from_restitution
 from dem.dynamics.assembly import laws_of
 from dem.laws.hertz import FOUR_THIRDS
 from dem.scene import Scene
@@ -45,6 +47,22 @@ def hertz(scene: Scene, kind: str) -> Hertz:
     radius, mass = share * scene.shape.constituent_radius.mean(), share * scene.mass.mean()
     damping = damping_rate(scene.material.restitution, normal, radius, mass)
     return Hertz(normal, stiffness * normal, damping, ratio * damping, friction)
+
+
+def restitution_if_pulling(restitution: float) -> float:
+    """The e from which LAMMPS's style granular, LIGGGHTS and YADE find the constant of our dashpot.
+
+    They take alpha = -sqrt(5) ln e / sqrt(pi^2 + ln^2 e), which returns e if the contact may pull
+    until the overlap ends. Their contacts do not pull, nor do ours, so alpha returns more than that e
+    there and here; ours is the one that returns `restitution`. Raises InputError where it has no e.
+    """
+    ratio = damping_from_restitution(restitution)
+    if ratio >= 1.0:
+        raise InputError(
+            f"material.restitution is {restitution:g}; it must be above exp(-2) = 0.135: below, no "
+            "coefficient of restitution gives LAMMPS, LIGGGHTS or YADE our dashpot."
+        )
+    return math.exp(-math.pi * ratio / math.sqrt(1.0 - ratio**2))
 
 
 def damping_rate(restitution, normal, radius, mass) -> float:

@@ -1,6 +1,6 @@
 """Our discs as a run of YADE (https://yade-dem.org), by its program: for time, not for motion.
 
-Its contact has Hertz's law, our E* and G*, and a dashpot of our form; its spheres are kept in the
+Its contact has Hertz's law, our E* and G*, and our dashpot; its spheres are kept in the
 plane and get our masses. Walls and the cylinder are of a material RIGID times stiffer than the granules.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from dem.base.errors import RunError
 from dem.scene import Scene, State
 from dem.shapes.disc import Disc
-from studies.common.peers.material import RIGID
+from studies.common.peers.material import RIGID, restitution_if_pulling
 from studies.common.peers.program import absent, last_lines, output
 
 NAME, SHAPES = "YADE", (Disc,)
@@ -107,7 +107,7 @@ def _values(scene, state):
     return {
         "young_modulus": material.young_modulus,
         "poisson_ratio": material.poisson_ratio,
-        "restitution": material.restitution,
+        "restitution": restitution_if_pulling(material.restitution),
         "rigid": RIGID,
         "angles": [math.atan(mu) for mu in (friction.granule, friction.wall, friction.solid)],
         "skin": SKIN * float(scene.shape.radius.mean()),
