@@ -172,13 +172,17 @@ class Room(NamedTuple):
         return f"the bed at packing fraction {shape.area.sum() / self.area:.4g} (seed {self.seed})"
 
 
-def scatter(shape: Any, room: Room, rng: np.random.Generator) -> np.ndarray:
+def scatter(shape: Any, factor: float, room: Room, rng: np.random.Generator) -> np.ndarray:
     """Random sequential addition of the bounding circles: positions (n, 2) in m.
+
+    Lengths of granules are scaled by a factor. None begins between two solids, or between one and a
+    wall, where it would not fit at its full size: it could be caught there as it grows.
 
     A grid finds the neighbours, so that the work is proportional to the number of granules. Its
     squares are at least as wide as the largest circle, and the first ones follow the last ones.
     """
-    radius, side, periodic = shape.bounding_radius, room.size, room.periods
+    radius, side, periodic = factor * shape.bounding_radius, room.size, room.periods
+    widest = 2.0 * np.sqrt(shape.area / np.pi)
     turns = np.array(SIDES[room.periodic])
     size = max(2.0 * radius.max(), math.sqrt(room.width * room.height / len(radius)))
     count = np.maximum(side // size, 1.0)  # of squares along each side
@@ -188,7 +192,9 @@ def scatter(shape: Any, room: Room, rng: np.random.Generator) -> np.ndarray:
         for _ in range(1000):
             trial = np.where(turns, 0.0, r) + np.where(turns, side, side - 2.0 * r) * rng.random(2)
             column, row = trial * count // side
-            if any(room.depth(solid, trial[None])[0] > -r for solid in room.solids):
+            gaps = sorted(-room.depth(solid, trial[None])[0] for solid in room.solids)
+            sides = np.where(turns, np.inf, np.minimum(trial, side - trial))
+            if gaps and (gaps[0] < r or gaps[0] + min(*gaps[1:2], *sides) < widest[i]):
                 continue
             around = {
                 ((column + x) % count[0], (row + y) % count[1])
@@ -324,7 +330,7 @@ def dilute_start(shape: Any, room: Room) -> tuple[float, State]:
     rng = np.random.default_rng([room.seed, 1])
     circles = np.pi * (shape.bounding_radius**2).sum()
     factor = min(1.0, math.sqrt(LOOSE * room.area / circles))
-    position = scatter(shape.scaled(factor), room, rng)
+    position = scatter(shape, factor, room, rng)
     return factor, State(position, angle=rng.uniform(0.0, 2.0 * np.pi, len(position)))
 
 
