@@ -1,6 +1,7 @@
 """What a sweep promises: any value varies, a run is known by what it reads, nothing is made twice."""
 
 import json
+import math
 import os
 import re
 import shutil
@@ -148,6 +149,23 @@ def test_a_velocity_in_another_unit_is_noticed(values, words):
     """One sentence, of the fastest run, however many there are."""
     warnings = SweepState(small({"shape": ["c1"], "seed": "1 to 3"} | values)).check()
     warnings = [sentence for sentence in warnings if "velocity" in sentence]
+    assert len(warnings) == bool(words) and all(words in sentence for sentence in warnings)
+
+
+@pytest.mark.parametrize(
+    ("periodic", "direction", "words"),
+    [
+        ("x", 0.0, "drawn along x, and periodic has it too: nothing but friction"),
+        ("xy", math.pi / 2.0, "drawn along y"),
+        ("x", math.pi / 2.0, ""),
+        ("none", 0.0, ""),
+    ],
+)
+def test_a_bed_that_no_wall_holds_is_noticed(periodic, direction, words):
+    """The cylinder takes it along, and the drag is at most the friction of the walls that there are."""
+    values = {"shape": ["c1"], "seed": "1 to 3", "periodic": [periodic]}
+    warnings = SweepState(small(values | {"cylinder.direction": [direction]})).check()
+    warnings = [sentence for sentence in warnings if "periodic" in sentence]
     assert len(warnings) == bool(words) and all(words in sentence for sentence in warnings)
 
 

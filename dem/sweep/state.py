@@ -12,6 +12,7 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.yaml_file import read
+from dem.experiment.intruders import ahead_of
 from dem.experiment.run import Replicate
 from dem.io.dataset import BY_CASE
 from dem.packing.cost import near_jamming
@@ -238,9 +239,9 @@ class SweepState:
     # All of it
 
     def check(self) -> list[str]:
-        """Warnings: of a new store, of a cylinder that is too fast, of large beds near jamming, and
-        of runs that will be gone from combined files."""
-        warnings = [*self._fast_cylinder(), *slow_beds(self.replicates())]
+        """Warnings: of a new store, of a cylinder that is too fast, of a bed that nothing but
+        friction holds, of large beds near jamming, and of runs that will be gone from combined files."""
+        warnings = [*self._fast_cylinder(), *self._loose_bed(), *slow_beds(self.replicates())]
         if not self.store.folder.is_dir():
             warnings.append(
                 f"{self.store.folder.absolute()}: this store of runs is new, and has none yet; "
@@ -274,6 +275,22 @@ class SweepState:
                 f"Warning: cylinder.velocity is {velocity:g} m/s, {mach:.2g} of the velocity of "
                 f"sound in a granule, sqrt(material.young_modulus / density) = {sound:.4g} m/s; it "
                 f"should be below {FASTEST:g}. Are all values in SI units?"
+            )
+
+    def _loose_bed(self) -> Iterator[str]:
+        """A warning of a bed that moves along with the cylinder: no wall is across its way."""
+        ways = {
+            axis
+            for run in self.replicates()
+            if (c := run.configuration).experiment == "drag"
+            for axis, share in zip("xy", ahead_of(c.cylinder), strict=True)
+            if axis in c.periodic and abs(share) > 1e-3  # more than rounding
+        }
+        for axis in sorted(ways):
+            yield (
+                f"Warning: the cylinder is drawn along {axis}, and periodic has it too: nothing but "
+                "friction with walls holds the bed. It will move along, and the drag is at most that "
+                "friction."
             )
 
     def retry(self) -> int:
