@@ -62,6 +62,15 @@ def test_every_member_of_a_simulation_has_an_example():
 
 
 @pytest.mark.parametrize("name", NAMES)
+def test_help_begins_with_types_that_can_be_read(name):
+    """One short line, without what checks the values."""
+    thing = operator.attrgetter(name)(dem)
+    if not (inspect.isclass(thing) and issubclass(thing, Exception)):
+        types = str(inspect.signature(thing))
+        assert not re.search("Annotated|Validator|FieldInfo|Unit", types) and len(types) < 600
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_numbers_of_docstrings_have_units(name):
     """Those of arguments, attributes and results."""
     docscrape = pytest.importorskip("numpydoc.docscrape")

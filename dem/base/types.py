@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Annotated, Any, NoReturn, TypeVar, get_args
+from typing import Annotated, Any, NoReturn, TypeVar, get_args, get_type_hints
 
 import numpy as np
 from pydantic import (
@@ -189,7 +189,8 @@ def checked(target: Target) -> Target:
 
 
 def _checked(function: Any, head: str) -> Any:
-    parameters = inspect.signature(function).parameters
+    signature, plain = inspect.signature(function), get_type_hints(function)
+    parameters = signature.parameters
     names = [name for name, p in parameters.items() if p.kind is p.POSITIONAL_OR_KEYWORD]
     types = {
         name: parameter.annotation
@@ -214,6 +215,11 @@ def _checked(function: Any, head: str) -> Any:
         first, rest = map(taken, names, args), args[len(names) :]
         return function(*first, *rest, **{name: taken(name, kwargs[name]) for name in kwargs})
 
+    call.__signature__ = signature.replace(  # type: ignore[attr-defined]  # for help()
+        parameters=[
+            p.replace(annotation=plain.get(p.name, p.annotation)) for p in parameters.values()
+        ]
+    )
     return call
 
 

@@ -89,7 +89,7 @@ class Bed(NamedTuple):
     pressure: float
     coordination_number: float
     max_overlap: float
-    periodic: Periods = None
+    periodic: tuple[float | None, float | None] | None = None
 
     @property
     def state(self) -> State:
