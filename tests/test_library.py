@@ -70,6 +70,15 @@ def test_a_result_without_walls_is_a_dataset_too():
     assert np.isfinite(dataset["position"]).all()
 
 
+def test_a_result_prints_in_a_few_lines():
+    """Numbers of frames and granules and the names of its arrays, not the arrays."""
+    scene = dem.Scene(dem.Disc(np.full(20, 1e-4)), solids=[dem.Cylinder(1e-3, (5e-3, 0.0))])
+    state = dem.State(np.column_stack([np.arange(20) * 1e-3, np.full(20, 5e-3)]))
+    words = str(dem.simulate(scene, state, 1e-6, frames=7))
+    assert len(words) < 400 and words.count("\n") == 1
+    assert all(part in words for part in ("8", "20", "1e-06 s", "solid_torque"))
+
+
 def test_thickness_is_the_mean_volume_diameter_unless_it_is_given():
     """As the paper's L = D_g: of discs the diameter, of others that of the disc of equal area."""
     assert discs().thickness == pytest.approx(3e-3)

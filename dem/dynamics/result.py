@@ -240,6 +240,10 @@ class Result(NamedTuple):
 
         return result_of(deepcopy(self.simulation), duration, frames)
 
+    def __repr__(self) -> str:
+        granules, names = len(self.scene.mass), ", ".join(self._fields)
+        return f"Result of {granules} granules until {self.time[-1]:g} s, {len(self.time)} frames:\n{names}"
+
     @property
     def walls(self) -> np.ndarray:
         """Walls of all frames, (f, w, 3): rows (nx, ny, offset), offset in m."""
