@@ -88,6 +88,25 @@ def test_overlap_guard_names_granule_and_step(small_bed, kind):
         dem.simulate(small.scene(), small.state, 1e-3, max_overlap=limit)
 
 
+@pytest.mark.parametrize(
+    ("position", "partner"),
+    [([[1.2e-3, 8e-3], [3.5e-3, 8e-3]], "granule 1"), ([[1.2e-3, 5e-3], [2e-3, 9e-3]], "solid 1"),
+     ([[8.6e-3, 5e-3], [2e-3, 9e-3]], "wall 1")],
+)  # fmt: skip
+def test_an_overlap_names_both_bodies_and_a_stiffer_material(position, partner):
+    """So that one knows where to look: another granule, a solid or a wall."""
+    solids = [dem.Cylinder(1e-3, (x, 5e-3 * y)) for x, y in ((9e-3, 0.2), (4e-3, 1.0))]
+    scene = dem.Scene(
+        dem.Disc([1e-3, 1e-3]), dem.Material(young_modulus=1e5), dem.Friction(), dem.box(1e-2, 1e-2), solids,
+    )  # fmt: skip
+    state = dem.State(position, velocity=[[8.0, 0.0], [0.0, 0.0]])
+    words = rf"granule 0 overlaps {partner} by .*: take a smaller time step, a stiffer material"
+    with pytest.raises(dem.OverlapError, match=words):
+        dem.simulate(scene, state, 1e-3, max_overlap=0.4)
+    with pytest.raises(dem.StateError, match=r"behind wall 1 .* a stiffer material"):
+        dem.simulate(scene, dem.State([[8e-3, 5e-3], [2e-3, 9e-3]], [[50, 0], [0, 0]]), 1e-3)
+
+
 LONG = "time_step is .* s, longer than the critical one, .* at step {}, time .* allow_unstable"
 
 

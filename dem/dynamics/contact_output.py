@@ -186,12 +186,15 @@ class ContactList(NamedTuple):
     rolling_moment: np.ndarray
 
 
+def number_of_solids(world) -> int:
+    solids = [world.circles, world.outlines, world.polygons]
+    return sum(len(surface.boundary) for surface in solids if surface is not None)
+
+
 def list_contacts(world, names: np.ndarray) -> ContactList:
     """All contacts of a bed; names (n,): the number of each granule of the World."""
     parts, owner = [], world.shape.owner
-    solids = [world.circles, world.outlines, world.polygons]
-    numbers = sum(len(surface.boundary) for surface in solids if surface is not None)
-    walls = len(world.walls.boundary)
+    numbers, walls = number_of_solids(world), len(world.walls.boundary)
     for surface, motion, rows in measured(world):
         partner = surface.contacts.partner.astype(np.int64)
         if surface.contacts is world.pairs:
@@ -203,6 +206,15 @@ def list_contacts(world, names: np.ndarray) -> ContactList:
         columns = _columns(world, names, surface.contacts, rows, partner, second)
         parts.append([column[rows[:, 0] > 0.0] for column in columns])
     return ContactList(*map(np.concatenate, zip(*parts, strict=True)))
+
+
+def partner_words(world, contacts: ContactList, granule: int) -> str:
+    """What a granule meets where it overlaps most: "granule 3", "solid 0" or "wall 1"."""
+    mine = np.where(contacts.granule == granule, contacts.overlap, -np.inf)
+    partner, solids = int(contacts.partner[mine.argmax()]), number_of_solids(world)
+    if partner >= 0:
+        return f"granule {partner}"
+    return f"solid {-1 - partner}" if -partner <= solids else f"wall {-1 - partner - solids}"
 
 
 def _columns(world, names, listed, geometries, partner, second):

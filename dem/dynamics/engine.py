@@ -13,6 +13,7 @@ import numpy as np
 from dem.base.errors import OverlapError, RunError, StateError
 from dem.dynamics.assembly import GranuleTable
 from dem.dynamics.checkpoint import copied
+from dem.dynamics.contact_output import list_contacts, partner_words
 from dem.dynamics.diagnostics import Diagnostics
 from dem.dynamics.stepping import (
     FINE,
@@ -49,9 +50,9 @@ SENTENCES = {
     UNSTABLE: "time_step is {time_step:.4g} s, longer than the critical one, {value:.4g} s, "
     f"{WHEN}: make it shorter, leave it out, or set allow_unstable.",
     OUTSIDE: f"granule {{granule}} has its centre {{far:.3g}} m behind wall {{wall}} {WHEN}: "
-    "put it inside, or take a smaller time step.",
-    TOO_DEEP: f"granule {{granule}} overlaps by {{value:.3g}} of the smaller radius {WHEN}; the "
-    "limit is {max_overlap:g}: {remedy}.",
+    f"put it inside, or {LESS}.",
+    TOO_DEEP: f"granule {{granule}} overlaps {{what}} by {{value:.3g}} of the smaller radius {WHEN}; "
+    "the limit is {max_overlap:g}: {remedy}.",
 }
 
 
@@ -165,6 +166,8 @@ def failure(report: Progress, rules: StepControl, world: World, order: np.ndarra
             what = f"granule {order[world.shape.owner[moved.argmax()]]}"
     elif outcome == OUTSIDE:
         beyond = world.walls.planes[:, :2] @ world.bodies[granule, :2] - world.walls.planes[:, 2]
+    elif outcome == TOO_DEEP:
+        what = partner_words(world, list_contacts(world, order), order[granule])
     words = SENTENCES[outcome].format(
         **rules._asdict(),
         **report._replace(granule=order[granule])._asdict(),
