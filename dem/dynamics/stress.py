@@ -189,7 +189,7 @@ def _container(planes, periods, bins):
     far = OPEN * max([LEAST, *(abs(plane[2]) for plane in planes)])
     corners = far * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     for nx, ny, offset in planes:
-        corners = _clipped(corners, (nx, ny), offset)
+        corners = clipped(corners, (nx, ny), offset)
     if (np.abs(corners) > 0.999 * far).any():
         raise InputError(
             "the container of the bed is not closed, so that it has no area; give edges of bins "
@@ -198,7 +198,7 @@ def _container(planes, periods, bins):
     return corners
 
 
-def _clipped(corners, normal, offset):
+def clipped(corners, normal, offset):
     """The part of a convex polygon of corners (k, 2) in m that is below a plane."""
     beyond, kept = corners @ normal - offset, []
     for k in range(len(corners)):
@@ -214,6 +214,6 @@ def _areas_below(corners, axis, limits):
     """Areas (m2) of a convex polygon of corners (k, 2) in m below each limit (m) along an axis."""
     below = []
     for limit in limits:
-        x, y = _clipped(corners, np.eye(2)[axis], limit).T
+        x, y = clipped(corners, np.eye(2)[axis], limit).T
         below.append(0.5 * abs(np.sum(np.roll(x, 1) * y - x * np.roll(y, 1))))
     return np.array(below)

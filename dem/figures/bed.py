@@ -7,6 +7,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import Polygon
 from matplotlib.patheffects import withStroke
 
+from dem.dynamics.stress import clipped
 from dem.periodic import wrapped
 
 STEEL = {"facecolor": "white", "edgecolor": "black", "hatch": "xxxx", "zorder": 3}
@@ -45,15 +46,7 @@ def free_space(planes, view) -> np.ndarray:
     (left, low), (right, high) = view
     space = np.array([[left, low], [right, low], [right, high], [left, high]], float)
     for plane in planes:
-        depths, kept = space @ plane[:2] - plane[2], []
-        for corner, depth in enumerate(depths):
-            before = depths[corner - 1]
-            if depth * before < 0.0:
-                share = depth / (depth - before)
-                kept.append(space[corner] + share * (space[corner - 1] - space[corner]))
-            if depth <= 0.0:
-                kept.append(space[corner])
-        space = np.array(kept).reshape(-1, 2)
+        space = clipped(space, plane[:2], plane[2])
     return space
 
 
