@@ -3,11 +3,15 @@
 import os
 import subprocess
 import sys
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib import rc_context
+from matplotlib.figure import Figure
 from matplotlib.path import Path as Outline
 from numpy.testing import assert_allclose
 from PIL import Image
@@ -118,6 +122,55 @@ def test_a_film_has_a_frame_per_frame_of_the_result(results, tmp_path, name):
 def test_a_film_is_an_mp4(results, tmp_path):
     written = dem.film(results["both"], tmp_path / "discs.mp4", color="force", forces=True)
     assert written == tmp_path / "discs.mp4" and written.read_bytes()[4:8] == b"ftyp"
+
+
+@pytest.mark.parametrize("panel", ["force", "torque"])
+@pytest.mark.parametrize("solid", [None, 0, 1])
+def test_the_panel_of_a_film_is_of_the_solid_that_is_asked_for(results, panel, solid):
+    """Or the sum over all of them; the force by its components."""
+    result = results["both"]
+    pushed = {"force": [[[0, 0], [1, 2]], [[3, 5], [7, 9]]], "torque": [[0, 1], [3, 5]]}
+    solids = [CYLINDER, replace(CYLINDER, position=(0.0, 9e-3))]
+    result = result._replace(
+        scene=replace(result.scene, solids=solids),
+        solid_position=np.zeros((2, 2, 2)),
+        solid_angle=np.zeros((2, 2)),
+        time=result.time[:2],
+        **{f"solid_{name}": np.array(values) for name, values in pushed.items()},
+    )
+    axes = Figure().subplots()
+    of_result(result, panel, solid).record(axes)
+    values = np.array(pushed[panel])[1]
+    expected = values.sum(axis=0) if solid is None else values[solid]
+    drawn = [patch.get_data().values[0] for patch in axes.patches]
+    assert_allclose(drawn, np.atleast_1d(expected))
+    on = "2 solids, summed" if solid is None else f"solid {solid}"
+    assert axes.get_ylabel().startswith(f"{panel.capitalize()} on {on} (N")
+
+
+@pytest.mark.parametrize(("width", "height"), [(1.0, 1.0), (1.0, 4.0), (4.0, 1.0)])
+def test_a_film_of_any_scene_shows_it_large_and_its_words_apart(width, height):
+    """The bed takes the most of its film that its shape leaves, and no two words of an axis overlap."""
+    scene = dem.Scene(dem.Disc([1e-4]), walls=dem.box(width * 1e-2, height * 1e-2), solids=CYLINDER)
+    frames = of_result(dem.simulate(scene, dem.State([[1e-3, 1e-3]]), 2e-3, frames=2))
+    with rc_context(film.RC):
+        figure, _ = film.figure_of(frames, "speed", False)
+    boxes = [axes.get_window_extent() for axes in figure.axes]
+    bed, whole = max(boxes, key=lambda box: box.width * box.height), figure.bbox
+    assert bed.height > 0.55 * whole.height or bed.width > 0.7 * whole.width
+    for axes in figure.axes:
+        words = [label.get_window_extent() for label in axes.get_xticklabels()]
+        assert all(a.x1 < b.x0 for a, b in pairwise(words) if b.width)
+
+
+def test_a_film_without_a_panel_is_the_bed_alone(results, tmp_path):
+    """Half as many axes; a solid that is none, or another panel, is refused."""
+    dem.film(results["both"], tmp_path / "bed.gif", panel=None)
+    with pytest.raises(dem.InputError, match="solid is 1; it must be below 1"):
+        dem.film(results["both"], tmp_path / "none.gif", solid=1)
+    with pytest.raises(dem.InputError, match="panel is 'energy'; it must be 'force' or 'torque'"):
+        dem.film(results["both"], tmp_path / "none.gif", panel="energy")
+    assert [path.name for path in tmp_path.iterdir()] == ["bed.gif"]
 
 
 def test_without_an_encoder_a_film_is_refused(results, tmp_path, monkeypatch):

@@ -21,16 +21,18 @@ from dem.figures.frames import Frames, frames_of, sums_of_forces
 
 FILMS, PICTURES = {".mp4": "h264", ".gif": "gif"}, (".png", ".svg", ".pdf")  # codecs of films
 SIZE, DPI = (12.8, 7.2), 100  # 720p
+TALL = 1.6  # height over width, or the inverse, from which the record is below the bed
 SECONDS = 10.0  # of a film
 RC = style.RC | {"font.size": 13.0}
 
 
 def figure_of(
-    frames: Frames, color: str, forces: bool, shown: Sequence[int] | None = None, size=SIZE
+    frames: Frames, color: str, forces: bool, shown: Sequence[int] | None = None, size=None
 ) -> tuple[Figure, Callable[[int], None]]:
     """A figure of the bed, with its record beside it if it has one, and what shows a frame there.
 
-    shown: frames whose forces set the scale, the first of which is shown; None for all.
+    shown: frames whose forces set the scale, the first of which is shown; None for all. size: in
+    inches; None for that of a film, which stands where the bed is tall.
     """
     known = "speed", "force", *frames.paints
     if color not in known:
@@ -39,9 +41,10 @@ def figure_of(
     contacts = {k: frames.contacts(k) for k in shown} if forces or color == "force" else {}
     pushing = (listed.force.max(initial=0.0) for listed in contacts.values())
     strongest, view = max(pushing, default=0.0) or 1.0, view_of(frames)
-    figure = Figure(figsize=size, dpi=DPI)
-    ratios = (1.15, 1.0) if frames.record else (1.0,)
-    left, *right = figure.subplots(1, len(ratios), width_ratios=ratios, squeeze=False)[0]
+    aspect = np.divide(*np.ptp(view, axis=0)[::-1])
+    form = "A;A;A;B" if aspect > TALL else "A;B" if aspect < 1.0 / TALL else 8 * "A" + 7 * "B"
+    figure = Figure(size or (SIZE[::-1] if aspect > TALL else SIZE), DPI)
+    left, *right = figure.subplot_mosaic(form if frames.record else "A").values()
     scale = {"norm": Normalize(0.0, frames.fastest), "cmap": "viridis"}
     words = "Speed (m/s)"
     if color == "force":
@@ -107,8 +110,10 @@ def film(
     color: str = "speed",
     forces: bool = False,
     progress: Callable[[float], object] = lambda done: None,
+    panel: str | None = "force",
+    solid: int | None = None,
 ) -> Path:
-    """Film all frames of a result, with the forces on cylinder or walls beside the granules.
+    """Film all frames of a result, with the forces on solids or walls beside the granules.
 
     The film shows true outlines, to scale, on axes in mm.
 
@@ -125,6 +130,11 @@ def film(
         Whether to draw the contact forces, as lines: the thicker, the greater the force.
     progress : callable
         It is called after each frame with the share that is done, from 0 to 1.
+    panel : str, optional
+        What is beside the bed against time: "force" or "torque" on the solids, None for nothing.
+        Without solids it is the forces on walls, for a run of the paper the drag.
+    solid : int, optional
+        Number of the solid of the panel (without unit); by default all are added.
 
     Returns
     -------
@@ -149,9 +159,12 @@ def film(
     ...     dem.film(result, folder + "/collision.gif").name
     'collision.gif'
     """
-    path, frames = check_output("path", path, tuple(FILMS)), frames_of(result)
+    path = check_output("path", path, tuple(FILMS))
+    frames = frames_of(result, panel or "force", solid)
     if (count := len(frames.position)) < 2:
         raise InputError(f"result has {count} frame; a film needs two: simulate with more frames.")
+    if panel is None:
+        frames = frames._replace(record=None)
     suffix = path.suffix.lower()
     with style.context(RC | {"animation.ffmpeg_path": encoder()}, after_reset=True):
         figure, show = figure_of(frames, color, forces)

@@ -2,13 +2,13 @@
 result."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from matplotlib.ticker import EngFormatter
-from pydantic import InstanceOf
+from pydantic import Field, InstanceOf
 
-from dem.base.types import checked
+from dem.base.types import Count, checked, parsed
 from dem.dynamics.contact_output import ContactList
 from dem.dynamics.result import Result
 from dem.experiment.observables.flow import layers_of
@@ -21,6 +21,8 @@ from dem.solids import Solid, box
 AHEAD = 1.5  # diameters of the cylinder: height of the cluster that is shaded
 SIDES = {(-1, 0): " (left)", (1, 0): " (right)", (0, -1): " (bottom)", (0, 1): " (top)"}
 SECONDS = style.styled(EngFormatter)("s")
+# Unit and names of what is on solids
+PANELS = {"force": ("N", ("horizontal", "vertical")), "torque": ("N m", ("anticlockwise",))}
 
 
 class Frames(NamedTuple):
@@ -58,9 +60,10 @@ class Frames(NamedTuple):
     periodic: Periods
 
 
-def frames_of(source: Result | Snapshots) -> Frames:
-    """Frames of a result or of a run of the paper; raises InputError for anything else."""
-    return of_motion(source) if isinstance(source, Snapshots) else of_result(source)
+def frames_of(source: Result | Snapshots, *panel) -> Frames:
+    """Frames of a result, see of_result, or of a run of the paper; raises InputError for anything
+    else."""
+    return of_motion(source) if isinstance(source, Snapshots) else of_result(source, *panel)
 
 
 def of_motion(motion: Snapshots, rings: np.ndarray | None = None) -> Frames:
@@ -129,11 +132,20 @@ def _layers(start, height: float) -> np.ndarray:
 
 
 @checked
-def of_result(result: InstanceOf[Result]) -> Frames:
-    """Frames of a result: its granules, walls and solids, and the forces on them against time."""
-    scene, start = result.scene, result.position[0]
+def of_result(
+    result: InstanceOf[Result], panel: Literal["force", "torque"] = "force", solid: Any = None
+) -> Frames:
+    """Frames of a result: its granules, walls and solids, and what is on these against time.
+
+    solid: number of one, None for the sum over all
+    """
+    scene, start, groups = result.scene, result.position[0], forces_of(result)
     low, height = start[:, 1].min(), np.ptp(start[:, 1]) or 1.0
-    groups = forces_of(result)
+    solids = [*range(len(scene.solids))]
+    if solid is not None:
+        solids = [parsed(Annotated[Count, Field(ge=0, lt=len(solids))], solid, "solid")]
+    if solids:
+        groups = [curves_of(result, panel, solids)]
     return Frames(
         title=None,
         position=result.position,
@@ -156,15 +168,21 @@ def of_result(result: InstanceOf[Result]) -> Frames:
 
 def forces_of(result: Result) -> list[tuple[str, dict[str, np.ndarray]]]:
     """Forces (f,) in N by what they are on and by name, of solids and walls that there are."""
-    groups = [
-        (f"Force on solid {k} (N)", dict(zip(("horizontal", "vertical"), force.T, strict=True)))
-        for k, force in enumerate(np.moveaxis(result.solid_force, 1, 0))
-    ]
+    groups = [curves_of(result, "force", [k]) for k in range(len(result.scene.solids))]
     if result.scene.walls:
         walls = enumerate(zip(result.scene.planes, result.wall_force.T, strict=True))
         forces = {f"wall {at}{SIDES.get((x, y), '')}": force for at, ((x, y, _), force) in walls}
         groups.append(("Normal force on walls (N)", forces))
     return groups
+
+
+def curves_of(result: Result, panel: str, solids: list[int]) -> tuple[str, dict[str, np.ndarray]]:
+    """What is on some solids, summed: in words, and (f,) by name; panel: of PANELS."""
+    on = f"solid {solids[0]}" if len(solids) == 1 else f"{len(solids)} solids, summed"
+    unit, names = PANELS[panel]
+    values = getattr(result, f"solid_{panel}")[:, solids].sum(axis=1)
+    curves = dict(zip(names, np.atleast_2d(values.T), strict=True))
+    return f"{panel.capitalize()} on {on} ({unit})", curves
 
 
 def draw_forces(axes, result: Result, words: str, curves: dict[str, np.ndarray]) -> None:
@@ -180,5 +198,6 @@ def draw_forces(axes, result: Result, words: str, curves: dict[str, np.ndarray])
             linewidth=1.6,
         )
     axes.xaxis.set_major_formatter(SECONDS)
+    axes.locator_params("x", nbins=4)  # as many words as have room
     axes.set(xlabel="Time", ylabel=words, xlim=(0.0, result.time[-1]))
     axes.legend()

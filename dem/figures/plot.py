@@ -64,7 +64,7 @@ def bed(
     count = len(frames.position)
     frame = parsed(Annotated[Count, Field(ge=-count, lt=count)], frame, "frame") % count
     size = np.ptp(view_of(frames), axis=0)
-    size = size * LONGEST / size.max() + AROUND
+    size = tuple(size * LONGEST / size.max() + AROUND)
     return figure_of(frames._replace(record=None), color, forces, [frame], size)[0]
 
 
