@@ -3,6 +3,7 @@
 Runs are numbers drawn from a distribution here, by an experiment in a file of one's own: they cost nothing.
 """
 
+import errno
 import re
 from itertools import pairwise
 from pathlib import Path
@@ -13,14 +14,17 @@ import xarray as xr
 from scipy import stats
 from sweeps import of_file
 from test_means import text_of
+from typer.testing import CliRunner
 from workflows import snakemake
 
 import dem
 from conftest import posix
 from dem.analysis.means import means
 from dem.base.errors import InputError, RunError
+from dem.base.files import lock
 from dem.base.source_hash import ROOT
 from dem.base.statistics import half_interval, ratio_interval
+from dem.cli.app import app
 from dem.report.info import summary as summary_of
 from dem.report.status import status
 from dem.sweep import precision
@@ -325,12 +329,49 @@ def test_status_tells_what_is_done_waits_and_failed_and_changes_nothing(sweep):
     assert files == sorted((p, p.stat().st_mtime_ns) for p in Path("results").rglob("*"))
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "status sweep.yaml",
+        "sweep sweep.yaml --dry-run",
+        "combine --config sweep.yaml --observable drawn -o part.nc --partial",
+    ],
+)
+@pytest.mark.parametrize("fault", ["damaged", "of another user", "no memory"])
+def test_a_command_that_reads_changes_no_file_of_the_store(sweep, monkeypatch, words, fault):
+    """Whatever finished runs it cannot read: damaged ones do not count, others are one sentence."""
+    Path("left").write_text("15")
+    with pytest.raises(KeyboardInterrupt):
+        of_file(sweep(more="batch: 4\n"))
+    file, *_ = Path("results/store/runs").rglob("*.npz")
+    content, opened = file.read_bytes(), open
+    if fault == "damaged":
+        file.write_bytes(content[:100])
+
+    def open_or_not(path, *rest, **more):
+        if fault != "damaged" and Path(str(path)).name == file.name:
+            raise {"no memory": MemoryError()}.get(fault, PermissionError(errno.EACCES, "Denied"))
+        return opened(path, *rest, **more)
+
+    files = {path: path.read_bytes() for path in Path("results").rglob("*.n*")}
+    with monkeypatch.context() as patch:
+        patch.setattr("io.open", open_or_not)
+        patch.setattr("builtins.open", open_or_not)
+        run = CliRunner().invoke(app, words.split())
+    assert files == {path: path.read_bytes() for path in Path("results").rglob("*.n*")}
+    if fault == "damaged":
+        assert run.exit_code == 0, run.output
+    else:
+        words = {"no memory": "memory is used up."}.get(fault, f"{file.name}: it cannot be read")
+        assert run.exit_code == 1 and words in run.stderr, run.output
+
+
 @posix
 def test_status_tells_which_run_a_process_is_at(sweep):
     state = SweepState.of(sweep())
     state.begin("drag")
     run = next(state.block("drag").unique())
-    with state.store.locked(state.store.run_of(run.id, ".lock")):
+    with lock(state.store.run_of(run.id, ".lock")):
         assert "under way: 1, waiting: 19." in table(SweepState.of(Path("sweep.yaml")))
     left = table(SweepState.of(Path("sweep.yaml")))  # the lock is there, and nobody holds it
     assert "under way: 0, waiting: 20." in left

@@ -1,9 +1,67 @@
-"""The rooms of the package: which may import which."""
+"""The rooms of the package: which may import which, and where files are deleted."""
+
+import ast
 
 from importlinter.cli import EXIT_STATUS_SUCCESS, lint_imports
+
+from dem.base.source_hash import PACKAGE
 
 
 def test_a_room_imports_only_from_below(monkeypatch, request):
     """The contracts of pyproject.toml hold: layers without exception, no study imports another."""
     monkeypatch.chdir(request.config.rootpath)
     assert lint_imports(no_cache=True) == EXIT_STATUS_SUCCESS
+
+
+# Each place that deletes a file, or takes any error for one of a kind, by file and function: why nothing is lost
+# there. What cannot be read now is never taken for damaged: see `reading` of dem/base/files.py.
+DELETES_OR_CATCHES = {
+    "base/files.py atomic: unlink": "a part that did not take the place of its file",
+    "base/files.py arrays_of: Exception": "of bytes that were read; no memory is raised before",
+    "base/plugins.py load: Exception": "any error of a user's file becomes a sentence",
+    "base/types.py real_array: Exception": "any error of a user's object becomes a sentence",
+    "base/types.py shown: Exception": "any error of a user's object becomes a sentence",
+    "cli/sweep.py simulate: unlink": "checkpoints of a run whose file is written",
+    "io/dataset.py content_of: Exception": "it becomes a sentence, once all bytes could be read",
+    "jit/compilation.py load_overload: Exception": "the kernel is compiled, and its file replaced",
+    "sweep/batch.py _row: Exception": "an error of a user's file becomes a failed run; all others are raised",
+    "sweep/batch.py _row: unlink": "the checkpoint of a run that is kept",
+    "sweep/batch.py retry: unlink": "its sound runs are kept, and the user asks for the failed ones",
+    "sweep/cluster.py connected: Exception": "it becomes a sentence; no file is read",
+    "sweep/prune.py prune: unlink": "what no sweep needs, where the user asks for it",
+    "sweep/restart.py clear_parts: unlink": "parts of processes that are no more",
+    "sweep/store.py bed: unlink": "the checkpoint of a bed that is kept",
+    "sweep/store.py forget: unlink": "runs that a batch holds, or that failed and are asked for again",
+    "sweep/store.py replicates: Exception": "of bytes that were read; the plan is written again",
+    "sweep/workers.py _make_runs: unlink": "batches of one run, which is kept",
+    "sweep/workers.py make_batch: unlink": "a batch whose content goes to the client",
+    "cli/terminal.py reported: Exception": "all but what has a sentence is raised again",
+}
+DELETIONS = {"unlink", "rmtree", "rmdir", "removedirs"}
+
+
+def places(tree, name=None):
+    """What deletes or catches any error, with the function around it."""
+    for node in ast.iter_child_nodes(tree):
+        inside = node.name if isinstance(node, ast.FunctionDef) else name
+        if isinstance(node, ast.Call) and getattr(node.func, "attr", "") in DELETIONS:
+            yield f"{inside}: {node.func.attr}"
+        caught = []
+        if isinstance(node, ast.ExceptHandler):
+            caught = ast.walk(node.type) if node.type else [ast.Name("Exception")]
+        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") == "suppress":
+            caught = node.args
+        for error in caught:
+            if getattr(error, "id", "") in ("Exception", "BaseException"):
+                yield f"{inside}: Exception"
+        yield from places(node, inside)
+
+
+def test_each_place_that_deletes_a_file_or_catches_any_error_has_its_reason():
+    """A new one must be given a reason here."""
+    found = {
+        f"{file.relative_to(PACKAGE).as_posix()} {place}"
+        for file in PACKAGE.rglob("*.py")
+        for place in places(ast.parse(file.read_text(encoding="utf-8")))
+    }
+    assert found == DELETES_OR_CATCHES.keys()

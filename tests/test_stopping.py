@@ -129,13 +129,15 @@ def stopped(folder, replicate, bed):
 DAMAGE = {
     "half": lambda content: content[: len(content) // 2],
     "empty": lambda content: b"",
+    "zeros": lambda content: bytes(len(content)),
+    "another head": lambda content: b"x" + content,
     "overwritten": lambda content: (
         content[: len(content) // 2] + b"\xff" * 1000 + content[len(content) // 2 + 1000 :]
     ),
 }
 
 
-@pytest.mark.parametrize("damage", DAMAGE)
+@pytest.mark.parametrize("damage", ["half", "empty", "overwritten"])
 def test_a_damaged_checkpoint_is_not_used(tmp_path, monkeypatch, capfd, damage):
     """The run then begins again, and says so in one line."""
     monkeypatch.setattr(drag, "SAVED_EVERY", 0.0)
@@ -251,23 +253,76 @@ def test_a_chunk_that_is_there_is_left_alone(tmp_path, attempts):
 
 
 @pytest.mark.parametrize("damage", DAMAGE)
-@pytest.mark.parametrize("kind", ["runs", "beds"])
-def test_a_damaged_file_of_the_store_is_made_again(tmp_path, attempts, kind, damage):
-    """A finished run of a chunk under way, or a bed: the chunk is as if nothing had been damaged."""
+@pytest.mark.parametrize("kind", ["runs", "beds", "checkpoints of runs", "checkpoints of beds"])
+def test_a_damaged_file_of_the_store_is_put_aside_and_made_again(
+    tmp_path, attempts, capfd, kind, damage
+):
+    """Its bytes stay under another name, one line says so, and results are as if there was no damage."""
     sweep = discs([1])
     whole, chunk = planned(sweep, tmp_path / "whole")
     making.make(whole.store, chunk)
     work, _ = planned(sweep, tmp_path / "stopped")
     with pytest.raises(Killed):
         making.make(work.store, chunk, progress=killed_at(1.4))
-    files = (work.store.folder / kind).rglob("[!.]*.npz")
-    (file,) = (path for path in files if "checkpoint" not in path.name)
-    file.write_bytes(DAMAGE[damage](file.read_bytes()))
+    paths = (work.store.folder / kind.split()[-1]).rglob("[!.]*.npz")
+    of_run = kind == "checkpoints of runs"
+    (file,) = (path for path in paths if ("checkpoint" in path.name) == of_run)
+    if kind == "checkpoints of beds":
+        file = file.rename(file.with_suffix(".checkpoint.npz"))
+    content = DAMAGE[damage](file.read_bytes())
+    file.write_bytes(content)
     attempts.clear()
+    capfd.readouterr()
     making.make(work.store, chunk)
     assert len(attempts) == (2 if kind == "runs" else 1)
+    aside = file.with_name(f"{file.name}.damaged")
+    (line,) = capfd.readouterr().err.splitlines()
+    assert aside.read_bytes() == content and line.startswith(f"{file}: ") and aside.name in line
     files = (store.file_of(chunk) for store in (whole.store, work.store))
     assert differing(*map(contents, files)) == []
+
+
+CANNOT = {
+    "of another user": PermissionError(errno.EACCES, "Permission denied"),
+    "no free file descriptor": OSError(errno.EMFILE, "Too many open files"),
+    "a disk at fault": OSError(errno.EIO, "Input/output error"),
+    "a disk of the network that is away": OSError(errno.ESTALE, "Stale file handle"),
+    "no memory": MemoryError("Unable to allocate 8 GiB"),
+}
+
+
+@pytest.mark.parametrize("cannot", CANNOT)
+@pytest.mark.parametrize("kind", ["runs", "checkpoint", "beds", "batches"])
+def test_what_cannot_be_read_now_is_not_damaged(tmp_path, attempts, monkeypatch, kind, cannot):
+    """One sentence; no file is deleted, renamed, changed or made again, and later all go on."""
+    work, chunk = planned(discs([1]), tmp_path)
+    with suppress(Killed):
+        making.make(work.store, chunk, progress=killed_at(2.1 if kind == "batches" else 1.4))
+    attempts.clear()
+    files = {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file() and p.suffix != ".lock"}
+    error, opened = CANNOT[cannot], open
+
+    def open_or_not(path, *rest, **more):
+        name = str(path)
+        if kind in name and name.endswith((".nc", ".npz")) and "part" not in name:
+            raise error
+        return opened(path, *rest, **more)
+
+    def dataset(*_):
+        raise error if isinstance(error, MemoryError) else HDF  # which names no reason
+
+    with monkeypatch.context() as patch, pytest.raises((OSError, MemoryError)) as raised:
+        patch.setattr("builtins.open", open_or_not)
+        patch.setattr("io.open", open_or_not)
+        patch.setattr("netCDF4.Dataset", dataset)
+        making.make(work.store, chunk)
+    assert {path: path.read_bytes() for path in files} == files
+    assert not list(tmp_path.rglob("*.damaged"))
+    if isinstance(error, OSError):
+        words = f"it cannot be read ({error.strerror}); mend that and run the same command again."
+        assert str(raised.value).endswith(words) and kind in str(raised.value)
+    making.make(work.store, chunk)
+    assert len(attempts) == (0 if kind == "batches" else 1)
 
 
 def test_a_plan_of_other_code_is_refused(tmp_path, monkeypatch):
@@ -362,6 +417,15 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch, error, fre
         part.write_text("half")
         raise error
     assert file.read_text() == "before" and [file] == list(tmp_path.iterdir())
+
+
+def test_a_file_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
+    """Else the name may be that of a file of zeros when power fails."""
+    file, named = tmp_path / "file.txt", []
+    monkeypatch.setattr("os.fsync", lambda fd: named.append((os.fstat(fd).st_size, file.exists())))
+    with atomic(file) as part:
+        part.write_text("whole")
+    assert named == [(5, False)] and file.read_text() == "whole"
 
 
 # A simulation that is interrupted between or inside its intervals

@@ -650,6 +650,16 @@ def test_prune_keeps_beds_and_checkpoints_of_runs_under_way(pruned):
     assert not any(path.exists() for path in places(gone))
 
 
+def test_prune_removes_what_is_damaged_and_was_put_aside(pruned):
+    """Also of runs that a sweep needs: these are made again."""
+    aside = [path.with_name(f"{path.name}.damaged") for path in places(pruned)]
+    for path in aside:
+        path.touch()
+    assert pruning().exit_code == 0
+    assert all(path.is_file() for path in places(pruned))
+    assert not any(path.exists() for path in aside)
+
+
 CONFIGS = {
     "empty": "",
     "cut": "results: results/small\nsweep:",

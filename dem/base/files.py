@@ -1,15 +1,23 @@
-"""Files are written whole or not at all, and only where a file may be."""
+"""Files are written whole or not at all, and only where a file may be; what cannot be read now is not
+taken for damaged; locks."""
 
+import errno
 import os
 import re
 import shutil
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 from dem.base.errors import InputError
+from dem.base.messages import say
+
+# Of a disk without locks: none left, not of this disk (NFS, which Python has no name for), not of this system.
+NO_LOCKS = errno.ENOLCK, 524, errno.ENOSYS, errno.EOPNOTSUPP
+NO_SPACE = errno.ENOSPC, getattr(errno, "EDQUOT", None)
 
 
 def check_output(name: str, path: Any, suffixes: tuple[str, ...] = ("",)) -> Path:
@@ -36,7 +44,7 @@ def check_output(name: str, path: Any, suffixes: tuple[str, ...] = ("",)) -> Pat
         raise InputError(f"{words}; it must be a file.")
     folder = next(parent for parent in real.parents if parent.exists())
     if not os.access(folder, os.W_OK | os.X_OK):
-        raise OSError(_cannot(real, f"{folder} is read-only or belongs to another user"))
+        raise OSError(_cannot(real, "written", f"{folder} is read-only or belongs to another user"))
     return Path(path)
 
 
@@ -52,19 +60,84 @@ def atomic(path: Path) -> Iterator[Path]:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         yield part
+        with part.open("rb+") as file:
+            os.fsync(file.fileno())  # else a file of zeros may have the name when power fails
         part.replace(path)
     except (OSError, RuntimeError) as error:  # of HDF5, which does not say why
-        full = is_full(path.parent)
-        if full or str(error).startswith("NetCDF"):
-            raise OSError(_cannot(path, "the disk is full" if full else str(error))) from None
+        full, why = fullness(path.parent), str(error)
+        if full or why.startswith("NetCDF") or getattr(error, "errno", 0) in NO_SPACE:
+            raise OSError(_cannot(path, "written", full or why)) from None
         raise
     finally:
         part.unlink(missing_ok=True)
 
 
-def is_full(folder: Path) -> bool:
-    """Whether a disk has less than a megabyte left."""
-    return shutil.disk_usage(folder).free < 1_000_000
+def fullness(folder: Path) -> str:
+    """Why a disk takes no more files; "" where it does, as far as it says."""
+    if shutil.disk_usage(folder).free < 1_000_000:
+        return "the disk is full"
+    if hasattr(os, "statvfs") and (disk := os.statvfs(folder)).f_files and not disk.f_favail:
+        return "the disk has no inode left for another file"
+    return ""
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Say of a file that cannot be read now, which is no damage, what to do; one that is not there is
+    a FileNotFoundError."""
+    try:
+        yield
+    except FileNotFoundError:
+        raise
+    except OSError as error:
+        raise OSError(_cannot(path, "read", error.strerror or str(error))) from None
+
+
+def arrays_of(path: Path, head: bytes = b"") -> dict[str, Any] | None:
+    """The arrays of an .npz after its head; None where its bytes are damaged. Raises FileNotFoundError
+    where it is not there, OSError where it cannot be read now."""
+    from zipfile import ZipFile  # with numpy, which most verbs that only say something do not need
+
+    import numpy as np
+
+    with reading(path):
+        content = BytesIO(path.read_bytes().removeprefix(head))
+    try:
+        if ZipFile(content).testzip() is None:  # what it says of sizes is right then
+            content.seek(0)
+            with np.load(content) as file:
+                return dict(file)
+    except MemoryError:
+        raise
+    except Exception:  # zipfile and numpy raise many errors of damaged bytes
+        pass
+    return None
+
+
+def set_aside(path: Path) -> None:
+    """Give a damaged file another name, which nothing reads, and say so."""
+    aside = path.replace(path.with_name(f"{path.name}.damaged"))
+    say(f"{path}: it is damaged, and kept as {aside.name}; it is made again.")
+
+
+def lock(path: Path, timeout: float = -1):
+    """A lock that this process has from now on, for `with`; its end gives it up too.
+
+    timeout: s to wait for another process. Raises Timeout, and OSError, with what to do, where the
+    disk gives no locks.
+    """
+    from filelock import FileLock, Timeout
+
+    try:
+        # a lock of another kind, a file that is there or not, would outlive a process that is killed
+        return FileLock(path, fallback_to_soft=False).acquire(timeout)
+    except (Timeout, PermissionError):
+        raise
+    except OSError as error:
+        why = fullness(path.parent) or error.strerror
+        if error.errno in NO_LOCKS:
+            why += ": this disk gives no locks; work on another, or mount it with locks"
+        raise OSError(_cannot(path, "locked", why)) from None
 
 
 def write_changed(path: Path, text: str) -> None:
@@ -78,5 +151,5 @@ def write_changed(path: Path, text: str) -> None:
 PART = re.compile(r"\.(.+\..+)\.(\d+)\.dem\.part")  # file and host, process
 
 
-def _cannot(path: Path, why: str) -> str:
-    return f"{path}: it cannot be written ({why}); mend that and run the same command again."
+def _cannot(path: Path, done: str, why: str) -> str:
+    return f"{path}: it cannot be {done} ({why}); mend that and run the same command again."

@@ -187,7 +187,7 @@ def simulate(
         )
     half_packed = None
     if checkpoint:
-        run_checkpoint.is_resumable(checkpoint, run)  # refuses another file
+        run_checkpoint.check(checkpoint, run)  # refuses another file
         half_packed = checkpoint.with_name(f"{checkpoint.name}.bed.npz")
     for sentence in slow_beds([run]):
         say(sentence)

@@ -42,9 +42,9 @@ def reported():
             notes = getattr(error, "__notes__", ["no half-written file is left."])
             say(f"Interrupted; {notes[0]}")
             raise typer.Exit(128 + (RECEIVED or [signal.SIGINT])[0]) from None
-        if not isinstance(error, InputError | RunError | OSError):
+        if not isinstance(error, InputError | RunError | OSError | MemoryError):
             raise
-        say(str(error))
+        say(str(error) or "memory is used up.")
         raise typer.Exit(2 if isinstance(error, InputError) else 1) from None
 
 

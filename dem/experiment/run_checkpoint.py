@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.files import atomic
+from dem.base.files import arrays_of, atomic
 from dem.base.messages import say
 from dem.dynamics.result import Record
 from dem.dynamics.simulation import Simulation
@@ -56,20 +56,23 @@ def head_of(replicate: Replicate) -> bytes:
     return f"dem checkpoint {replicate.id}\n".encode()
 
 
-def is_resumable(path: Path, replicate: Replicate) -> bool:
-    """Whether there is a checkpoint of this run, which may be damaged; raises InputError for another
-    file, which a checkpoint must not replace."""
-    if not path.exists():
-        return False
+def saved(path: Path, replicate: Replicate) -> dict | None:
+    """The arrays of a checkpoint; {} of one that is damaged, or no checkpoint of this run; None
+    where there is none."""
+    return (arrays_of(path, head_of(replicate)) or {}) if path.exists() else None
+
+
+def check(path: Path, replicate: Replicate) -> None:
+    """Raise InputError for a file that is no checkpoint of this run, which may not be replaced by one;
+    it may be damaged."""
     head = b"a folder"
     if path.is_file():
         with path.open("rb") as file:
             head = file.readline(200)
-    if not head_of(replicate).startswith(head):
+    if path.exists() and not head_of(replicate).startswith(head):
         raise InputError(
             f"{path}: it is no checkpoint of this run; delete it or name another file as checkpoint."
         )
-    return True
 
 
 def resumed(path: Path, replicate: Replicate, simulation: Simulation) -> PartialRun | None:
@@ -78,18 +81,15 @@ def resumed(path: Path, replicate: Replicate, simulation: Simulation) -> Partial
     None without a checkpoint, or with a damaged one: the run then begins again. Raises InputError
     for any other file.
     """
-    if not is_resumable(path, replicate):
+    check(path, replicate)
+    if not (arrays := saved(path, replicate)):
+        if arrays is not None:
+            say(f"{path}: this checkpoint is damaged; the run begins again.")
         return None
     groups = defaultdict(dict)
-    try:
-        with path.open("rb") as file:
-            file.readline()
-            for key, values in np.load(file).items():
-                group, _, name = key.partition(".")
-                groups[group][name] = values
-    except Exception:  # damage makes numpy raise many errors
-        say(f"{path}: this checkpoint is damaged; the run begins again.")
-        return None
+    for key, values in arrays.items():
+        group, _, name = key.partition(".")
+        groups[group][name] = values
     simulation.restore(groups["simulation"])
     spent, snapshots = groups["run"].values()
     states, looks = (

@@ -5,7 +5,7 @@ programs without strings and other formats can take over.
 """
 
 import warnings
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -13,7 +13,7 @@ import netCDF4
 import numpy as np
 
 from dem.base.errors import InputError, OverlapError, PackingError, RunError, StateError
-from dem.base.files import atomic
+from dem.base.files import atomic, reading
 
 # Tables of variables, name: (dimensions, units, long name). What a run records is in
 # dem.experiment.observables.
@@ -199,13 +199,16 @@ def content_of(path: Path, remedy: str = "make it again"):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)
             yield
-    except RunError:
+    except (RunError, MemoryError):
         raise
     except InputError as error:
         if str(path) in str(error):
             raise
         raise InputError(f"{path}: {error}") from None
     except Exception as error:
+        with suppress(FileNotFoundError), reading(path), Path(path).open("rb") as file:
+            while file.read(2**24):
+                pass
         if isinstance(error, OSError) and (error.errno or 0) > 0:  # of another file
             raise
         words = " ".join(str(error).split())[:200]

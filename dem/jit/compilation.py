@@ -16,7 +16,6 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import numba
-from filelock import FileLock
 from numba.core import types
 from numba.core.caching import FunctionCache
 from numba.core.compiler import CompileResult
@@ -24,7 +23,7 @@ from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 
 from dem.base.errors import InputError
-from dem.base.files import atomic
+from dem.base.files import atomic, lock
 from dem.base.messages import say
 from dem.base.plugins import note
 from dem.base.source_hash import (
@@ -98,7 +97,7 @@ class KernelCache(FunctionCache):
             # a disk may be full or lack locks, and damage makes pickle and LLVM raise many errors
             with suppress(Exception):
                 if not file.is_file():
-                    self.locks.enter_context(FileLock(f"{file}.lock"))
+                    self.locks.enter_context(lock(Path(f"{file}.lock")))
                 return CompileResult._rebuild(target_context, *pickle.loads(file.read_bytes()))
         _say_compiling()
         return None

@@ -5,7 +5,7 @@ import time
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.files import atomic, check_output
+from dem.base.files import arrays_of, atomic, check_output
 from dem.dynamics.checkpoint import fingerprint, written
 
 SAVED_EVERY = 60.0  # s between two times that a bed is kept
@@ -42,15 +42,11 @@ class Job:
         self._bed = fingerprint(*bed)
         if self.path is None or not self.path.is_file():
             return
-        try:
-            with np.load(self.path) as file:
-                saved = dict(file)
-            if not np.array_equal(saved["bed"], self._bed):
-                raise InputError("it is of another bed")
-        except Exception as error:
+        saved = arrays_of(self.path)
+        if saved is None or not np.array_equal(saved.get("bed"), self._bed):
             raise InputError(
-                f"{self.path}: no packing can go on from it ({error}); delete it, or name another file."
-            ) from None
+                f"{self.path}: it is damaged or of another bed; delete it, or name another file."
+            )
         self.stage = {k.removeprefix(STAGE): v for k, v in saved.items() if k.startswith(STAGE)}
         self._saved = saved
 

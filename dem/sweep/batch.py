@@ -13,9 +13,11 @@ import numpy as np
 
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
+from dem.base.files import lock, set_aside
 from dem.base.source_hash import PACKAGE, run_codes
 from dem.experiment.bed import make_bed
 from dem.experiment.run import Replicate
+from dem.experiment.run_checkpoint import saved
 from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, write
 from dem.jit.compilation import computing
 from dem.packing.random import Bed
@@ -35,7 +37,7 @@ def make(store: Store, batch: str, progress=lambda done, failed: None) -> Path:
         return path
     rows, failed = [], 0
     for replicate in replicates:
-        with store.locked(store.run_of(replicate.id, ".lock")):
+        with lock(store.run_of(replicate.id, ".lock")):
             if (row := _stored(store, replicate)) is None:
                 done = len(rows)
                 row = _row(store, replicate, lambda s, d=done, f=failed: progress(d + s, f))
@@ -43,6 +45,8 @@ def make(store: Store, batch: str, progress=lambda done, failed: None) -> Path:
         failed += int(row["failure"]) != 0
         progress(len(rows), failed)
     if list(_rows_of(store, batch)) != runs:  # another process may have been faster
+        if path.exists():
+            set_aside(path)
         write_batch(path, replicates, rows)
     store.forget(runs)
     return path
@@ -50,7 +54,7 @@ def make(store: Store, batch: str, progress=lambda done, failed: None) -> Path:
 
 def _stored(store: Store, replicate: Replicate) -> dict | None:
     """The values of a run that is finished, or that is in another batch and did not fail there."""
-    if (row := store.kept(replicate.id)) is None:
+    if (row := store.kept(replicate.id, aside=True)) is None:
         with suppress(InputError):  # of a damaged batch of another sweep
             row = store.rows([replicate.id], *replicate.configuration.module.layout).get(
                 replicate.id
@@ -97,7 +101,7 @@ def _place(error: BaseException, replicate: Replicate) -> str | None:
     folders = {file.parent for file in replicate.files if not file.is_relative_to(PACKAGE)}
     frames = traceback.extract_tb(error.__traceback__)
     of_user = [frame for frame in frames if Path(frame.filename).parent in folders]
-    if not of_user and (isinstance(error, InputError) or not folders):
+    if not of_user and (isinstance(error, InputError | OSError | MemoryError) or not folders):
         return None
     last = (of_user or frames)[-1]
     return f"{Path(last.filename).name}, line {last.lineno}"
@@ -112,6 +116,8 @@ def _run(store: Store, replicate: Replicate, progress) -> dict:
     sides = replicate.configuration.periodic
     bed = Bed(**values, periodic=periods_of(values["width"], values["height"], sides))
     checkpoint = store.run_of(replicate.id, ".checkpoint.npz")
+    if saved(checkpoint, replicate) == {}:
+        set_aside(checkpoint)
     return experiment.run(replicate, bed, progress, checkpoint=checkpoint)
 
 
@@ -166,14 +172,12 @@ def write_one(path: Path, replicate: Replicate, values: dict) -> None:
 
 def retry(store: Store, batch: str, replicates: list[Replicate]) -> int:
     """Mark the failed runs of a batch to be made again, and return how many there are."""
-    path = store.file_of(batch)
-    rows = _rows_of(store, batch, *replicates[0].configuration.module.layout) or {
-        run.id: row for run in replicates if (row := store.kept(run.id))
-    }
+    whole = _rows_of(store, batch, *replicates[0].configuration.module.layout)
+    rows = whole or {run.id: row for run in replicates if (row := store.kept(run.id))}
     failed = [run for run, row in rows.items() if row["failure"]]
-    if failed and path.exists():
+    if whole and failed:
         for run in rows.keys() - set(failed):
             store.keep(run, rows[run])
-        path.unlink()
+        store.file_of(batch).unlink()
     store.forget(failed)
     return len(failed)

@@ -9,12 +9,12 @@ import json
 import math
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import reduce
 from itertools import groupby
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import netCDF4
 import numpy as np
 
 from dem.base.errors import InputError, RunError
@@ -253,12 +253,10 @@ def about(sweep: Sweep, block: Block, provenance: dict) -> dict:
 
 
 def combined_runs(path: Path) -> set[str]:
-    """Identities of the runs of a combined file, none where they cannot be read."""
-    try:
-        with netCDF4.Dataset(path) as file:
-            return set(map(str, file.variables["run_id"][...].ravel().tolist())) - {""}
-    except Exception:  # damage makes the library raise many errors; nothing good is lost
-        return set()
+    """Identities of the runs of a combined file, none where it is not there, damaged or another file."""
+    with suppress(InputError):
+        return set(map(str, read(path, ("run_id",))[0]["run_id"].ravel().tolist())) - {""}
+    return set()
 
 
 def combine_block(

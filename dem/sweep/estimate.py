@@ -11,7 +11,7 @@ from math import pi
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.files import is_full
+from dem.base.files import fullness
 from dem.base.provenance import versions
 from dem.base.source_hash import run_codes
 from dem.experiment.config import of_results
@@ -144,8 +144,8 @@ def effort(run: Replicate) -> float:
 def interrupted(state: SweepState) -> str:
     """Message when a sweep is interrupted. A job cannot say it where its log is on a full disk."""
     runs, total = state.counts()
-    why = "the disk is full; " if is_full(state.results) else ""
-    return f"{why}{runs} of {total} runs are kept; run the same command to go on"
+    why = fullness(state.results)
+    return f"{why}{'; ' * bool(why)}{runs} of {total} runs are kept; run the same command to go on"
 
 
 def outcome(state: SweepState, new: int | None = None, draws: str = "dem figure all {}") -> str:

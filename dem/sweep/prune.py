@@ -50,7 +50,7 @@ def usage(store: Store) -> list[tuple[str, int]]:
 
 
 def prune(store: Store) -> tuple[list[Path], int]:
-    """Delete what no sweep needs; returns the deleted files and their bytes.
+    """Delete what no sweep needs, and what is damaged and was put aside; returns the deleted files and their bytes.
 
     Raises InputError, and removes nothing, where it cannot be known what a sweep needs.
     """
@@ -69,7 +69,7 @@ def prune(store: Store) -> tuple[list[Path], int]:
     needed = runs.union(beds, (batch.id for batch in used))
     deleted, size = [], 0
     for path in files:
-        if path.name.partition(".")[0] not in needed:
+        if path.suffix == ".damaged" or path.name.partition(".")[0] not in needed:
             size += path.stat().st_size
             path.unlink()
             deleted.append(path)

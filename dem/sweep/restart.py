@@ -10,7 +10,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from dem.base.errors import RunError
-from dem.base.files import PART
+from dem.base.files import PART, lock
 from dem.base.messages import say
 
 DAY = 86400.0  # s
@@ -23,8 +23,7 @@ def prepare(folder: Path, store: Path) -> FileLock:
     was killed. Raises RunError where another run works in it, OSError where it cannot be written.
     """
     try:
-        lock = FileLock(folder / ".lock", timeout=0)
-        lock.acquire()
+        held = lock(folder / ".lock", 0).lock
     except Timeout:
         raise RunError(
             f"{folder}: another run works in this folder; wait for it or stop it, or name another folder "
@@ -32,7 +31,7 @@ def prepare(folder: Path, store: Path) -> FileLock:
         ) from None
     if count := clear_parts(folder) + clear_parts(store):
         say(f"{folder}: {count} half-written files of killed processes are cleared away.")
-    return lock
+    return held
 
 
 def clear_parts(folder: Path) -> int:

@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from filelock import FileLock, Timeout
+from filelock import Timeout
 
 from dem.base.errors import InputError
-from dem.base.files import atomic, write_changed
+from dem.base.files import arrays_of, atomic, lock, reading, set_aside, write_changed
 from dem.base.provenance import compilers
 from dem.base.source_hash import digest
 from dem.experiment.config import of_values
@@ -106,9 +106,11 @@ class Store:
     def replicates(self, batch: str) -> list[Replicate]:
         """What the runs of a batch are; raises InputError where its plan is not of today's code."""
         path = self.plan_of(batch)
+        with suppress(FileNotFoundError), reading(path):
+            content = path.read_bytes()
         # what is wrong with a plan does not matter, because it is written again
         with suppress(Exception):
-            head, body = path.read_text(encoding="utf-8").splitlines()
+            head, body = content.decode().splitlines()
             replicates = [of_values(values | self.values) for values in json.loads(body)]
             if json.loads(head) == [run.id for run in replicates]:
                 return replicates
@@ -140,26 +142,24 @@ class Store:
         `make(replicate, checkpoint)` packs it, once for all processes. One that was stopped goes on."""
         path = self.file_of_bed(replicate)
         if (bed := _load(path)) is None:
-            with self.locked(path.with_name(".lock")):
-                if (bed := _load(path)) is None:
+            with lock(path.with_name(".lock")):
+                if (bed := _load(path, aside=True)) is None:
                     checkpoint = path.with_suffix(".checkpoint.npz")
+                    _load(checkpoint, aside=True)
                     bed = make(replicate, checkpoint)._asdict()
                     del bed["periodic"]  # the configuration says it
                     _save(path, bed)
                     checkpoint.unlink(missing_ok=True)
         return bed
 
-    def locked(self, path: Path) -> FileLock:
-        """A lock of the store, so that one process at a time makes something."""
-        return FileLock(path)
-
     def keep(self, run: str, values: dict) -> None:
         """Keep what a run gave until its batch is whole."""
         _save(self.run_of(run), values)
 
-    def kept(self, run: str) -> dict | None:
-        """What a run gave whose batch has not ended, None if it is not there or damaged."""
-        return _load(self.run_of(run))
+    def kept(self, run: str, aside: bool = False) -> dict | None:
+        """What a run gave whose batch has not ended, None if it is not there or damaged, and then put
+        aside by who makes it."""
+        return _load(self.run_of(run), aside)
 
     def locked_runs(self) -> set[str]:
         """Identities of the runs that some process is making."""
@@ -176,7 +176,7 @@ class Store:
         batch, run = (count * "[0-9a-f]" for count in (16, 32))
         for names in (f"batches/{batch}.*", f"runs/*/{run}.*", f"beds/*/{run}.*"):
             for path in sorted(self.folder.glob(names)):
-                if path.suffix in (".nc", ".json", ".npz"):
+                if path.suffix in (".nc", ".json", ".npz", ".damaged"):
                     yield path
 
 
@@ -185,19 +185,21 @@ def _save(path: Path, values: dict) -> None:
         np.savez(file, **values)
 
 
-def _load(path: Path) -> dict | None:
+def _load(path: Path, aside: bool = False) -> dict | None:
+    """The arrays of a file; None where it is not there, or is damaged, and then put aside if asked."""
     try:
-        with np.load(path) as file:
-            return {name: file[name] for name in file.files}
-    except Exception:  # absent, or damaged, of which numpy raises many errors: it is made again
-        path.unlink(missing_ok=True)
-    return None
+        arrays = arrays_of(path)
+    except FileNotFoundError:
+        return None
+    if arrays is None and aside:
+        set_aside(path)
+    return arrays
 
 
 def _is_held(path: Path) -> bool:
     """Whether a process holds a lock; that of another user may not be tried."""
     try:
-        with FileLock(path, timeout=0):
+        with lock(path, 0):
             return False
     except (Timeout, PermissionError):
         return True

@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from dem.base.errors import InputError, RunError
-from dem.base.files import write_changed
+from dem.base.files import lock, write_changed
 from dem.base.source_hash import cache_folder
 from dem.sweep.store import Batch, Store, batch_id
 
@@ -58,7 +58,7 @@ def make_batch(task, progress=lambda done, failed: None, **values: str) -> bytes
         store = Store(cache_folder() / "store", **values)
         copy, path = store.plan_of(plan.stem), store.file_of(plan.stem)
         # another worker may be at the same batch, for another client
-        with store.locked(copy.with_suffix(".lock")):
+        with lock(copy.with_suffix(".lock")):
             write_changed(copy, text)
             content = make(store, plan.stem, progress).read_bytes()
             copy.unlink()
