@@ -1,12 +1,16 @@
 """What goes wrong around a sweep: runs that fail, a folder that others use, clocks, Ctrl-C."""
 
+import errno
 import io
+import os
 import re
 import signal
 import socket
 import subprocess
 import sys
 import time
+from pathlib import Path
+from types import SimpleNamespace
 
 import netCDF4
 import numpy as np
@@ -18,6 +22,7 @@ from typer.testing import CliRunner
 from conftest import CONFIG, assert_not_blank, posix
 from dem.analysis.drag import change, summarise
 from dem.base.errors import InputError, OverlapError, PackingError, RunError
+from dem.base.files import atomic
 from dem.cli.app import app
 from dem.experiment.bed import make_bed
 from dem.experiment.kinds import drag
@@ -257,6 +262,63 @@ input()
     prepare(tmp_path, tmp_path).release()
 
 
+@posix
+@pytest.mark.parametrize("number", [errno.ENOLCK, 524, errno.ENOSYS, errno.EOPNOTSUPP])
+def test_a_disk_without_locks_is_one_sentence_that_says_what_to_do(tmp_path, monkeypatch, number):
+    """Also where files of locks are left from a time when it had them."""
+    prepare(tmp_path, tmp_path).release()
+
+    def flock(*_):
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr("fcntl.flock", flock)
+    words = (
+        r"/.lock: it cannot be locked \(.*: this disk gives no locks; work on another, or mount it"
+    )
+    with pytest.raises(OSError, match=words):
+        prepare(tmp_path, tmp_path)
+
+
+@posix
+@pytest.mark.parametrize(
+    ("disk", "words"),
+    [
+        ({"f_files": 9, "f_favail": 0}, r"\(the disk has no inode left for another file\)"),
+        (
+            {"f_files": 0, "f_favail": 0},
+            r"\(\[Errno 28\] No space left on device\)",
+        ),  # it counts none
+    ],
+)
+def test_a_disk_that_is_full_is_named_with_what_it_lacks(tmp_path, monkeypatch, disk, words):
+    disk |= {"f_frsize": 4096, "f_bavail": 10**6, "f_blocks": 10**7, "f_bfree": 10**6}
+    monkeypatch.setattr("os.statvfs", lambda folder: SimpleNamespace(**disk))
+    with (
+        pytest.raises(OSError, match=f"file.nc: it cannot be written {words}; mend that"),
+        atomic(tmp_path / "file.nc"),
+    ):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+
+STREAMS = {"full": "> /dev/full", "closed": ">&-", "both closed": ">&- 2>&-"}
+
+
+@posix
+@pytest.mark.parametrize("stream", STREAMS)
+@pytest.mark.parametrize("words", ["--help", "--version", f"sweep {CONFIG}/smoke.yaml -n", "store"])
+def test_a_verb_says_at_most_one_sentence_where_it_cannot_write(tmp_path, stream, words):
+    """On a full disk, or into what is closed; no traceback."""
+    if stream == "full" and not Path("/dev/full").exists():
+        pytest.skip("a system without /dev/full")
+    command = f"{sys.executable} -m dem {words} {STREAMS[stream]}"
+    options = {"cwd": tmp_path, "stderr": subprocess.PIPE, "text": True, "shell": True}
+    (tmp_path / "results/store").mkdir(parents=True)
+    run = subprocess.run(command, check=False, **options)
+    full = stream == "full"
+    assert run.returncode == full
+    assert run.stderr == ("[Errno 28] No space left on device\n" if full else "")
+
+
 def test_a_time_is_said_as_a_reader_would_say_it():
     texts = [span(seconds) for seconds in (59.4, 60, 3599, 3600, 90000)]
     assert texts == ["59 s", "1 min 0 s", "59 min 59 s", "1 h 0 min", "25 h 0 min"]
@@ -288,8 +350,10 @@ def test_a_stopped_command_says_one_sentence_and_leaves_no_file(tmp_path, number
 
 @posix
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_stopped_sweep_keeps_what_is_finished_and_says_how_to_go_on(tmp_path, number):
-    """No worker is left alive, and no half-written file."""
+@pytest.mark.parametrize("again", [(), (0.02,), (0.05, 0.05, 0.1, 0.1)])
+def test_a_stopped_sweep_keeps_what_is_finished_and_says_how_to_go_on(tmp_path, number, again):
+    """No worker is left alive, and no half-written file; also where it is stopped again, so many s
+    later."""
     (tmp_path / "many.yaml").write_text(
         f"extends: {CONFIG}/smoke.yaml\nresults: results/many\nsweep: {{case: [c1], seed: 1 to 400}}\n"
     )
@@ -302,7 +366,9 @@ def test_a_stopped_sweep_keeps_what_is_finished_and_says_how_to_go_on(tmp_path, 
             time.sleep(0.05)
         # as a process leaves it that is ended while it writes
         (runs / f".a.npz.{socket.gethostname()}.{2**22 + 1}.dem.part").touch()
-        process.send_signal(number)
+        for wait in (0.0, *again):
+            time.sleep(wait)
+            process.send_signal(number)
         output = process.stderr.read()  # until its workers have ended, which have the pipe too
     assert process.returncode == 128 + number
     sentence = r"Interrupted; (\d+) of 400 runs are kept; run the same command to go on"

@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import socket
+import subprocess
 import sys
 import threading
 import time
@@ -212,6 +213,14 @@ def test_a_scheduler_that_cannot_be_used_is_one_sentence(file, idle):
         assert re.search(words, run.output) and address in run.output
         assert time.monotonic() - started < 60.0 and "Traceback" not in run.output
         assert not (file.parent / "results").exists()
+
+
+def test_a_scheduler_that_is_not_there_leaves_no_traceback_when_python_ends(file):
+    """Its client, which is half made, ends at once."""
+    pytest.importorskip("distributed")
+    command = [sys.executable, "-m", "dem", "sweep", str(file), "--scheduler", "nosuch.json"]
+    run = subprocess.run(command, cwd=file.parent, capture_output=True, text=True, check=False)
+    assert run.returncode == 2 and "no Dask scheduler answers there" in run.stderr.splitlines()[-1]
 
 
 def test_an_executor_is_something_that_submits(file):

@@ -1,8 +1,10 @@
 """What all verbs share: exit statuses, and sentences instead of tracebacks."""
 
+import io
+import os
 import signal
 import sys
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext, suppress
 
 import typer
 
@@ -13,6 +15,7 @@ RECEIVED = []  # signals; callbacks of the compiler lose what a handler raises, 
 
 
 def _interrupt(number, frame):
+    signal.signal(number, signal.SIG_IGN)  # a second one would end what clears up
     RECEIVED.append(number)
     raise KeyboardInterrupt
 
@@ -23,9 +26,22 @@ class Verbs(typer.Typer):
     def __call__(self, *arguments, **options):
         for number in (signal.SIGINT, signal.SIGTERM):  # clusters send SIGTERM when time is over
             signal.signal(number, _interrupt)
-        for stream in (sys.stdout, sys.stderr):
-            stream.reconfigure(errors="replace")  # letters that the encoding lacks
-        return super().__call__(*arguments, **options)
+        for name in ("stdout", "stderr"):
+            if getattr(sys, name) is None:  # closed: what would be written there is not
+                setattr(sys, name, io.TextIOWrapper(io.FileIO(os.devnull, "w")))
+            getattr(sys, name).reconfigure(errors="replace")  # letters that the encoding lacks
+        try:
+            with reported():
+                try:
+                    super().__call__(*arguments, **options)
+                except SystemExit as end:
+                    with suppress(OSError) if end.code else nullcontext():
+                        sys.stdout.flush()
+                    raise
+        except typer.Exit as end:
+            sys.exit(end.exit_code)
+        finally:
+            sys.stdout = None  # Python would try to write the rest again
 
     def command(self, *arguments, **options):
         add = super().command(*arguments, **options)

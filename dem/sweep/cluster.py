@@ -100,9 +100,11 @@ def connected(where: str, patience: float):
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     warnings.simplefilter("ignore", VersionMismatchWarning)
     address = {"scheduler_file": where} if Path(where).is_file() else {"address": where}
+    client = Client.__new__(Client)
     try:
-        client = Client(**address, timeout=CONNECT, set_as_default=False)
+        client.__init__(**address, timeout=CONNECT, set_as_default=False)
     except Exception:  # of many kinds
+        client.status = "closed"  # else it waits when Python ends, and prints a traceback
         raise InputError(
             f"scheduler is {where!r}; no Dask scheduler answers there; it must be an address such "
             "as tcp://host:8786, or the file that dask scheduler --scheduler-file writes."
