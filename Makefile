@@ -45,7 +45,7 @@ docs: .venv/docs
 # It is in .venv once `make` has run.
 COMPILE = .venv/bin/uv pip compile --quiet --universal --generate-hashes --no-cache \
 	--no-emit-index-url --no-emit-find-links --no-header --no-annotate --python-version 3.11
-PACKAGE = pyproject.toml --extra build
+PACKAGE = pyproject.toml --extra build --extra design
 locks:
 	printf 'pip\nuv\n' | $(COMPILE) -o setup/requirements.txt -
 	$(COMPILE) $(PACKAGE) -o requirements.txt

@@ -93,8 +93,7 @@ def connected(where: str, patience: float):
         from distributed.versions import VersionMismatchWarning
     except ModuleNotFoundError:
         raise InputError(
-            f"scheduler is {where!r}, which needs the package distributed: pip install "
-            "'granular-drag[dask]'."
+            f"scheduler is {where!r}, which needs the package distributed: pip install distributed."
         ) from None
     # errors are reported in one sentence, and not in the log
     logging.getLogger("distributed").setLevel(logging.CRITICAL)

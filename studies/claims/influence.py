@@ -81,7 +81,7 @@ def influences(points, response: np.ndarray) -> list[Influence]:
         from SALib.analyze import rbd_fast
     except ModuleNotFoundError:
         raise InputError(
-            "shares of the variance need the package SALib: pip install 'granular-drag[design]'."
+            "shares of the variance need the package SALib: pip install SALib."
         ) from None
     fit = slopes(points, response)
     if fit is None:
