@@ -390,6 +390,21 @@ def test_a_partial_file_holds_what_is_there_and_says_so(sweep):
         assert int(part["replicates"].sum()) == 12
 
 
+def test_sizes_may_not_name_the_granules(sweep):
+    """Whose number each run has of its own: refused before any run."""
+    sizes = 'SIZES = {"granule": 5}\nVARIABLES = {"each": (("granule",), "N", "of each"), '
+    Path("drawn.py").write_text(DRAWN.replace("VARIABLES = {", sizes))
+    with pytest.raises(InputError, match="SIZES has granule, the number of granules of a run"):
+        SweepState.of(sweep())
+
+
+@pytest.mark.parametrize("name", ["null", '""', '" "'])
+def test_points_of_a_group_have_names(sweep, name):
+    points = f"  rough:\n    {name}: {{friction.granule: 0.3}}\n    b: {{friction.granule: 0.4}}\n"
+    with pytest.raises(InputError, match=r"a name in sweep.rough is .*; it must be a text that is"):
+        SweepState.of(sweep(more=points))
+
+
 def test_a_sweep_that_varies_seeds_alone_has_one_point():
     """Of one shape, whose point has no axis beside that of the seeds."""
     until, sample = precision.Until(until="1 %"), np.random.default_rng(1).normal(100.0, 10.0, 10)

@@ -181,6 +181,8 @@ class Experiment:
     def check(self) -> None:
         """Raise InputError where its file or one of an observable cannot be used."""
         lengths, layout = self.lengths, self.layout
+        if "granule" in lengths:
+            raise InputError("SIZES has granule, the number of granules of a run; leave it out.")
         for dim, length in lengths.items():
             if type(length) is not int or length < 1:
                 raise InputError(
