@@ -66,6 +66,9 @@ onsuccess:
     if all(map(os.path.exists, COMBINED)):
         files = " ".join(map(os.path.relpath, workflow.configfiles))
         say(outcome(SWEEP, draws=f"snakemake -j2 report --configfile {files}"))
+        if words := SWEEP.near_zero(*SWEEP.sweep.blocks):
+            say(words)
+            sys.exit(1)
 
 
 onerror:

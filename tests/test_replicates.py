@@ -5,6 +5,8 @@ Runs are numbers drawn from a distribution here, by an experiment in a file of o
 
 import errno
 import re
+import subprocess
+import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -20,7 +22,7 @@ from workflows import snakemake
 import dem
 from conftest import posix
 from dem.analysis.means import means
-from dem.base.errors import InputError, RunError
+from dem.base.errors import InputError
 from dem.base.files import lock
 from dem.base.source_hash import ROOT
 from dem.base.statistics import half_interval, ratio_interval
@@ -58,7 +60,8 @@ def run(replicate, bed=None, progress=lambda done: None):
         if left.read_text() == "-1":
             left.unlink()
             raise KeyboardInterrupt
-    return {"force": replicate.density * (1.0 + 0.3 * number), "offset": number}
+    offset = number + (50.0 if replicate.density == 200.0 else 0.0)
+    return {"force": replicate.density * (1.0 + 0.3 * number), "offset": offset}
 '''
 SWEEP = """
 extends: config/smoke.yaml
@@ -194,7 +197,7 @@ def test_blocks_that_share_runs_are_made(sweep):
         state.begin("one")
         for batch in state.batches("one"):
             make(state.store, batch.id)
-    assert state.block("one").counts[0,] > 10
+    assert state.block("one").counts[0,] > 10 and state.near_zero("one", "one") == ""
     state = of_file(Path("sweep.yaml"))
     assert state.counts()[0] == len(state.runs())
 
@@ -236,11 +239,21 @@ def test_an_absolute_precision_is_in_the_units_of_what_is_measured(sweep):
         SweepState.of(sweep("{until: 12 kg, of: force}"))
 
 
-def test_a_share_of_a_mean_that_may_be_zero_is_refused_and_the_runs_are_kept(sweep):
-    with pytest.raises(RunError, match=r"case a: offset of 100 replicates .* may be zero"):
-        of_file(sweep("{until: 10 %, of: offset}"))
-    assert SweepState.of(Path("sweep.yaml")).counts() == (200, 200)
-    assert not Path("results/drawn/drawn.nc").exists()
+@posix
+@pytest.mark.parametrize("by", ["dem", "snakemake"])
+def test_a_point_whose_mean_may_be_zero_is_said_and_all_files_are_written(sweep, by):
+    """Status 1, as of failed runs; also of points that are known well enough."""
+    file = str(sweep("{until: 10 %, of: offset, most: 20}"))
+    if by == "dem":
+        words = [sys.executable, "-m", "dem", "sweep", file, "-j1"]
+        run = subprocess.run(words, capture_output=True, text=True, check=False)
+    else:
+        run = snakemake(Path.cwd(), "-s", str(ROOT / "Snakefile"), "-j1", configfile=file)
+    code, text = run.returncode, run.stderr
+    assert code == 1 and text.count("may be zero") == 1, text
+    words = r"offset may be zero at 1 of 2 points, .*: case a, is .* after 20 replicates; all files"
+    assert re.search(words, text), text
+    assert result()["replicates"].values.tolist() == [20, 10]
     of_file(sweep("{until: 0.5 N, of: offset}"))
 
 

@@ -109,6 +109,8 @@ def combine(
     with bar("combining", 1.0) as update:
         name = block or next(iter(state.sweep.blocks))
         combine_block(state, name, observable, output, update, partial)
+    if not partial and (words := state.near_zero(name)):
+        say(words)
 
 
 def store(

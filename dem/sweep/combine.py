@@ -269,16 +269,15 @@ def combine_block(
 ) -> None:
     """Write what an observable gave for all runs of a block of a SweepState.
 
-    partial: for those runs that exist. Raises InputError for an observable that the runs lack,
-    RunError where a precision means nothing.
+    partial: for those runs that exist. Raises InputError for an observable that the runs lack.
     """
     known = state.observables(name)
     if observable not in known:
         raise InputError(f"observable is {observable!r}; runs of {name} have {', '.join(known)}.")
     block = state.block(name)
-    if block.until and not partial and observable == known[0]:
-        for sentence in short_of(block, state.values(block)):
-            say(sentence)
+    asked = block.until and not partial and observable == known[0]
+    if asked and (words := short_of(block, state.values(block))):
+        say(words)
     if observable == BEDS:
         block = block.first_seeds()
     places = block.points

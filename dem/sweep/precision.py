@@ -17,7 +17,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field, model_validator
 
-from dem.base.errors import InputError, RunError
+from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
 from dem.base.statistics import Estimate, mean_interval, ratio_interval
 from dem.base.types import SEEDS, Count, Section, Seed, must
@@ -164,28 +164,30 @@ def estimates(
     }
 
 
-def short_of(block, values: dict[GridPoint, np.ndarray]) -> list[str]:
-    """A sentence where the cap left points less well known than was asked for; raises RunError
-    where a share of a mean means nothing."""
+def short_of(block, values: dict[GridPoint, np.ndarray], near_zero: bool = False) -> str:
+    """A sentence where the cap left points less well known than was asked for; "" if none.
+
+    near_zero: instead where a share of a mean means nothing, because it may be zero.
+    """
     until, wide = block.until, []
     for point, estimate in estimates(until, values, block.partners).items():
-        words, number = block.words(point), f"{estimate.value:.3g} ± {estimate.half:.3g}"
-        if is_near_zero(estimate, until):
-            raise RunError(
-                f"{words}: {until.of} of {len(values[point])} replicates is {number}, which "
-                f"may be zero, so {until.until} of it means nothing; ask for a number with a unit, such as "
-                "until: 50 N, or take the point out."
-            )
-        if (over := excess(estimate, until)) > 1.0:
-            number = number if over < math.inf else "not known"
-            wide.append((over, f"{words}, is {number} after {len(values[point])}"))
+        over, number = excess(estimate, until), f"{estimate.value:.3g} ± {estimate.half:.3g}"
+        number = number if over < math.inf else "not known"
+        if over > 1.0 and is_near_zero(estimate, until) == near_zero:
+            wide.append((over, f"{block.words(point)}, is {number} after {len(values[point])}"))
     if not wide:
-        return []
-    _, worst = max(wide)
-    return [
-        f"{len(wide)} of {len(values)} points are not as well known as asked for, {until.words()}: the worst, "
-        f"{worst} replicates; raise most, {until.most}."
-    ]
+        return ""
+    if near_zero:
+        points = "; ".join(words for _, words in wide)
+        return (
+            f"{until.of} may be zero at {len(wide)} of {len(values)} points, so {until.until} of it "
+            f"means nothing: {points} replicates; all files are written; ask for a number with a "
+            "unit, such as until: 50 N, or take these points out."
+        )
+    return (
+        f"{len(wide)} of {len(values)} points are not as well known as asked for, {until.words()}: "
+        f"the worst, {max(wide)[1]} replicates; raise most, {until.most}."
+    )
 
 
 def replicates_needed(estimate: Estimate, runs: int, until: Until) -> float:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dem.base.errors import InputError
+from dem.base.errors import InputError, RunError
 from dem.base.yaml_file import read
 from dem.experiment.intruders import ahead_of
 from dem.experiment.run import Replicate
@@ -20,7 +20,7 @@ from dem.sweep.combine import combine_block, combined_runs
 from dem.sweep.config import CONFIG, Sweep, load, parse, save
 from dem.sweep.expand import Block, expand
 from dem.sweep.grouping import plan_batches
-from dem.sweep.precision import GridPoint, counts, run_mean
+from dem.sweep.precision import GridPoint, counts, run_mean, short_of
 from dem.sweep.store import FOLDER, Batch, Store
 from dem.sweep.workers import Workers, make_batches
 
@@ -320,6 +320,14 @@ class SweepState:
                     break
             for observable, path in zip(self.observables(name), self.combined(name), strict=True):
                 combine_block(self, name, observable, path)
+        if words := self.near_zero(*self.sweep.blocks):
+            raise RunError(words)
+
+    def near_zero(self, *names: str) -> str:
+        """A sentence on blocks that ask for a share of means that may be zero; "" if none does."""
+        blocks = [block for name in names if (block := self.block(name)).until]
+        words = (short_of(block, self.values(block), near_zero=True) for block in blocks)
+        return " ".join(filter(None, words))
 
     def text(self, name: str | None = None, *without: str) -> str:
         """What is computed of the runs of a block, or of none, reads in the configuration, as
