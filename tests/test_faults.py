@@ -40,6 +40,7 @@ from dem.sweep.estimate import summary as estimated
 from dem.sweep.restart import prepare
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store
+from dem.sweep.workers import Workers
 
 
 @pytest.fixture
@@ -240,6 +241,21 @@ def failing(replicate, *options):
 def in_this_process(store, chunks, jobs, progress):
     for chunk in chunks:
         making.make(store, chunk.id)
+
+
+def test_a_sweep_that_makes_no_run_changes_no_file(tmp_path, monkeypatch):
+    """Also later: what was combined of the same runs has the same bytes, and is not newer."""
+    monkeypatch.chdir(tmp_path)
+    work = SweepState(smoke(sweep={"case": ["c1"], "seed": [1, 2]}, batch=1))
+    work.make(Workers())
+    files = {p: (p.read_bytes(), p.stat().st_mtime_ns) for p in tmp_path.rglob("*") if p.is_file()}
+    time.sleep(1.1)  # times in files are of seconds
+    SweepState(work.sweep).make(Workers())
+    for path, (content, written) in files.items():
+        assert path.read_bytes() == content and path.stat().st_mtime_ns == written, path
+    retitled = smoke(sweep={"case": ["c1"], "seed": [1, 2]}, batch=1, title="another")
+    SweepState(retitled).make(Workers())
+    assert read(work.combined("drag")[0], ())[1]["title"] == "another"
 
 
 def test_a_folder_is_held_until_its_process_ends(tmp_path):

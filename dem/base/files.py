@@ -2,6 +2,7 @@
 taken for damaged; locks."""
 
 import errno
+import filecmp
 import os
 import re
 import shutil
@@ -50,7 +51,8 @@ def check_output(name: str, path: Any, suffixes: tuple[str, ...] = ("",)) -> Pat
 
 @contextmanager
 def atomic(path: Path) -> Iterator[Path]:
-    """A path to write to beside `path`; it takes the place of `path` only when all went well.
+    """A path to write to beside `path`; it takes the place of `path` only when all went well, and
+    where it is another file: what is made of the same bytes stays newer.
 
     Of a link, the file that it leads to is written. Raises OSError, with what to do, where it cannot
     be.
@@ -60,9 +62,11 @@ def atomic(path: Path) -> Iterator[Path]:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         yield part
-        with part.open("rb+") as file:
-            os.fsync(file.fileno())  # else a file of zeros may have the name when power fails
-        part.replace(path)
+        filecmp.clear_cache()  # which knows files by their times
+        if not path.exists() or not filecmp.cmp(part, path, shallow=False):
+            with part.open("rb+") as file:
+                os.fsync(file.fileno())  # else a file of zeros may have the name when power fails
+            part.replace(path)
     except (OSError, RuntimeError) as error:  # of HDF5, which does not say why
         full, why = fullness(path.parent), str(error)
         if full or why.startswith("NetCDF") or getattr(error, "errno", 0) in NO_SPACE:
@@ -140,11 +144,10 @@ def lock(path: Path, timeout: float = -1):
         raise OSError(_cannot(path, "locked", why)) from None
 
 
-def write_changed(path: Path, text: str) -> None:
-    """Write a text, unless the file has it already: what is made of the file stays newer."""
-    if not path.is_file() or path.read_bytes() != text.encode():  # a pipe has no end
-        with atomic(path) as part:
-            part.write_bytes(text.encode())
+def write_text(path: Path, text: str) -> None:
+    """Write a text, with line ends as it has them."""
+    with atomic(path) as part:
+        part.write_bytes(text.encode())
 
 
 # Only half-written files of ours have such names, so that what killed processes left can be removed.

@@ -67,7 +67,7 @@ def combine(
     layout, names = layout_of(block, observable)
     left, failed = set(block.points), {}
     gaps = bool(sweep.failures or partial or block.until or observable == BEDS)
-    origins = []
+    origins, made = [], ""
     with create(output) as file:
         for done, path in enumerate(paths, 1):
             values, origin = read(path, (*names, "run_id", "failure", "failure_reason"))
@@ -82,6 +82,7 @@ def combine(
                 _create_variables(file, block, layout, {n: values[n] for n in names}, gaps)
             with content_of(path):
                 origins.append([origin[name] for name in PROVENANCE])
+                made = max(made, origin["history"])
                 for first, group in groupby(places, lambda place: place[0][:-1]):
                     points, rows = zip(*group, strict=True)
                     last = [point[-1] for point in points]
@@ -112,6 +113,8 @@ def combine(
             add(file, "failure", block.dims, flags, attributes("failure", layout) | comment)
         origins = zip(PROVENANCE, zip(*origins, strict=True), strict=True)
         merged = {name: "; ".join(dict.fromkeys(values)) for name, values in origins}
+        # when the last of its runs was made, so that the same runs give the same bytes
+        merged["history"] = f"{made}, dem sweep"
         if left:
             merged["partial"] = f"{len(block.points) - len(left)} of {len(block.points)} runs"
         file.setncatts(about(sweep, block, merged))

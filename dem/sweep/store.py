@@ -16,7 +16,7 @@ import numpy as np
 from filelock import Timeout
 
 from dem.base.errors import InputError
-from dem.base.files import arrays_of, atomic, lock, reading, set_aside, write_changed
+from dem.base.files import arrays_of, atomic, lock, reading, set_aside, write_text
 from dem.base.provenance import compilers
 from dem.base.source_hash import digest
 from dem.experiment.config import of_values
@@ -123,7 +123,7 @@ class Store:
         """Write what a batch is to make."""
         values = [replicate.values() for replicate in replicates]
         text = f"{json.dumps(batch.runs)}\n{json.dumps(values)}\n"
-        write_changed(self.plan_of(batch.id), text)
+        write_text(self.plan_of(batch.id), text)
 
     def add(self, batch: str, content: bytes | None) -> None:
         """Add the file of a batch, if it was made elsewhere."""
