@@ -17,7 +17,10 @@ from dem.base.errors import InputError
 from dem.base.messages import say
 
 # Of a disk without locks: none left, not of this disk (NFS, which Python has no name for), not of this system.
-NO_LOCKS = errno.ENOLCK, 524, errno.ENOSYS, errno.EOPNOTSUPP
+NO_LOCKS = dict.fromkeys(
+    (errno.ENOLCK, 524, errno.ENOSYS, errno.EOPNOTSUPP),
+    "this disk gives no locks; work on another, or mount it with locks",
+)
 NO_SPACE = errno.ENOSPC, getattr(errno, "EDQUOT", None)
 
 
@@ -85,27 +88,24 @@ def fullness(folder: Path) -> str:
     return ""
 
 
-@contextmanager
-def reading(path: Path) -> Iterator[None]:
-    """Say of a file that cannot be read now, which is no damage, what to do; one that is not there is
-    a FileNotFoundError."""
+def bytes_of(path: Path) -> bytes:
+    """The bytes of a file. Raises FileNotFoundError where it is not there, OSError, with what to do,
+    where it cannot be read now, which is no damage."""
     try:
-        yield
+        return path.read_bytes()
     except FileNotFoundError:
         raise
     except OSError as error:
-        raise OSError(_cannot(path, "read", error.strerror or str(error))) from None
+        raise OSError(_cannot(path, "read", error.strerror)) from None
 
 
 def arrays_of(path: Path, head: bytes = b"") -> dict[str, Any] | None:
-    """The arrays of an .npz after its head; None where its bytes are damaged. Raises FileNotFoundError
-    where it is not there, OSError where it cannot be read now."""
+    """The arrays of an .npz after its head; None where its bytes are damaged. Raises as bytes_of."""
     from zipfile import ZipFile  # with numpy, which most verbs that only say something do not need
 
     import numpy as np
 
-    with reading(path):
-        content = BytesIO(path.read_bytes().removeprefix(head))
+    content = BytesIO(bytes_of(path).removeprefix(head))
     try:
         if ZipFile(content).testzip() is None:  # what it says of sizes is right then
             content.seek(0)
@@ -130,18 +130,16 @@ def lock(path: Path, timeout: float = -1):
     timeout: s to wait for another process. Raises Timeout, and OSError, with what to do, where the
     disk gives no locks.
     """
-    from filelock import FileLock, Timeout
+    from filelock import FileLock
 
     try:
         # a lock of another kind, a file that is there or not, would outlive a process that is killed
         return FileLock(path, fallback_to_soft=False).acquire(timeout)
-    except (Timeout, PermissionError):
-        raise
     except OSError as error:
-        why = fullness(path.parent) or error.strerror
-        if error.errno in NO_LOCKS:
-            why += ": this disk gives no locks; work on another, or mount it with locks"
-        raise OSError(_cannot(path, "locked", why)) from None
+        why = fullness(path.parent) if error.errno in NO_SPACE else NO_LOCKS.get(error.errno)
+        if why:
+            raise OSError(_cannot(path, "locked", why)) from None
+        raise
 
 
 def write_text(path: Path, text: str) -> None:

@@ -4,7 +4,7 @@ import io
 import os
 import signal
 import sys
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import contextmanager
 
 import typer
 
@@ -29,15 +29,11 @@ class Verbs(typer.Typer):
         for name in ("stdout", "stderr"):
             if getattr(sys, name) is None:  # closed: what would be written there is not
                 setattr(sys, name, io.TextIOWrapper(io.FileIO(os.devnull, "w")))
-            getattr(sys, name).reconfigure(errors="replace")  # letters that the encoding lacks
+            # letters that the encoding lacks; lines that cannot be written are an error of the verb
+            getattr(sys, name).reconfigure(errors="replace", line_buffering=True)
         try:
             with reported():
-                try:
-                    super().__call__(*arguments, **options)
-                except SystemExit as end:
-                    with suppress(OSError) if end.code else nullcontext():
-                        sys.stdout.flush()
-                    raise
+                super().__call__(*arguments, **options)
         except typer.Exit as end:
             sys.exit(end.exit_code)
         finally:

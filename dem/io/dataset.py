@@ -13,7 +13,7 @@ import netCDF4
 import numpy as np
 
 from dem.base.errors import InputError, OverlapError, PackingError, RunError, StateError
-from dem.base.files import atomic, reading
+from dem.base.files import atomic, bytes_of
 
 # Tables of variables, name: (dimensions, units, long name). What a run records is in
 # dem.experiment.observables.
@@ -206,9 +206,8 @@ def content_of(path: Path, remedy: str = "make it again"):
             raise
         raise InputError(f"{path}: {error}") from None
     except Exception as error:
-        with suppress(FileNotFoundError), reading(path), Path(path).open("rb") as file:
-            while file.read(2**24):
-                pass
+        with suppress(FileNotFoundError):
+            bytes_of(Path(path))  # an error of the disk is raised here
         if isinstance(error, OSError) and (error.errno or 0) > 0:  # of another file
             raise
         words = " ".join(str(error).split())[:200]

@@ -7,13 +7,11 @@ that change together, or a design over ranges.
 
 import math
 import re
-from typing import Annotated, Literal, NamedTuple
-
-from pydantic import BeforeValidator
+from typing import Literal, NamedTuple
 
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
-from dem.base.types import SEEDS, Coefficient, Label, Number, Section, must, parsed, written
+from dem.base.types import SEEDS, Coefficient, Label, Number, Section, parsed, written
 from dem.experiment.config import HERTZ, Configuration, Entry, entries
 from dem.experiment.observables import OBSERVABLES
 from dem.experiment.sections import RunSection
@@ -29,11 +27,6 @@ RUNS = {
 RUNS["case"] = RUNS["shape"]._replace(path="case")  # a row of the table
 TABLES = {"case": "cases", "shape": "shapes"}  # of labels
 POINT = "point of the design"  # long name of an axis that is a design
-PointName = Annotated[
-    str,
-    must("be a text that is not empty, or a number", str.strip),
-    BeforeValidator(lambda name: name if name is None else str(name)),
-]
 
 
 class Derive(Section):
@@ -90,7 +83,9 @@ def axis_of(
     parsed(Label, name, f"a name in {where}")
     if "design" in spec:
         return _design(name, spec, sweep, key)
-    names = [parsed(PointName, point, f"a name in {key}") for point in spec]
+    names = list(map(str, spec))
+    if None in spec or not all(map(str.strip, names)):
+        raise InputError(f"{key} has a point without a name; give it one, such as a, or a number.")
     _check_once(names, key)
     points = [changes(point, sweep, f"{key}.{point_name}") for point_name, point in spec.items()]
     return Axis(name_of(name), Entry(name, None, "values that go together"), names, points)

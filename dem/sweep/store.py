@@ -16,7 +16,7 @@ import numpy as np
 from filelock import Timeout
 
 from dem.base.errors import InputError
-from dem.base.files import arrays_of, atomic, lock, reading, set_aside, write_text
+from dem.base.files import arrays_of, atomic, bytes_of, lock, set_aside, write_text
 from dem.base.provenance import compilers
 from dem.base.source_hash import digest
 from dem.experiment.config import of_values
@@ -106,8 +106,8 @@ class Store:
     def replicates(self, batch: str) -> list[Replicate]:
         """What the runs of a batch are; raises InputError where its plan is not of today's code."""
         path = self.plan_of(batch)
-        with suppress(FileNotFoundError), reading(path):
-            content = path.read_bytes()
+        with suppress(FileNotFoundError):
+            content = bytes_of(path)
         # what is wrong with a plan does not matter, because it is written again
         with suppress(Exception):
             head, body = content.decode().splitlines()
