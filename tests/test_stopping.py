@@ -137,20 +137,18 @@ DAMAGE = {
 }
 
 
-@pytest.mark.parametrize("damage", ["half", "empty", "overwritten"])
-def test_a_damaged_checkpoint_is_not_used(tmp_path, monkeypatch, capfd, damage):
-    """The run then begins again, and says so in one line."""
+@pytest.mark.parametrize("damage", DAMAGE)
+def test_a_damaged_checkpoint_that_the_user_names_is_refused(tmp_path, monkeypatch, damage):
+    """It stays as it is."""
     monkeypatch.setattr(drag, "SAVED_EVERY", 0.0)
     replicate = smoke().replicate("c1", 3.9e3, 1)
     bed = make_bed(replicate)
     checkpoint = stopped(tmp_path, replicate, bed)
-    checkpoint.write_bytes(DAMAGE[damage](checkpoint.read_bytes()))
-    progress = []
-    resumed = drag.run(replicate, bed, progress.append, checkpoint=checkpoint)
-    assert progress[0] == pytest.approx(20 / 120)
-    lines = capfd.readouterr().err.splitlines()
-    assert len(lines) == 1 and "damaged; the run begins again" in lines[0]
-    np.testing.assert_array_equal(resumed["drag"], drag.run(replicate, bed)["drag"])
+    content = DAMAGE[damage](checkpoint.read_bytes())
+    checkpoint.write_bytes(content)
+    with pytest.raises(InputError, match="or damaged; delete it or name another file"):
+        drag.run(replicate, bed, checkpoint=checkpoint)
+    assert checkpoint.read_bytes() == content
 
 
 FOREIGN = {

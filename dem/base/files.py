@@ -99,13 +99,13 @@ def bytes_of(path: Path) -> bytes:
         raise OSError(_cannot(path, "read", error.strerror)) from None
 
 
-def arrays_of(path: Path, head: bytes = b"") -> dict[str, Any] | None:
-    """The arrays of an .npz after its head; None where its bytes are damaged. Raises as bytes_of."""
+def arrays_of(path: Path) -> dict[str, Any] | None:
+    """The arrays of an .npz; None where its bytes are damaged. Raises as bytes_of."""
     from zipfile import ZipFile  # with numpy, which most verbs that only say something do not need
 
     import numpy as np
 
-    content = BytesIO(bytes_of(path).removeprefix(head))
+    content = BytesIO(bytes_of(path))
     try:
         if ZipFile(content).testzip() is None:  # what it says of sizes is right then
             content.seek(0)

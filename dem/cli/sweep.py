@@ -189,7 +189,7 @@ def simulate(
         )
     half_packed = None
     if checkpoint:
-        run_checkpoint.check(checkpoint, run)  # refuses another file
+        run_checkpoint.saved(checkpoint, run)  # refuses another file
         half_packed = checkpoint.with_name(f"{checkpoint.name}.bed.npz")
     for sentence in slow_beds([run]):
         say(sentence)

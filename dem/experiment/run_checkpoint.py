@@ -8,7 +8,6 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.files import arrays_of, atomic
-from dem.base.messages import say
 from dem.dynamics.result import Record
 from dem.dynamics.simulation import Simulation
 from dem.experiment.run import Replicate
@@ -40,60 +39,40 @@ class PartialRun:
         groups = {
             "simulation": simulation.checkpoint(),
             "record": self.record._asdict(),
-            "run": {"spent": self.spent, "snapshots": len(self.states)},
+            "states": {name: [getattr(state, name) for state in self.states] for name in ARRAYS},
+            "run": {"id": replicate.id, "spent": self.spent},
         }
-        for number, (state, look) in enumerate(zip(self.states, self.looks, strict=True)):
-            fields = {name: getattr(state, name) for name in ARRAYS}
-            groups |= {f"state{number}": fields, f"look{number}": look}
+        groups |= {f"look{number}": look for number, look in enumerate(self.looks)}
         arrays = {f"{group}.{k}": v for group, values in groups.items() for k, v in values.items()}
         with atomic(path) as part, part.open("wb") as file:
-            file.write(head_of(replicate))
             np.savez(file, **arrays)
 
 
-def head_of(replicate: Replicate) -> bytes:
-    """First line of a checkpoint, by which it is known also where it is damaged."""
-    return f"dem checkpoint {replicate.id}\n".encode()
-
-
 def saved(path: Path, replicate: Replicate) -> dict | None:
-    """The arrays of a checkpoint; {} of one that is damaged, or no checkpoint of this run; None
-    where there is none."""
-    return (arrays_of(path, head_of(replicate)) or {}) if path.exists() else None
-
-
-def check(path: Path, replicate: Replicate) -> None:
-    """Raise InputError for a file that is no checkpoint of this run, which may not be replaced by one;
-    it may be damaged."""
-    head = b"a folder"
-    if path.is_file():
-        with path.open("rb") as file:
-            head = file.readline(200)
-    if path.exists() and not head_of(replicate).startswith(head):
+    """The arrays of a checkpoint of this run, None where there is no file; raises InputError for a
+    damaged or another file, which a checkpoint must not replace."""
+    if not path.exists():
+        return None
+    arrays = arrays_of(path)
+    if arrays is None or arrays.get("run.id") != replicate.id:
         raise InputError(
-            f"{path}: it is no checkpoint of this run; delete it or name another file as checkpoint."
+            f"{path}: it is no checkpoint of this run, or damaged; delete it or name another file as "
+            "checkpoint."
         )
+    return arrays
 
 
 def resumed(path: Path, replicate: Replicate, simulation: Simulation) -> PartialRun | None:
-    """What this run had when its checkpoint was written, and the simulation where it was then.
-
-    None without a checkpoint, or with a damaged one: the run then begins again. Raises InputError
-    for any other file.
-    """
-    check(path, replicate)
-    if not (arrays := saved(path, replicate)):
-        if arrays is not None:
-            say(f"{path}: this checkpoint is damaged; the run begins again.")
+    """What this run had when its checkpoint was written, and the simulation where it was then; None
+    without a checkpoint. Raises InputError for any other file."""
+    if (arrays := saved(path, replicate)) is None:
         return None
     groups = defaultdict(dict)
     for key, values in arrays.items():
         group, _, name = key.partition(".")
         groups[group][name] = values
     simulation.restore(groups["simulation"])
-    spent, snapshots = groups["run"].values()
-    states, looks = (
-        [groups[f"{group}{number}"] for number in range(snapshots)] for group in ("state", "look")
-    )
-    states = [State(**fields) for fields in states]
-    return PartialRun([Record(**groups["record"])], states, looks, float(spent))
+    columns = zip(*(groups["states"][name] for name in ARRAYS), strict=True)
+    states = [State(**dict(zip(ARRAYS, values, strict=True))) for values in columns]
+    looks = [groups[f"look{number}"] for number in range(len(states))]
+    return PartialRun([Record(**groups["record"])], states, looks, float(groups["run"]["spent"]))

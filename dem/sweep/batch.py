@@ -17,12 +17,11 @@ from dem.base.files import lock, set_aside
 from dem.base.source_hash import PACKAGE, run_codes
 from dem.experiment.bed import make_bed
 from dem.experiment.run import Replicate
-from dem.experiment.run_checkpoint import saved
 from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, write
 from dem.jit.compilation import computing
 from dem.packing.random import Bed
 from dem.periodic import periods_of
-from dem.sweep.store import Store
+from dem.sweep.store import Store, load
 
 
 def make(store: Store, batch: str, progress=lambda done, failed: None) -> Path:
@@ -116,8 +115,7 @@ def _run(store: Store, replicate: Replicate, progress) -> dict:
     sides = replicate.configuration.periodic
     bed = Bed(**values, periodic=periods_of(values["width"], values["height"], sides))
     checkpoint = store.run_of(replicate.id, ".checkpoint.npz")
-    if saved(checkpoint, replicate) == {}:
-        set_aside(checkpoint)
+    load(checkpoint, aside=True)
     return experiment.run(replicate, bed, progress, checkpoint=checkpoint)
 
 

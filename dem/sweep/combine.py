@@ -38,7 +38,7 @@ from dem.sweep.expand import Block
 from dem.sweep.precision import short_of
 from dem.sweep.store import Batch, Store
 
-PROVENANCE = ("versions", "git_revision", "source_hash", "processor")
+PROVENANCE = ("versions", "git_revision", "source_hash", "processor", "history")
 BLOCK = 64  # runs along the last axis that are compressed and read together, at most
 CHUNK = 4_000_000  # bytes that are, at most, and that netCDF buffers of each variable
 BEDS = "snapshots"  # the observable whose file has values for every granule, of the first seeds
@@ -67,7 +67,7 @@ def combine(
     layout, names = layout_of(block, observable)
     left, failed = set(block.points), {}
     gaps = bool(sweep.failures or partial or block.until or observable == BEDS)
-    origins, made = [], ""
+    origins = []
     with create(output) as file:
         for done, path in enumerate(paths, 1):
             values, origin = read(path, (*names, "run_id", "failure", "failure_reason"))
@@ -81,8 +81,7 @@ def combine(
             if places and not file.dimensions:
                 _create_variables(file, block, layout, {n: values[n] for n in names}, gaps)
             with content_of(path):
-                origins.append([origin[name] for name in PROVENANCE])
-                made = max(made, origin["history"])
+                origins.append({name: origin[name] for name in PROVENANCE})
                 for first, group in groupby(places, lambda place: place[0][:-1]):
                     points, rows = zip(*group, strict=True)
                     last = [point[-1] for point in points]
@@ -111,10 +110,9 @@ def combine(
             reasons = list(dict.fromkeys(reason for _, reason in failed.values()))
             comment = {"comment": "; ".join(reasons[:REASONS])} if reasons else {}
             add(file, "failure", block.dims, flags, attributes("failure", layout) | comment)
-        origins = zip(PROVENANCE, zip(*origins, strict=True), strict=True)
-        merged = {name: "; ".join(dict.fromkeys(values)) for name, values in origins}
+        merged = {name: "; ".join(dict.fromkeys(o[name] for o in origins)) for name in PROVENANCE}
         # when the last of its runs was made, so that the same runs give the same bytes
-        merged["history"] = f"{made}, dem sweep"
+        merged["history"] = max(o["history"] for o in origins) + ", dem sweep"
         if left:
             merged["partial"] = f"{len(block.points) - len(left)} of {len(block.points)} runs"
         file.setncatts(about(sweep, block, merged))

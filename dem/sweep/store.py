@@ -141,11 +141,11 @@ class Store:
         """The bed of a run by the names of Bed, but for its periods: the stored one, or as
         `make(replicate, checkpoint)` packs it, once for all processes. One that was stopped goes on."""
         path = self.file_of_bed(replicate)
-        if (bed := _load(path)) is None:
+        if (bed := load(path)) is None:
             with lock(path.with_name(".lock")):
-                if (bed := _load(path, aside=True)) is None:
+                if (bed := load(path, aside=True)) is None:
                     checkpoint = path.with_suffix(".checkpoint.npz")
-                    _load(checkpoint, aside=True)
+                    load(checkpoint, aside=True)
                     bed = make(replicate, checkpoint)._asdict()
                     del bed["periodic"]  # the configuration says it
                     _save(path, bed)
@@ -159,7 +159,7 @@ class Store:
     def kept(self, run: str, aside: bool = False) -> dict | None:
         """What a run gave whose batch has not ended, None if it is not there or damaged, and then put
         aside by who makes it."""
-        return _load(self.run_of(run), aside)
+        return load(self.run_of(run), aside)
 
     def locked_runs(self) -> set[str]:
         """Identities of the runs that some process is making."""
@@ -185,7 +185,7 @@ def _save(path: Path, values: dict) -> None:
         np.savez(file, **values)
 
 
-def _load(path: Path, aside: bool = False) -> dict | None:
+def load(path: Path, aside: bool = False) -> dict | None:
     """The arrays of a file; None where it is not there, or is damaged, and then put aside if asked."""
     try:
         arrays = arrays_of(path)
