@@ -142,10 +142,10 @@ def lock(path: Path, timeout: float = -1):
         raise
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write a text, with line ends as it has them."""
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a file whose content is known."""
     with atomic(path) as part:
-        part.write_bytes(text.encode())
+        part.write_bytes(content)
 
 
 # Only half-written files of ours have such names, so that what killed processes left can be removed.

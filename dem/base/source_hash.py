@@ -18,7 +18,7 @@ from pathlib import Path
 from platformdirs import user_cache_path
 
 from dem.base.errors import InputError
-from dem.base.files import atomic
+from dem.base.files import write_bytes
 
 ROOT = Path(__file__).parent.parent.parent
 PACKAGE = ROOT / "dem"
@@ -175,8 +175,8 @@ def _codes_of_all_runs() -> dict[str, str]:
     with suppress(OSError, ValueError):  # absent or damaged
         return json.loads(note.read_text())
     hashes = codes(files)
-    with suppress(OSError), atomic(note) as part:
-        part.write_text(json.dumps(hashes))
+    with suppress(OSError):
+        write_bytes(note, json.dumps(hashes).encode())
     return hashes
 
 

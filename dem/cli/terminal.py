@@ -26,11 +26,15 @@ class Verbs(typer.Typer):
     def __call__(self, *arguments, **options):
         for number in (signal.SIGINT, signal.SIGTERM):  # clusters send SIGTERM when time is over
             signal.signal(number, _interrupt)
-        for name in ("stdout", "stderr"):
-            if getattr(sys, name) is None:  # closed: what would be written there is not
-                setattr(sys, name, io.TextIOWrapper(io.FileIO(os.devnull, "w")))
+        # of a stream that is closed nothing is written
+        streams = [
+            stream or io.TextIOWrapper(io.FileIO(os.devnull, "w"))
+            for stream in (sys.stdout, sys.stderr)
+        ]
+        sys.stdout, sys.stderr = streams
+        for stream in streams:
             # letters that the encoding lacks; lines that cannot be written are an error of the verb
-            getattr(sys, name).reconfigure(errors="replace", line_buffering=True)
+            stream.reconfigure(errors="replace", line_buffering=True)
         try:
             with reported():
                 super().__call__(*arguments, **options)

@@ -23,7 +23,7 @@ from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 
 from dem.base.errors import InputError
-from dem.base.files import atomic, lock
+from dem.base.files import lock, write_bytes
 from dem.base.messages import say
 from dem.base.plugins import note
 from dem.base.source_hash import (
@@ -106,8 +106,8 @@ class KernelCache(FunctionCache):
         file = self._file(sig, data.codegen)
         if file is None or data.library.has_dynamic_globals:
             return
-        with suppress(OSError, InputError), atomic(file) as part:  # else the next process compiles
-            part.write_bytes(dumps(data._reduce()))
+        with suppress(OSError, InputError):  # else the next process compiles
+            write_bytes(file, dumps(data._reduce()))
 
     def _file(self, sig, codegen) -> Path | None:
         """The file for some types of arguments; None where the code of a class is unknown."""

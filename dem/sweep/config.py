@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from dem.base.errors import InputError
-from dem.base.files import write_text
+from dem.base.files import write_bytes
 from dem.base.messages import did_you_mean
 from dem.base.plugins import refresh, with_folder
 from dem.base.source_hash import ROOT
@@ -219,4 +219,4 @@ def load(path: Path) -> Sweep:
 
 def save(sweep: Sweep, path: Path) -> None:
     """Write the resolved configuration, which `load` reads again."""
-    write_text(Path(path), text_of(sweep.dump()))
+    write_bytes(path, text_of(sweep.dump()).encode())

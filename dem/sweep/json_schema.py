@@ -6,7 +6,7 @@ another; what is missing, and what does not fit together, is said when the file 
 
 import json
 
-from dem.base.files import atomic
+from dem.base.files import write_bytes
 from dem.base.source_hash import ROOT
 from dem.experiment.config import entries
 from dem.sweep.axis import RUNS
@@ -38,5 +38,4 @@ def schema() -> dict:
 
 
 if __name__ == "__main__":
-    with atomic(FILE) as part:
-        part.write_text(json.dumps(schema(), indent=1) + "\n", encoding="utf-8")
+    write_bytes(FILE, f"{json.dumps(schema(), indent=1)}\n".encode())

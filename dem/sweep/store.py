@@ -16,7 +16,7 @@ import numpy as np
 from filelock import Timeout
 
 from dem.base.errors import InputError
-from dem.base.files import arrays_of, atomic, bytes_of, lock, set_aside, write_text
+from dem.base.files import arrays_of, atomic, bytes_of, lock, set_aside, write_bytes
 from dem.base.provenance import compilers
 from dem.base.source_hash import digest
 from dem.experiment.config import of_values
@@ -98,10 +98,8 @@ class Store:
                 for run, row in self.rows_of(batch.id, *names).items():
                     if run in wanted and (run not in rows or rows[run]["failure"]):
                         rows[run] = row
-        for run in wanted - rows.keys() if kept else ():
-            if (row := self.kept(run)) is not None:
-                rows[run] = row
-        return rows
+        left = wanted - rows.keys() if kept else ()
+        return rows | {run: row for run in left if (row := self.kept(run))}
 
     def replicates(self, batch: str) -> list[Replicate]:
         """What the runs of a batch are; raises InputError where its plan is not of today's code."""
@@ -123,13 +121,12 @@ class Store:
         """Write what a batch is to make."""
         values = [replicate.values() for replicate in replicates]
         text = f"{json.dumps(batch.runs)}\n{json.dumps(values)}\n"
-        write_text(self.plan_of(batch.id), text)
+        write_bytes(self.plan_of(batch.id), text.encode())
 
     def add(self, batch: str, content: bytes | None) -> None:
         """Add the file of a batch, if it was made elsewhere."""
         if content is not None:
-            with atomic(self.file_of(batch)) as part:
-                part.write_bytes(content)
+            write_bytes(self.file_of(batch), content)
 
     # Beds and finished runs
 

@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from dem.base.errors import InputError, RunError
-from dem.base.files import lock, write_text
+from dem.base.files import lock, write_bytes
 from dem.base.source_hash import cache_folder
 from dem.sweep.store import Batch, Store, batch_id
 
@@ -59,7 +59,7 @@ def make_batch(task, progress=lambda done, failed: None, **values: str) -> bytes
         copy, path = store.plan_of(plan.stem), store.file_of(plan.stem)
         # another worker may be at the same batch, for another client
         with lock(copy.with_suffix(".lock")):
-            write_text(copy, text)
+            write_bytes(copy, text.encode())
             content = make(store, plan.stem, progress).read_bytes()
             copy.unlink()
             path.unlink()
