@@ -1,6 +1,7 @@
 """Walls, solids and held granules that move: on paths, or as the forces on them say."""
 
 import io
+import shlex
 from dataclasses import replace
 from functools import partial
 
@@ -193,6 +194,9 @@ def test_a_run_goes_on_where_its_boundaries_are_put(small_bed):
     assert_allclose(second.solid_position[-1, 0], cylinder.position + np.array([0.0, 1.1e-5]))
 
 
+BODIES = shlex.split("position velocity wall_offset wall_force solid_position solid_angle")
+
+
 def test_a_result_goes_on_as_one_run(small_bed):
     """A lid on a path, a wall, a solid and held granules that are pushed, a solid that turns, springs of
     contacts: all go on with the same bits, as often as one asks."""
@@ -204,7 +208,7 @@ def test_a_result_goes_on_as_one_run(small_bed):
     half = simulate(system, start, 1.5e-5)
     for rest in (half.continuation(1.5e-5), half.continuation(1.5e-5)):
         assert rest.time.tolist() == whole.time[1:].tolist()
-        for name in "position velocity wall_offset wall_force solid_position solid_angle".split():
+        for name in BODIES:
             now, then = getattr(rest, name)[-1], getattr(whole, name)[-1]
             assert_allclose(now, then, rtol=1e-14, err_msg=name)
     assert whole.wall_offset[-1, TOP] != system.planes[TOP, 2]
