@@ -54,7 +54,9 @@ def public_arguments():
             if inspect.isclass(function):
                 function = function.__new__ if issubclass(function, tuple) else function.__init__
             if hasattr(function, "__wrapped__"):
-                for key, parameter in inspect.signature(function).parameters.items():
+                for key, parameter in inspect.signature(
+                    inspect.unwrap(function)
+                ).parameters.items():
                     if get_args(parameter.annotation):
                         yield f"{call} {key}", parameter.annotation
 
