@@ -1,5 +1,6 @@
 """Configurations: the published one says where each number is from, wrong ones are named."""
 
+import datetime
 import json
 import math
 import re
@@ -50,7 +51,7 @@ REFUSED = [
     ("material.young", 1e9, "material.young is not a known key; there are young_modulus,"),
     ("cylinder.speed", 2.0, "not a known key; there are diameter, velocity, start, stroke,"),
     ("box_width", "20 mm", "box_width is '20 mm'; it must be a number, in m."),
-    ("gravity", True, "gravity is True; it must be a number, in m s-2."),
+    ("gravity", True, "gravity is true; it must be a number, in m s-2."),
     ("gravity", math.nan, "gravity is nan; it must be finite, at most 1e+20 in size, in m s-2."),
     ("gravity", -1, "gravity is -1; it must be at least 0, in m s-2."),
     ("friction.granule", [0.1, 0.3], "friction.granule is [0.1, 0.3]; it must be a number."),
@@ -90,6 +91,11 @@ REFUSED = [
     ("cases.c1.shape", "C1", "is 'C1', which is not one of shapes; the nearest is c1"),
     ("sweep.seed", 1.5, "sweep.seed is 1.5; it must be a whole number."),
     ("sweep.seed", [1, 2, 1], "sweep.seed has 1 twice; list each once."),
+    ("sweep.friction/granule", [0.3, 0.1 + 0.2], "sweep.friction.granule has 0.3 twice; list each"),
+    ("title", datetime.date(2020, 1, 1), "title is 2020-01-01; it must be text."),
+    ("friction.granule", True, "friction.granule is true; it must be a number."),
+    ("friction", {1: 1}, "friction.1 is not a known key; there are granule, wall, cylinder, stif"),
+    ("shapes", {False: {}}, "shapes.false is false; it must be a label: a letter from A to Z"),
     ("sweep.seed", [], "sweep.seed is []; it must be a list of values."),
     ("sweep.seed", "1 to 100000", "sweep has 1,100,000 runs; it must have at most 1,000,000."),
     ("sweep.seeds", "1 to 5", "sweep: seeds is no value that can vary; the nearest is seed."),
@@ -98,7 +104,7 @@ REFUSED = [
     ("sweep.gravity", {"time": [1]}, "it must be a list of values, or factors: {times: [0.5, 2]}."),
     ("sweep.gravity", {"times": ["x"]}, "sweep.gravity is 'x'; it must be a number."),
     ("sweep.material/thickness", [None, None], "sweep.material.thickness has null twice"),
-    ("sweep.numerics/allow_unstable", {"times": [2]}, "is False, which has no multiples."),
+    ("sweep.numerics/allow_unstable", {"times": [2]}, "is false, which has no multiples."),
     ("sweep.friction_granule", [0.1], "no value that can vary; the nearest is friction.granule."),
     ("sweep.record/window", [[0, 1]], "no value that can vary; the nearest is record.bins."),
     ("sweep.p", {"a": {"gravity": 1}, "b": 3}, "sweep: p is no value that can vary"),
@@ -113,7 +119,7 @@ REFUSED = [
     ("sweep", {"blocks": {"../x": {"case": "all"}}}, f"sweep.blocks.../x is '../x'; {A_LABEL}"),
     ("sweep", {"blocks": {"store": {"case": "all"}}}, "sweep.blocks.store is a folder of results"),
     ("sweep", {"blocks": {"a": 3}}, "sweep.blocks.a is 3; it must be a group of keys."),
-    ("sweep", {"blocks": {"a": {None: [1]}}}, "sweep.blocks.a: None is no value that can vary"),
+    ("sweep", {"blocks": {"a": {None: [1]}}}, "sweep.blocks.a: null is no value that can vary"),
     ("sweep", {"blocks": {"a": {"needs": "b"}}}, "it must be a block before it: there is none."),
     (
         "sweep.p",

@@ -86,7 +86,9 @@ def selected(runs: pd.DataFrame, select: list[str]) -> str:
             raise InputError(f"{word!r} selects no run; write NAME=VALUE, such as seed=1.")
         if (name := columns.get(key.replace(".", "_"))) is None:
             varied = ", ".join(name for name in runs if runs[name].nunique() > 1)
-            hint = did_you_mean(key.replace(".", "_"), columns, f"; they differ in {varied}")
+            hint = did_you_mean(
+                key.replace(".", "_"), columns, f"; they differ in {varied or 'nothing'}"
+            )
             raise InputError(f"its runs have no value named {key}{hint}.")
         listed = ", ".join(rest[name].map(_word).unique()[:SHOWN])
         rest = rest[[is_written(value, text) for value in rest[name]]]
@@ -100,7 +102,8 @@ def selected(runs: pd.DataFrame, select: list[str]) -> str:
             example.append(f"{name}={words[name].iloc[0]}")
             words = words[words[name] == words[name].iloc[0]]
     having = f" with {' '.join(select)}" if select else ""
-    raise InputError(f"it has {count} runs{having}; choose one, such as {' '.join(example)}.")
+    hint = f"choose one, such as {' '.join(example)}" if example else "no word tells them apart"
+    raise InputError(f"it has {count} runs{having}; {hint}.")
 
 
 def _word(value) -> str:

@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from datetime import date
 from typing import Annotated, Any, NoReturn, TypeVar, get_args, get_type_hints
 
 import numpy as np
@@ -236,7 +237,9 @@ def shown(value: Any) -> str:
 
 def written(value: Any) -> str:
     """A value in a sentence, as a file has it."""
-    return "null" if value is None else shown(value)
+    if value is None or isinstance(value, bool | date):
+        return str(value).lower().replace("none", "null")
+    return shown(value)
 
 
 adapter = functools.lru_cache(1000)(TypeAdapter)  # which takes longer to make than to use
@@ -290,6 +293,8 @@ def _sentence(fault: Any, key: str, field: FieldInfo, show: Callable[[Any], str]
     """What is wrong, and what to write instead, from an error of pydantic."""
     kind, value, context = fault["type"], fault["input"], fault.get("ctx", {})
     names = [name for name in map(str, fault["loc"]) if not name.startswith(("function-", "[key]"))]
+    if fault["loc"][-1:] == ("[key]",) or kind == "invalid_key":
+        names[-1] = value if isinstance(value, str) else written(value)
     section: Any = None
     for name in names:
         section = section_of(field.annotation)
@@ -299,7 +304,7 @@ def _sentence(fault: Any, key: str, field: FieldInfo, show: Callable[[Any], str]
     if kind == "missing":
         about = f"; it is the {field.description}" if field.description else ""
         return f"{key} is missing{about}{f', in {unit}' if about and unit else ''}"
-    if kind == "extra_forbidden":
+    if kind in ("extra_forbidden", "invalid_key"):
         return f"{key} is not a known key{did_you_mean(names[-1], section.model_fields)}"
     if isinstance(error, InputError):
         return str(error).removesuffix(".")

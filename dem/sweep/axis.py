@@ -130,6 +130,7 @@ def changes(values, sweep: Configuration, where: str) -> dict:
 
 def _check_known(path, paths, where: str) -> None:
     if path not in paths:
+        path = path if isinstance(path, str) else written(path)
         raise InputError(
             f"{where}: {path} is no value that can vary{did_you_mean(path, paths, '')}."
         )
@@ -222,6 +223,7 @@ def seeds_of(words: str, key: str) -> list[int]:
 
 
 def _check_once(values: list, key: str) -> None:
-    if len(set(values)) < len(values):
-        twice = next(value for value in values if values.count(value) > 1)
+    words = [f"{v:.10g}" if isinstance(v, float) else v for v in values]  # as tables print them
+    if len(set(words)) < len(words):
+        twice = next(v for v, word in zip(values, words, strict=True) if words.count(word) > 1)
         raise InputError(f"{key} has {written(twice)} twice; list each once.")
