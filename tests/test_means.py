@@ -95,6 +95,14 @@ def test_the_terminal_shows_one_quantity_by_what_varies(file):
     assert info.exit_code == 2
 
 
+def test_means_of_an_experiment_of_ones_own_are_of_its_first_quantity(file):
+    """Where it has no drag, as the page of experiments says; also beside another file."""
+    paths = [changed(file(name), lambda d: d.rename(drag="mine")) for name in ("a.nc", "b.nc")]
+    for words in (paths[:1], paths):
+        run = CliRunner().invoke(app, ["means", *map(str, words)])
+        assert run.exit_code == 0 and ("mine" in run.output or "ratio" in run.output), run.output
+
+
 @pytest.mark.parametrize(
     "call, words",
     [

@@ -14,6 +14,7 @@ from dem.base.files import atomic, check_output
 from dem.base.statistics import LEVEL, half_interval, ratio_interval
 from dem.io.dataset import FORMAT
 from dem.io.lazily import open_lazily
+from dem.sweep.precision import usual
 
 WINDOW = ("window_start", "window_stop")
 ALONG = "displacement", "snapshot_displacement"  # of the cylinder, which has a window
@@ -50,9 +51,11 @@ def run_means(dataset: xr.Dataset, names: list[str] | None = None) -> xr.Dataset
     return result.map(over_seeds, keep_attrs=True).where(np.isfinite)
 
 
-def means(path: Path, only: str | None = None) -> xr.Dataset:
-    """Means of a file of all quantities, or of one."""
+def means(path: Path, only: str | None = None, every: bool = True) -> xr.Dataset:
+    """Means of a file: of one quantity, of every one if None, or of the usual one without `every`."""
     with open_lazily(path) as dataset:
+        if not (only or every):
+            only = usual(quantities_of(dataset))
         return means_of(dataset, [only] if only else None)
 
 
@@ -71,8 +74,8 @@ def means_of(dataset: xr.Dataset, names: list[str] | None = None) -> xr.Dataset:
     return xr.Dataset(result, attrs=attrs).drop_vars("seed", errors="ignore")
 
 
-def compared(path: Path, other: Path, name: str) -> xr.Dataset:
-    """Means of one quantity in two files, where both have a point, and their ratio with Fieller's
+def compared(path: Path, other: Path, name: str | None = None) -> xr.Dataset:
+    """Means of one quantity, the usual one if None, in two files, where both have a point, and their ratio with Fieller's
     interval.
 
     The samples must be independent, so runs that both files have count for the first alone. Labels
@@ -82,6 +85,7 @@ def compared(path: Path, other: Path, name: str) -> xr.Dataset:
     samples, ids = [], []
     for file in (path, other):
         with open_lazily(file) as dataset:
+            name = name or usual(quantities_of(dataset))
             samples.append(run_means(dataset, [name])[name].drop_vars("seed", errors="ignore"))
             ids.append(over_seeds(dataset["run_id"].load()).drop_vars("seed", errors="ignore"))
     samples[1] = samples[1].where(~ids[1].isin(ids[0])).rename(seed="second_seed")

@@ -26,7 +26,11 @@ def info(
 def means(
     data: argument(Path, "drag.nc, or another combined file."),
     other: argument(Path | None, "Another one, to set the means of both side by side.") = None,
-    quantity: option(str, "What is shown, or compared with the other file.", "--of") = "drag",
+    quantity: option(
+        str | None,
+        "What is shown, or compared with the other file; drag, or the first of the file, if absent.",
+        "--of",
+    ) = None,
     output: option(
         Path | None,
         "Table to write (.csv or .nc); the terminal if absent.",
@@ -44,7 +48,7 @@ def means(
 
     with bar(f"reading {data}"):
         if other is None:
-            table = analysis.means(data, None if output else quantity)
+            table = analysis.means(data, None if output else quantity, every=bool(output))
         else:
             table = analysis.compared(data, other, quantity)
     if output is not None:

@@ -19,6 +19,7 @@ from dem.analysis.values import designs_of, factors_of
 from dem.base.errors import InputError
 from dem.base.statistics import half_interval
 from dem.figures import style
+from dem.sweep.precision import usual
 
 FILE = "drag"
 CAPTION = "Means over what was varied"
@@ -35,8 +36,7 @@ BASES = ("shape", "case")  # axes that lines show
 def plot(dataset: xr.Dataset, of: str | None = None) -> Figure:
     """Means of a quantity with their intervals, of the drag or the first one if None; raises
     InputError where no run is there, or no such quantity."""
-    names = quantities_of(dataset)
-    of = of or ("drag" if "drag" in names else names[0])
+    of = of or usual(quantities_of(dataset))
     runs = run_means(dataset, [of])[of]
     if not bool(runs.notnull().any()):
         raise InputError("all its runs failed.")

@@ -14,7 +14,7 @@ from dem.io.progress import span
 from dem.sweep.axis import POINT
 from dem.sweep.estimate import time_of
 from dem.sweep.expand import Block
-from dem.sweep.precision import Until, estimates, is_near_zero, numbers_of, replicates_needed
+from dem.sweep.precision import Until, estimates, is_near_zero, numbers_of, replicates_needed, usual
 from dem.sweep.state import SweepState
 
 STATES = "done", "running", "waiting", "failed"
@@ -28,9 +28,7 @@ def status(state: SweepState) -> Group:
     locked, parts, left, reasons = state.store.locked_runs(), [], [], Counter()
     for name in state.sweep.blocks:
         block = state.block(name)
-        numbers = numbers_of(block.first.configuration)
-        of = "drag" if "drag" in numbers else numbers[0]
-        until = block.until or Until(until=USUAL, of=of)
+        until = block.until or Until(until=USUAL, of=usual(numbers_of(block.first.configuration)))
         results, states = state.means(block, until.variable, kept=True), {}
         for run in block.unique():
             states[run.id] = "running" if run.id in locked else "waiting"

@@ -127,6 +127,11 @@ class Until(Section):
             raise InputError(f"{where}.until is {self.until!r}; it must be a percentage{other}.")
 
 
+def usual(names: list[str]) -> str:
+    """The number that is shown where none is named: the drag, or the first."""
+    return "drag" if "drag" in names else names[0]
+
+
 def numbers_of(configuration) -> list[str]:
     """Names of the numbers that a run gives, whose mean may be asked for: first what is measured.
     How long it took is none, because then no file would give the same runs twice."""
