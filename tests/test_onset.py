@@ -173,7 +173,10 @@ def test_too_few_beds_for_a_line_are_refused(granules, beds, words):
     assert FIGURES["onset"].axes == {"granules": LEAST, "seed": LEAST}
 
 
-def test_the_figure_shows_every_size_and_the_limit():
-    figure = plot(swept(lambda n: 0.84 - 0.05 * n**-0.5, lambda n: 4.0 - 2.0 / n))
+@pytest.mark.parametrize("sizes", [(50, 100, 200), tuple(50 * 2**k for k in range(9))])
+def test_the_figure_shows_every_size_in_a_look_of_its_own_and_the_limit(sizes):
+    figure = plot(swept(lambda n: 0.84 - 0.05 * n**-0.5, lambda n: 4.0 - 2.0 / n, sizes))
     names = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert names == ["50 granules", "100 granules", "200 granules", "infinitely many"]
+    assert names == [*(f"{size} granules" for size in sizes), "infinitely many"]
+    drawn = [line for line in figure.axes[0].lines if "granules" in line.get_label()]
+    assert len({(line.get_marker(), line.get_markerfacecolor()) for line in drawn}) == len(sizes)

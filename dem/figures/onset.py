@@ -35,19 +35,19 @@ def plot(dataset: xr.Dataset) -> Figure:
         f"Onset of jamming without friction: means of {found.beds} beds of each size,\n"
         "and the lines through them at infinite size (95 % intervals)"
     )
-    sizes = list(zip(found.granules, style.MARKERS[1:], strict=False))
+    markers, sizes = style.MARKERS[1:], len(found.granules)
     for axes, means, estimates in (
         (above, found.fractions, found.fraction),
         (below, found.contacts, found.coordination),
     ):
-        for column, (granules, marker) in enumerate(sizes):
+        for column, granules in enumerate(found.granules):
             axes.plot(
-                _ratio(_scaled(found.ratio) + APART * (column - len(sizes))),
+                _ratio(_scaled(found.ratio) + APART * (column - sizes)),
                 means[:, column],
-                marker,
+                markers[column % len(markers)],
                 color="0.15",
                 markersize=5,
-                markerfacecolor=str(0.95 - 0.75 * column / len(found.granules)),
+                markerfacecolor=str(0.95 - 0.75 * column / sizes),
                 label=f"{granules} granules",
             )
         look = {"marker": "o", "linestyle": "-", "label": "infinitely many"}
