@@ -167,6 +167,9 @@ def test_a_run_is_found_by_its_values(swept):
     with xr.open_dataset(swept / "drag.nc") as data:
         point = {"shape": "d1", "friction_granule": 0.3, "box": "wide", "seed": 2}
         np.testing.assert_array_equal(values["drag"], data["drag"].sel(point))
+    assert of_motion(read_snapshots(swept / "drag.nc", words)).title == (
+        "d1, 3900 kg/m³, seed 2, friction.granule=0.3, box=wide"
+    )  # as a picture of it says
     by_label = ["shape=d1", "friction_granule=0.3", "box_width=0.01", "seed=2"]
     assert open_run(swept / "drag.nc", by_label)[0].id == replicate.id
     for chunk in (swept / "store/batches").glob("*.nc"):

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 from sweeps import make_sweep
 from test_means import text_of
 
@@ -20,7 +21,7 @@ from dem.figures.catalogue import draw, drawable_from
 from dem.figures.sweep import is_logarithmic
 from dem.io.lazily import open_lazily
 from dem.report.build import build
-from dem.report.info import summary
+from dem.report.info import drag_table, summary
 
 ROOT = Path(__file__).parent.parent
 BOXES = {"wide": {"box_width": 10e-3, "shapes.c1.granules": 75}, "same": {"box_width": 8e-3}}
@@ -174,6 +175,17 @@ def test_every_mean_of_a_sweep_is_drawn(swept):
     assert len(figure.axes) <= 12
 
 
+def test_words_of_a_figure_stay_in_it_however_long_they_are(swept):
+    """The title and the labels beside the panels, of a quantity in many words."""
+    with open_lazily(swept[1] / "drag.nc") as dataset:
+        dataset["drag"].attrs["long_name"] = " ".join(12 * ["force of many words"])
+        figure = import_module("dem.figures.sweep").plot(dataset)
+    figure.draw_without_rendering()
+    for text in [figure._suptitle, *(axes.yaxis.label for axes in figure.axes)]:
+        box = text.get_window_extent()
+        assert box.y0 >= 0.0 and box.y1 <= figure.bbox.height and box.x1 <= figure.bbox.width, text
+
+
 def test_axes_of_a_sweep_have_names_and_units(swept):
     """They are logarithmic where values are far apart, as those of a design over a decade."""
     name, folder = swept
@@ -247,6 +259,15 @@ def test_info_and_report_have_a_row_a_place(swept):
     body = (folder / "report.html").read_text()
     assert 'id="sweep"' in body
     assert len(pd.read_html(io.StringIO(body))[0]) == statistics["mean"].size
+
+
+def test_info_says_how_many_independent_samples_a_run_is_worth():
+    """Of 200 bins that are alike by fives there are 40."""
+    blocks = np.random.default_rng(1).normal(100.0, 10.0, (1, 400, 40))
+    drag = xr.DataArray(np.repeat(blocks, 5, axis=-1), dims=("shape", "seed", "displacement"))
+    coords = {"displacement": np.linspace(0.0, 1.0, 200), "seed": range(400), "shape": ["c1"]}
+    dataset = xr.Dataset({"drag": drag}, coords, {"window_start": 0.0, "window_stop": 1.0})
+    assert drag_table(dataset)["independent"].item() == pytest.approx(40.0, rel=0.15)
 
 
 def test_a_long_table_says_how_much_is_left_out():

@@ -38,6 +38,7 @@ def open_run(
     with open_lazily(path) as dataset:
         row = dataset["run_id"].values.tolist().index(run)
         replicate = replicate_of(path, dataset, row, shapes)
+        replicate.point = tuple(select)
         variables = dataset.isel(run=row).variables
         if int(variables["failure"]):
             reason = str(variables["failure_reason"].values).strip()

@@ -28,6 +28,7 @@ class Replicate(Identity):
     label: str
     density: float
     seed: int
+    point: tuple[str, ...] = ()  # words by which it was chosen among the runs of a file
 
     def __post_init__(self):
         if self.rolling is not None and self.shape.kind != "disc":

@@ -88,8 +88,10 @@ def of_motion(motion: Snapshots, rings: np.ndarray | None = None) -> Frames:
             xlabel="Displacement of the cylinder (mm)", ylabel="Drag (N)", xlim=(0.0, moved[-1])
         )
 
+    known = "case=", "shape=", "density=", "seed="  # which the title says anyway
+    point = [word for word in run.point if not word.startswith(known)]
     return Frames(
-        title=f"{run.label}, {run.density:g} kg/m³, seed {run.seed}",
+        title=", ".join([run.label, f"{run.density:g} kg/m³", f"seed {run.seed}", *point]),
         position=motion.position,
         angle=motion.angle,
         velocity=mean_velocity(motion),

@@ -72,12 +72,13 @@ def plot(dataset: xr.Dataset, of: str | None = None) -> Figure:
     windowed = {"displacement", "snapshot"}.intersection(values.dims)
     within = f" from\n{style.window_text(dataset)}" if windowed else ""
     for axes in grid[::columns]:
-        axes.set_ylabel(f"{name}{within}{in_units(values)}")
+        axes.set_ylabel(f"{fill(name, round(9 * height))}{within}{in_units(values)}")
     notes = [f"{style.runs(runs, *averaged)} each"]
     notes += ["bars: 95 % intervals"] * (runs.sizes["seed"] > 1)
     notes += [f"averaged over {', '.join(averaged)}"] * bool(averaged)
     notes += [f"{len(factors) - PANELS} factors more are not shown"] * (len(factors) > PANELS)
-    figure.suptitle(f"{name} over what was varied\n({'; '.join(notes)})")
+    title = f"{name} over what was varied", f"({'; '.join(notes)})"
+    figure.suptitle("\n".join(fill(line, 76) for line in title))
     if line:
         style.legend(figure, grid[0], ncols=min(4, runs.sizes[line]))
     return figure
