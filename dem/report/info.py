@@ -19,8 +19,8 @@ from dem.io.lazily import open_lazily, require_drag
 
 LEGEND = """\
 mean: of the drag within the window; ±: half its 95 % interval by Student's t over the runs;
-over run and between runs: standard deviations, divided by the mean; overlap: the greatest,
-divided by the smaller granule radius"""
+over run and between runs: standard deviations, divided by the mean; independent: samples that one
+run is worth, their ratio squared; overlap: the greatest, divided by the smaller granule radius"""
 VARIED = 4  # values more that runs of a file differ in, at most
 MEANS = 5  # quantities of a file without drag that are shown
 
@@ -68,6 +68,7 @@ def drag_table(dataset: xr.Dataset) -> pd.DataFrame:
         "± (N)": result["half_interval"],
         "over run (%)": 100.0 * result["sd_over_run"] / size,
         "between runs (%)": 100.0 * result["sd_between_runs"] / size,
+        "independent": (result["sd_over_run"] / result["sd_between_runs"]) ** 2,
     }
     if "max_overlap" in dataset:
         overlap = dataset["max_overlap"]
