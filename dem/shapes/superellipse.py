@@ -44,7 +44,8 @@ class Superellipse(NamedTuple):
     rounding : array_like of shape (n,)
         Length c (m) that rounds the flat sides.
     exponent : float
-        Exponent n of all granules, without unit, from 1.2 to 20. With 2 the granule is an ellipse,
+        Exponent n of all granules, without unit, from 1.2 to 20. With 2 the granule is an ellipse
+        with the semi-axes sqrt(a^2 + 2 c^2) and sqrt(b^2 + 2 c^2), for a = b a disc of this radius,
         and large exponents make a rectangle.
 
     Raises
@@ -69,6 +70,9 @@ class Superellipse(NamedTuple):
     array([4.])
     >>> granule.polygons(points=5).shape
     (1, 1, 5, 2)
+    >>> disc = dem.Superellipse([3e-3], [3e-3], [2e-3], exponent=2.0)  # of radius sqrt(9 + 8) mm
+    >>> print(f"{1e6 * disc.area[0] / 3.14159:.2f} mm2")
+    17.00 mm2
     """
 
     semi_major: Annotated[np.ndarray, SIZES]
