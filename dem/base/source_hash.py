@@ -136,26 +136,20 @@ def with_imports(file: Path) -> list[Path]:
 def _imports(file: Path, folders: set[Path]) -> Iterator[Path]:
     """Where the modules that a file imports would be in some folders."""
     for node in ast.walk(ast.parse(file.read_bytes(), str(file))):
-        if isinstance(node, ast.Import):
-            starts, names = folders, [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            starts = {file.parents[node.level - 1]} if node.level else folders
-            names = [f"{node.module or ''}.{alias.name}".lstrip(".") for alias in node.names]
-        else:
-            continue
-        for start, parts in product(starts, (name.split(".") for name in names)):
-            for end in range(1, len(parts) + 1) if parts[0] != "dem" else ():
-                stem = start.joinpath(*parts[:end])
-                package = stem / "__init__.py"
-                yield package if package.is_file() else stem.with_suffix(".py")
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            level, module = getattr(node, "level", 0), getattr(node, "module", None)
+            starts = {file.parents[level - 1]} if level else folders
+            for start, alias in product(starts, node.names):
+                path = start.joinpath(*f"{module or ''}.{alias.name}".split("."))
+                for stem in (path, *path.parents):
+                    if start in stem.parents and not stem.is_relative_to(PACKAGE):
+                        package = stem / "__init__.py"
+                        yield package if package.is_file() else stem.with_suffix(".py")
 
 
 def _top(file: Path) -> Path:
     """The folder that holds a file, or the outermost package that the file is in."""
-    folder = file.parent
-    while (folder / "__init__.py").is_file():
-        folder = folder.parent
-    return folder
+    return next(folder for folder in file.parents if not (folder / "__init__.py").is_file())
 
 
 def refuse_edits() -> None:
