@@ -13,22 +13,18 @@ from pathlib import Path
 def constants(path: Path) -> dict:
     """The constants of a file by name: capitals that are set to plain values."""
     table = {}
+
+    class Filled(ast.NodeTransformer):
+        """A syntax tree with the values of constants in place of their names."""
+
+        def visit_Name(self, node):
+            return ast.Constant(table[node.id]) if node.id in table else node
+
     for node in ast.parse(Path(path).read_bytes(), str(path)).body:
         if isinstance(node, ast.Assign) and isinstance(name := node.targets[0], ast.Name):
             with suppress(ValueError):  # computed
-                table[name.id] = ast.literal_eval(_Filled(table).visit(node.value))
+                table[name.id] = ast.literal_eval(Filled().visit(node.value))
     return table
-
-
-class _Filled(ast.NodeTransformer):
-    """A syntax tree with the values of constants in place of their names."""
-
-    def __init__(self, known: dict):
-        self.known = known
-
-    def visit_Name(self, node):
-        known = node.id in self.known
-        return ast.parse(repr(self.known[node.id]), mode="eval").body if known else node
 
 
 @cache
