@@ -90,7 +90,7 @@ def half_interval(sample, over: Sequence[str] = ()):
     freedom = parts.sum(over) ** 2 / (parts**2 / free).sum(over, skipna=False)
     freedom = np.minimum(freedom, sample.notnull().any(over).sum("seed") - 1)
     error = np.sqrt((off.fillna(0.0).mean(over) ** 2).sum("seed"))
-    return error.copy(data=student(error.values, freedom.values))
+    return student(error, freedom)
 
 
 def bootstrap_weights(samples: int, *groups: int) -> np.ndarray:
@@ -98,7 +98,7 @@ def bootstrap_weights(samples: int, *groups: int) -> np.ndarray:
     in each of so many groups on their own."""
     equal = np.full(samples, 1.0 / samples)
     drawn = np.random.default_rng(1).multinomial(samples, equal, (RESAMPLES, *groups))
-    return np.concatenate([np.ones((1, *drawn.shape[1:])), drawn]) / samples
+    return np.insert(drawn, 0, 1, axis=0) / samples
 
 
 def bootstrap_interval(values: np.ndarray, samples: int, groups: int = 1) -> Estimate:
