@@ -20,6 +20,8 @@ All but run may be left out.
 
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import reduce
+from operator import or_
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -132,8 +134,7 @@ class Experiment:
 
     def table(self, name: str) -> dict:
         """A constant of all these files."""
-        tables = (constants(file).get(name, {}) for file in self.files)
-        return {key: value for table in tables for key, value in table.items()}
+        return reduce(or_, (constants(file).get(name, {}) for file in self.files))
 
     @property
     def along(self) -> dict:
@@ -169,8 +170,8 @@ class Experiment:
     @property
     def axes(self) -> dict:
         """Values along these dimensions, by the names of `along`."""
-        files = [file for file in self.files if "axes" in definitions(file)]
-        return {k: v for file in files for k, v in load(file).axes(self.configuration).items()}
+        files = (file for file in self.files if "axes" in definitions(file))
+        return reduce(or_, (load(file).axes(self.configuration) for file in files), {})
 
     def duration(self, replicate) -> float | None:
         """Time (s) that a run simulates; None where it prepares beds, or is a file that would run here."""
