@@ -233,7 +233,7 @@ class Configuration(Section):
     def known(self) -> dict[str, dict[str, Any]]:
         """The values that a run of each shape is known by, by path, but for density and seed."""
         values = self.values()
-        shapes, known = values.pop("shapes"), {}
+        shapes, ellipse, known = values.pop("shapes"), values.pop("ellipse"), {}
         paths = {path: v for path, v in by_path(values).items() if path not in UNHASHED_KEYS}
         if paths.get("contact.law") == HERTZ:  # is what runs are without it
             del paths["contact.law"]
@@ -243,9 +243,10 @@ class Configuration(Section):
                 section = {"granules": shape.granules, "mixture": parts}
             else:
                 section = shapes[label] | {"aspect_ratio": shape.ratio}
-            known[label] = paths | by_path({"shape": section})
-            if self.shape_of(label).kind != "ellipse":
-                known[label] = {k: v for k, v in known[label].items() if k[:8] != "ellipse."}
+            groups = {"shape": section}
+            if self.shape_of(label).kind == "ellipse":
+                groups["ellipse"] = ellipse
+            known[label] = paths | by_path(groups)
         return known
 
     @cached_property
@@ -330,10 +331,10 @@ def by_path(values: dict, head: str = "") -> dict[str, Any]:
 
 def of_values(data: dict, source: str = "values") -> Replicate:
     """One run from plain groups of values with `shape`, `density` and `seed`; raises InputError."""
-    coordinates = {key: data[key] for key in RunSection.model_fields if key in data}
+    rest = dict(data)
+    coordinates = {key: rest.pop(key) for key in RunSection.model_fields if key in rest}
     run = parsed(RunSection, coordinates, source=source)
-    rest = {key: value for key, value in data.items() if key not in coordinates}
-    return parse(rest, source).replicate(run.shape, run.density, run.seed)
+    return parse(rest, source).replicate(**dict(run))
 
 
 def of_results(values: dict, source: str = "values", folder: Path | str | None = None) -> Replicate:
