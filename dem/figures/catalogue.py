@@ -19,16 +19,12 @@ class FigureSpec(NamedTuple):
     """A figure as the constants of its file describe it, see __init__.py."""
 
     name: str
-    package: str  # that has the folder of figures
+    module: str
     file: str
     caption: str
     cases: dict | None
     axes: dict
     variables: tuple
-
-    @property
-    def module(self) -> str:
-        return f"{self.package}.figures.{self.name}"
 
     def suffices(self, axes: tuple, coordinates: dict) -> bool:
         """Whether it can be drawn of runs along axes, with coordinates: dimensions and values by
@@ -42,8 +38,8 @@ class FigureSpec(NamedTuple):
         labels, density = (np.asarray(coordinates[name][1]) for name in ("shape", "density"))
         shapes = {*labels[density == density[0]]}
         return (
-            bool(shapes & set(self.cases.get("any", shapes - {CHECK})))
-            and shapes >= set(self.cases.get("all", ()))
+            not shapes.isdisjoint(self.cases.get("any", shapes - {CHECK}))
+            and shapes.issuperset(self.cases.get("all", ()))
             and np.unique(labels, return_counts=True)[1].max() >= self.cases.get("densities", 1)
         )
 
@@ -62,7 +58,7 @@ def figures_of(package: str, folder: Path) -> dict[str, FigureSpec]:
     return {
         name: FigureSpec(
             name,
-            package,
+            f"{package}.figures.{name}",
             says["FILE"],
             says["CAPTION"],
             says.get("CASES"),

@@ -93,7 +93,7 @@ def _figures(folder: Path, code: float) -> dict[str, tuple[str, str]]:
         for name in names:
             if _older(folder / f"{name}.png", max(code, file.path.stat().st_mtime)):
                 draw(name, file.path, folder, figures)
-            program = "dem" if figures[name].package == "dem" else "python -m studies"
+            program = "dem" if figures[name].module.startswith("dem.") else "python -m studies"
             command = f"{program} figure {name} results/{file.source}"
             found[f"{name}.png"] = command, figures[name].caption
     return found
