@@ -15,7 +15,6 @@ from dem.base.statistics import half_interval
 from dem.shapes import KINDS
 
 RC: dict[Any, Any] = {
-    "font.family": "DejaVu Sans",
     "font.size": 11.0,
     "axes.titlesize": 10.5,
     "axes.labelsize": 11.5,
@@ -35,7 +34,6 @@ RC: dict[Any, Any] = {
     "hatch.linewidth": 0.8,
     "figure.constrained_layout.use": True,
     "svg.hashsalt": "dem",
-    "svg.fonttype": "path",
     "pdf.fonttype": 42,  # TrueType, which journals and editors take
 }
 styled = context(RC, after_reset=True)  # decorator of what draws: no matplotlibrc changes it
@@ -84,17 +82,17 @@ class Look(NamedTuple):
     hatch: str
 
 
-LOOKS = {
-    "disc": Look("#2f7fd1", "#a9c8ea", "-", "o", ""),
-    "dumbbell": Look("#b34700", "#f5c49a", (0, (5, 1.5)), "s", "///"),
-    "ellipse": Look("#0f5a30", "#d5eedd", (0, (3, 1, 1, 1)), "D", "..."),
-}
-OTHER = Look("#5b4a8a", "#d9d2ea", (0, (1, 1)), "^", "xx")  # of all other kinds
-
 # of any number of cases in turn, where kinds of granules do not suffice
 CASES = ("#2f7fd1", "#b34700", "#5b4a8a", "#6fae8a", "#2f7d4f", "#0f5a30", "black")
 MARKERS = "osD^vPX"
 LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (3, 1, 1, 1)), (0, (7, 1.5, 1, 1.5)))
+LOOKS = {
+    "disc": Look("#2f7fd1", "#a9c8ea", LINES[0], "o", ""),
+    "dumbbell": Look("#b34700", "#f5c49a", LINES[1], "s", "///"),
+    "ellipse": Look("#0f5a30", "#d5eedd", LINES[3], "D", "..."),
+}
+OTHER = Look("#5b4a8a", "#d9d2ea", LINES[2], "^", "xx")  # of all other kinds
+
 LAYERS = ("#f3f5f7", "#5d87b0")  # of a bed in turn: far apart in grey
 
 
@@ -141,7 +139,7 @@ def bar(axes, middle: float, width: float, numbers: xr.Dataset, **options) -> fl
     """Bar of a mean with its interval and its runs; returns the height of the highest of them."""
     mean, half = float(numbers["mean"]), float(numbers["half_interval"])
     axes.bar(middle, mean, width, linewidth=1.2, **options)
-    top = max(mean, float(numbers["run_mean"].max()))
+    top = float(numbers["run_mean"].max())
     if np.isfinite(half):
         axes.errorbar(middle, mean, half, label="95 % interval of the mean", **INTERVAL)
         top = max(top, mean + half)
