@@ -23,7 +23,7 @@ SCALE = 5.0  # mm, of the bar
 def motion_of(dataset: xr.Dataset, case: str) -> Snapshots | None:
     """The snapshots of the first seed of a case of snapshots.nc; None where its run failed."""
     one = dataset.isel(seed=0).sel(case=case)
-    one = one.isel(granule=np.isfinite(one["granule_diameter"].values))  # others may have more
+    one = one.dropna("granule", subset=["granule_diameter"])  # others may have more
     if not one.sizes["granule"]:
         return None
     values = json.loads(dataset.attrs["configuration"])
@@ -45,8 +45,11 @@ def beds(dataset: xr.Dataset, shapes: tuple[str, ...], colors: str, title: str) 
 
     Raises InputError when there is none of the shapes at the density of the first case.
     """
-    cases = [case for case in (find(dataset, shape) for shape in shapes) if case]
-    motions = {case: motion for case in cases if (motion := motion_of(dataset, case))}
+    motions = {
+        case: motion
+        for shape in shapes
+        if (case := find(dataset, shape)) and (motion := motion_of(dataset, case))
+    }
     if not motions:
         raise InputError(f"there is none of the shapes {', '.join(shapes)} in the data.")
     moved = dataset["snapshot_displacement"].values

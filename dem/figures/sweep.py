@@ -10,6 +10,7 @@ from itertools import product
 from textwrap import fill
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, MaxNLocator
@@ -169,11 +170,10 @@ def at_place(runs: xr.DataArray | xr.Dataset, dim: str, at) -> str:
 def _lines(axes, means: xr.Dataset, line: str | None, along: xr.DataArray, marks: bool) -> None:
     """Means (x,) with intervals: one line per value, marks for categories and designs."""
     numeric, values = is_numeric(along), along.values
-    names = list(dict.fromkeys(values.tolist()))
+    numbers, names = pd.factorize(values)
     lines = means[line].values if line else [None]
     logarithmic = numeric and is_logarithmic(values)
-    scaled = values if numeric else np.array([names.index(value) for value in values.tolist()])
-    scaled = np.log(values) if logarithmic else scaled
+    scaled = np.log(values) if logarithmic else values if numeric else numbers
     step = APART[1] * float(np.ptp(scaled)) if numeric else APART[0] / len(lines)
     for number, at in enumerate(lines):
         line_means = means.sel({line: at}) if line else means
