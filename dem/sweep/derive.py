@@ -35,8 +35,8 @@ class Jamming(NamedTuple):
 
     def at_distance(self, kind: str, other: str, fraction: float, friction: float = 0.0) -> float:
         """Where a kind is as far from jamming as another is at a packing fraction."""
-        fractions = [self.mean(name, "fraction", friction) for name in (kind, other)]
-        return fractions[0] + fraction - fractions[1]
+        jams, other_jams = (self.mean(name, "fraction", friction) for name in (kind, other))
+        return jams + fraction - other_jams
 
     def at_load(self, kind: str, other: str, fraction: float) -> float:
         """Where a kind has the load on the walls that another has at a packing fraction.

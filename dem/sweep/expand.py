@@ -195,7 +195,7 @@ def expand(
         )
     if twice := [path for path, count in ways.items() if count > 1]:
         raise InputError(f"{where} varies {min(twice)} in two ways; name it once.")
-    most = prod(max(len(axis.points), axis.until.most if axis.until else 0) for axis in axes)
+    most = prod(axis.until.most if axis.until else len(axis.points) for axis in axes)
     if most > MOST_RUNS:
         raise InputError(f"{where} has {most:,} runs; it must have at most {MOST_RUNS:,}.")
     grid = Block(name, axes, _runs(sweep, where, fixed, axes, derived, counts), fixed)
