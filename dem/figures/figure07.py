@@ -39,10 +39,8 @@ def plot(dataset: xr.Dataset) -> Figure:
             axes.plot(x, first, label=f"running mean of {labels[0]}", **style.REFERENCE)
         middle = style.mark_window(axes, dataset)
         axes.set_title(f"{label}: {style.describe(dataset.sel(case=label))}")
-        mean = numbers.sel(case=label)
-        words = style.value(float(mean["mean"]), float(mean["half_interval"]), "N")
         at = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "top"}
-        axes.text(middle, 0.97, words, **at)
+        axes.text(middle, 0.97, style.newtons(numbers.sel(case=label)), **at)
         highest = MOST * float(max(curve.max(), first.max()))
         axes.set_ylim(min(0.0, float(curve.min())), ROOM * min(axes.dataLim.ymax, highest))
     for axes in panels[::columns]:

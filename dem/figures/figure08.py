@@ -45,16 +45,16 @@ def plot(dataset: xr.Dataset) -> Figure:
         fill = {"facecolor": (look.color, 0.3 * filled), "edgecolor": (look.color, 1.0 - filled)}
         name = f"its 95 % interval ({'shade' if filled else 'thin lines'})"
         style.band(left, x, curve, half, label=name, alpha=None, linewidth=1.1, **fill)
-        mean, half = float(case_numbers["mean"]), float(case_numbers["half_interval"])
         point = style.INTERVAL | {"color": look.color, "marker": look.marker}
         name = "mean and its 95 % interval"
+        mean, half = case_numbers["mean"], case_numbers["half_interval"]
         right.errorbar(place - 0.18, mean, half, label=name, **point)
         style.show_runs(right, place + 0.02, case_numbers["run_mean"], 0.1)
         name = "paper, mean and standard deviation"
         right.errorbar(
             place + 0.25, paper, paper * deviation, label=name, elinewidth=1.0, **style.STAR
         )
-        ticks.append(f"{code}\n{style.value(mean, half, 'N')}\npaper: {paper:.0f} N")
+        ticks.append(f"{code}\n{style.newtons(case_numbers)}\npaper: {paper:.0f} N")
     style.mark_window(left, dataset)
     right.set_xticks(range(len(cases)), ticks)
     right.set_xlim(-0.5, len(cases) - 0.5)

@@ -36,8 +36,7 @@ def plot(dataset: xr.Dataset) -> Figure:
             edgecolor=look.color,
             hatch=look.hatch,
         )
-        value = style.value(float(case_numbers["mean"]), float(case_numbers["half_interval"]), "N")
-        style.write_above(axes, place, top, value)
+        style.write_above(axes, place, top, style.newtons(case_numbers))
         if paper := PAPER.get(str(case_numbers["shape"].values)):
             axes.plot(place + 0.42, paper, label=f"paper, {paper:.0f} N", **style.STAR)
     ticks = [f"{label}\n" + style.describe(numbers.sel(case=label), "\n") for label in labels]

@@ -216,6 +216,11 @@ def value(mean: float, half: float, unit: str, form: str = "z.0f") -> str:
     return text.replace("-", "\N{MINUS SIGN}") + f" {unit}"
 
 
+def newtons(numbers: xr.Dataset) -> str:
+    """Mean drag and half its interval, of one case of `dem.analysis.drag.summarise`, as text."""
+    return value(float(numbers["mean"]), float(numbers["half_interval"]), "N")
+
+
 def percent(share: float, half: float) -> str:
     """A change over something and half its interval, both as shares, as text in per cent."""
     return value(100.0 * share, 100.0 * half, "%", "+z.1f")
