@@ -115,7 +115,7 @@ def test_a_bed_that_is_stopped_goes_on_to_the_same_bits(tmp_path, way, pieces):
     for first, second in zip(whole[:-1], resumed[:-1], strict=True):
         assert_array_equal(first, second)
     other = Job(1, path)
-    with pytest.raises(dem.InputError, match=r"bed\.npz: no packing can go on from it"):
+    with pytest.raises(dem.InputError, match=r"bed\.npz: it is damaged or of another bed"):
         other.begin("another bed")
 
 

@@ -175,8 +175,8 @@ class Room(NamedTuple):
 def scatter(shape: Any, factor: float, room: Room, rng: np.random.Generator) -> np.ndarray:
     """Random sequential addition of the bounding circles: positions (n, 2) in m.
 
-    Lengths of granules are scaled by a factor. None begins between two solids, or between one and a
-    wall, where it would not fit at its full size: it could be caught there as it grows.
+    Lengths of granules are scaled by a factor. None begins between two solids where it would not fit
+    at its full size: it could be caught there as it grows.
 
     A grid finds the neighbours, so that the work is proportional to the number of granules. Its
     squares are at least as wide as the largest circle, and the first ones follow the last ones.
@@ -193,8 +193,7 @@ def scatter(shape: Any, factor: float, room: Room, rng: np.random.Generator) -> 
             trial = np.where(turns, 0.0, r) + np.where(turns, side, side - 2.0 * r) * rng.random(2)
             column, row = trial * count // side
             gaps = sorted(-room.depth(solid, trial[None])[0] for solid in room.solids)
-            sides = np.where(turns, np.inf, np.minimum(trial, side - trial))
-            if gaps and (gaps[0] < r or gaps[0] + min(*gaps[1:2], *sides) < widest[i]):
+            if gaps and (gaps[0] < r or (gaps[1:] and gaps[0] + gaps[1] < widest[i])):
                 continue
             around = {
                 ((column + x) % count[0], (row + y) % count[1])
