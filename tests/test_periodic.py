@@ -471,7 +471,7 @@ def test_periodic_sides_are_part_of_what_a_run_is():
         assert getattr(one, name)() == getattr(same, name)() != getattr(other, name)()
     assert one.bed_family != other.bed_family
     data = {key: value for key, value in values.items() if key not in ("shape", "density", "seed")}
-    for wrong, words in (("z", "periodic is 'z'"), (True, "periodic is True")):
+    for wrong, words in (("z", "periodic is 'z'"), (True, "periodic is true")):
         with pytest.raises(dem.InputError, match=words):
             parse(data | {"periodic": wrong})
     narrow = values | {"periodic": "x", "box_width": 3e-3}

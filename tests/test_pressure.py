@@ -103,12 +103,11 @@ def test_a_snapshot_shows_the_top_wall_where_it_is():
     assert abs(motion.height[-1] / motion.height[0] - 1.0) > 1e-3
 
 
-@pytest.mark.parametrize("outline", ["plate", "wedge"])
-def test_a_bed_at_rest_pushes_the_solid_of_a_picture_as_that_of_its_run(outline):
+@pytest.mark.parametrize("pressure", [5e6, HIGH])
+def test_a_bed_at_rest_pushes_the_solid_of_a_picture_as_that_of_its_run(pressure):
     """The solid is where the run has it: forces of the contacts that the picture shows add up to what
-    the run records, though the bed under the pressure is lower than the box that it was packed in."""
-    run = replicate(**{"cylinder.outline": outline, "cylinder.diameter": 2.4e-3})
-    bed = make_bed(run)
+    the run records, though the bed under the pressure is not as high as the box that it was packed in."""
+    run, bed = replicate(pressure), bed_under(pressure)
     scene = make_scene(run, bed)
     still = [replace(solid, velocity=(0.0, 0.0)) for solid in scene.solids]
     simulation = Simulation(replace(scene, solids=still), bed.state)

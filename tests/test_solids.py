@@ -292,7 +292,7 @@ def test_an_ellipse_as_a_solid_is_the_same_one_held():
             [0.3, 1.2, 0.4],
         )
         oval = dem.Solid(dem.Ellipse([2e-3], [1e-3]), solid, 0.4, material=dem.Material())
-        solids = [oval, OTHERS[1]]
+        solids = [oval, replace(OTHERS[1], spin=dem.Turn(1.0))]  # as in test_twin.py
         scene = dem.Scene(shape, friction=ROUGH, solids=solids, held=[dem.Held([2])], thickness=R)
         return state, dem.simulate(scene, state, 2e-4, 2e-8)
 

@@ -113,9 +113,12 @@ def processes(jobs: int) -> Iterator[Workers]:
         yield workers
         pool.shutdown()
     finally:
+        # the thread of a pool whose processes end stumbles over futures that are cancelled (Python 3.11)
+        hook, threading.excepthook = threading.excepthook, lambda _: None
         for process in multiprocessing.active_children():
             process.terminate()  # what is finished is on disk
         pool.shutdown(cancel_futures=True)
+        threading.excepthook = hook
 
 
 def _begin() -> None:
