@@ -160,8 +160,8 @@ MUTANTS = (
 )  # fmt: skip
 
 
-def faulty_copy(mutant: Mutant, folder: Path) -> Path:
-    """A copy of the project with the fault."""
+def copied(folder: Path) -> Path:
+    """A copy of the project, with the kernels that are compiled: those that a fault does not concern stay."""
     copy = folder / "project"
     for name in COPIED:
         source = PROJECT / name
@@ -171,13 +171,19 @@ def faulty_copy(mutant: Mutant, folder: Path) -> Path:
             )
         else:
             shutil.copy(source, copy / name)
+    cache = cache_folder()
+    if cache.is_dir():
+        shutil.copytree(cache, copy / ".numba", ignore=shutil.ignore_patterns("*.lock"))
+    return copy
+
+
+def faulty_copy(mutant: Mutant, folder: Path) -> Path:
+    """A copy of the project with the fault."""
+    copy = copied(folder)
     broken = copy / "dem" / mutant.file
     text = broken.read_text(encoding="utf-8")
     assert text.count(mutant.right) == 1, f"{mutant.file} has no single {mutant.right!r}"
     broken.write_text(text.replace(mutant.right, mutant.wrong), encoding="utf-8")
-    cache = cache_folder()  # kernels that the fault does not concern need not be compiled again
-    if cache.is_dir():
-        shutil.copytree(cache, copy / ".numba", ignore=shutil.ignore_patterns("*.lock"))
     return copy
 
 
@@ -212,3 +218,11 @@ def notices(mutant: Mutant) -> str | None:
     with tempfile.TemporaryDirectory() as folder:
         copy = faulty_copy(mutant, Path(folder))
         return first_failure(copy, mutant.asks) or first_failure(copy)
+
+
+def notices_patch(patch: Path) -> str | None:
+    """The first quick test that fails where a patch of tests/faults is applied, None if none does."""
+    with tempfile.TemporaryDirectory() as folder:
+        copy = copied(Path(folder))
+        subprocess.run(["git", "apply", str(patch)], cwd=copy, check=True)
+        return first_failure(copy)

@@ -6,12 +6,19 @@ import shutil
 
 import pytest
 from nightly import cluster, faults
-from nightly.mutants import MUTANTS, notices
+from nightly.mutants import MUTANTS, PROJECT, notices, notices_patch
+
+PATCHES = sorted((PROJECT / "tests" / "faults").glob("*.patch"))
 
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: f"{mutant.file} {mutant.kind}")
 def test_a_quick_test_notices_a_fault_of_the_code(mutant):
     assert notices(mutant)
+
+
+@pytest.mark.parametrize("patch", PATCHES, ids=lambda patch: patch.stem)
+def test_a_quick_test_notices_a_small_fault(patch):
+    assert notices_patch(patch)
 
 
 @pytest.fixture(scope="module")
