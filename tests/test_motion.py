@@ -194,7 +194,7 @@ def test_a_run_goes_on_where_its_boundaries_are_put(small_bed):
     assert_allclose(second.solid_position[-1, 0], cylinder.position + np.array([0.0, 1.1e-5]))
 
 
-BODIES = shlex.split("position velocity wall_offset wall_force solid_position solid_angle")
+BODIES = shlex.split("position velocity wall_offset solid_position solid_angle")
 
 
 def test_a_result_goes_on_as_one_run(small_bed):
@@ -209,8 +209,9 @@ def test_a_result_goes_on_as_one_run(small_bed):
     for rest in (half.continuation(1.5e-5), half.continuation(1.5e-5)):
         assert rest.time.tolist() == whole.time[1:].tolist()
         for name in BODIES:
-            now, then = getattr(rest, name)[-1], getattr(whole, name)[-1]
-            assert_allclose(now, then, rtol=1e-14, err_msg=name)
+            assert_array_equal(getattr(rest, name)[-1], getattr(whole, name)[-1], err_msg=name)
+        # impulses are divided by an interval that is rounded in another way
+        assert_allclose(rest.wall_force[-1], whole.wall_force[-1], rtol=1e-14)
     assert whole.wall_offset[-1, TOP] != system.planes[TOP, 2]
 
 
