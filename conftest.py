@@ -1,31 +1,20 @@
 """The small beds that several tests share, and how hypothesis searches."""
 
 import os
-import re
 import shlex
 import shutil
 import subprocess
 import sys
-from functools import cache
-from pathlib import Path
-from typing import NamedTuple
 
 # Tests run side by side. Threads of OpenBLAS would spin while they wait for each other.
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import hypothesis
-import numpy as np
 import pytest
+from beds import KINDS, make_small_bed
 from filelock import FileLock
-from PIL import Image
+from project import ROOT
 from workflows import environment, snakemake
-
-import dem
-from dem import shapes
-from dem.experiment.box import height_of_box
-from dem.experiment.granule_sizes import sample_diameters
-from dem.experiment.sections import ShapeSection
-from dem.sweep.config import load
 
 pytest_plugins = ["kinds"]
 
@@ -39,18 +28,6 @@ hypothesis.settings.register_profile(
     phases=[hypothesis.Phase.explicit, hypothesis.Phase.generate],
 )
 hypothesis.settings.load_profile("suite")
-
-# The workflow runs on Linux and macOS, the library and the command line also on Windows.
-posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX pipes, signals or bash")
-
-
-def needs_study(*names):
-    """Marks tests that are about studies, any of which may be removed."""
-    present = [(Path(__file__).parent / "studies" / name).is_dir() for name in names]
-    return pytest.mark.skipif(not all(present), reason=f"needs the studies {', '.join(names)}")
-
-
-KINDS = sorted(shapes.KINDS, key=len, reverse=True)  # "superellipse" before "ellipse"
 
 
 # Groups of tests that take longest, in the order in which they begin; one that begins last would
@@ -130,59 +107,6 @@ def pytest_collection_modifyitems(config, items):
         items.sort(key=lambda item: order.get(groups[item], len(order)))
 
 
-CONFIG = Path(__file__).parent / "config"
-FRACTIONS = {"ellipse": 0.88, "superellipse": 0.88}  # at which beds are stiff; else 0.84
-STIFF = [(kind, FRACTIONS.get(kind, 0.84)) for kind in shapes.KINDS]
-
-
-ROD = [(-0.8, 0.0, 0.8), (0.0, 0.0, 1.0), (0.8, 0.0, 0.8)]  # x, y, radius of the discs of clumps
-
-
-def section_of(kind):
-    """The granules of the small beds, as in config/smoke.yaml."""
-    ratio = None if shapes.KINDS[kind].aspect_ratio else 1.375
-    form = {"discs": ROD} if kind == "clump" else {"aspect_ratio": ratio}
-    return ShapeSection(kind=kind, diameter=1092e-6, granules=60, **form)
-
-
-class Small(NamedTuple):
-    """A packed bed of 60 granules, with the sizes (m) and the shape that it was made from."""
-
-    diameters: np.ndarray
-    shape: tuple
-    cylinder: dem.Solid
-    bed: dem.Bed
-
-    def scene(self, **changes):
-        """Scene with friction, damping, walls and the cylinder: one compilation a kind of granule."""
-        defaults = {
-            "friction": dem.Friction(),
-            "walls": self.bed.walls,
-            "solids": self.cylinder,
-            "thickness": 1e-3,
-        }
-        return dem.Scene(self.shape, **defaults | changes)
-
-    @property
-    def state(self):
-        return dem.State(self.bed.position.copy(), angle=self.bed.angle.copy())
-
-
-@cache
-def make_small_bed(kind, seed=1, fraction=0.84, aspect_ratio=None):
-    sweep = load(CONFIG / "smoke.yaml")
-    section = section_of(kind)
-    sweep = sweep.model_copy(
-        update={"packing": sweep.packing.model_copy(update={"fraction": fraction})}
-    )
-    diameters = sample_diameters(section, sweep.packing.size_spread, seed)
-    height = height_of_box(sweep, diameters)
-    shape = shapes.KINDS[kind].shape.of_size(diameters, aspect_ratio or section.form)
-    axis = 0.5 * sweep.box_width, sweep.cylinder.start * height
-    cylinder = dem.Cylinder(sweep.cylinder.diameter, axis, (0.0, sweep.cylinder.velocity))
-    return Small(diameters, shape, cylinder, dem.pack(shape, 8e-3, height, cylinder, seed))
-
-
 CHROMIUM = shlex.split(
     "--headless --no-sandbox --disable-gpu --no-first-run --disable-sync "
     "--disable-background-networking --disable-component-update"
@@ -209,55 +133,19 @@ def browser():
     session.quit()
 
 
-def assert_alone(browser):
-    """The page that is open has asked for nothing but itself, and no script has failed."""
-    events = [
-        line["message"]
-        for line in browser.get_log("performance")
-        if "Network.requestWillBeSent" in line["message"]
-    ]
-    assert events and all(re.search(r'"url":"(file|data|blob):', one) for one in events), events
-    assert not [line for line in browser.get_log("browser") if line["level"] == "SEVERE"]
-
-
-def places_shown(axes):
-    """Finite places (k, 2) of the data that an axes shows: lines, bars, marks and areas."""
-    data = [(line.get_transform(), line.get_xydata()) for line in axes.lines]
-    for patch in axes.patches:
-        corners = patch.get_patch_transform().transform_path(patch.get_path()).vertices
-        data.append((patch.get_transform(), corners))
-    for item in axes.collections:
-        places = np.concatenate([path.vertices for path in item.get_paths()] or [np.empty((0, 2))])
-        data += [(item.get_transform(), places), (item.get_offset_transform(), item.get_offsets())]
-    of_data = [
-        np.ma.filled(places, np.nan)
-        for transform, places in data
-        if all(transform.contains_branch_seperately(axes.transData))
-    ]
-    places = np.concatenate([*of_data, np.empty((0, 2))])
-    return places[np.isfinite(places).all(axis=1)]
-
-
-def assert_not_blank(picture):
-    """Data are drawn in colour; axes, grid and words are grey."""
-    with Image.open(picture) as image:
-        pixels = np.asarray(image.convert("RGB")).astype(int)
-    assert (np.ptp(pixels, axis=2) > 30).mean() > 1e-4, f"{picture} shows no data"
-
-
 @pytest.fixture(scope="session")
 def copy(tmp_path_factory):
     """A copy of the sources in an empty folder."""
     folder = tmp_path_factory.mktemp("clone")
     for name in ("dem", "rules", "config", "profiles", "studies"):
         shutil.copytree(
-            CONFIG.parent / name,
+            ROOT / name,
             folder / name,
             ignore=shutil.ignore_patterns("__pycache__", "tests"),
         )
     (folder / "docs/explanation").mkdir(parents=True)
     for name in ("Snakefile", "docs/explanation/open.md"):
-        shutil.copy(CONFIG.parent / name, folder / name)
+        shutil.copy(ROOT / name, folder / name)
     return folder
 
 

@@ -31,7 +31,7 @@ from studies.catalogue import figures  # noqa: E402
 
 FOLDERS = "*.md.in", "docs/**/*.md.in", "studies/**/*.md.in"
 TEMPLATES = sorted(path for each in FOLDERS for path in ROOT.glob(each))
-FRONT_MATTER = re.compile(r"\A---\n.*?\n---\n+", re.S)  # for tests/test_pages.py
+FRONT_MATTER = re.compile(r"\A---\n.*?\n---\n+", re.S)  # for tests/pages/test_pages.py
 SHOWN = re.compile(r"!\[[^\]]*\]\(([^)\s]*images/(\w+)\.png)\)")
 NOTE = "<!-- Written by docs/write_pages.py: edit {}. -->\n\n"
 WIDTH, COLORS, LARGEST = 1100, 96, 120_000  # of a picture: pixels, colours, bytes

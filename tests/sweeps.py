@@ -6,12 +6,16 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 import xarray as xr
+from beds import PRESSURE
+from pictures import assert_not_blank
+from project import CONFIG
 from typer.testing import CliRunner
 
-from conftest import assert_not_blank
 from dem.figures.catalogue import FIGURES, draw, possible
-from dem.sweep.config import parse
+from dem.sweep.combine import combine_block
+from dem.sweep.config import load, parse
 from dem.sweep.state import SweepState
+from dem.sweep.store import Store
 from dem.sweep.workers import Workers
 
 SMOKE = Path(__file__).parent.parent / "config/smoke.yaml"
@@ -79,3 +83,112 @@ def make_sweep(folder: Path, beds: bool = False, **values) -> SweepState:
                 draw(name, Path("results/snapshots.nc"), Path("results/figures"))
         draw("all", Path("results/drag.nc"), Path("results/figures"))
     return work
+
+
+def smoke(**changes):
+    return parse(load(CONFIG / "smoke.yaml").dump() | changes)
+
+
+def discs(seeds, **changes):
+    """The smoke sweep's discs at both densities, all runs in one chunk."""
+    return smoke(**{"batch": 100, "sweep": {"case": ["c1", "c12"], "seed": seeds}} | changes)
+
+
+def planned(sweep, folder):
+    """A sweep at work with a store in a folder, its plan written; and its only chunk."""
+    work = SweepState(sweep, Store(folder / "store"), root=folder)
+    (chunk,) = work.batches("drag")
+    work.begin("drag")
+    return work, chunk.id
+
+
+def combined(work, folder):
+    """drag.nc of a sweep whose chunks are made."""
+    path = folder / "drag.nc"
+    combine_block(work, "drag", "drag", path)
+    return path
+
+
+def simulate(output, *options):
+    """A command line that runs one replicate."""
+    words = f"simulate --config {CONFIG}/smoke.yaml --shape c1 --density 3900 --seed 1"
+    return [*words.split(), "-o", str(output), *map(str, options)]
+
+
+class Killed(BaseException):
+    """What takes a process away in the middle of its work."""
+
+
+def killed_at(share):
+    """A progress that ends what is under way where so much of it is done."""
+
+    def progress(done, *_):
+        if done >= share:
+            raise Killed
+
+    return progress
+
+
+def foreign(path, change, name="drag.nc"):
+    """A released file of the paper's sweep, small, as somebody may have changed it."""
+    with xr.open_dataset(CONFIG.parent / "docs/data" / name) as data:
+        few = {"case": slice(3), "seed": slice(2), "displacement": slice(0, None, 40)}
+        small = data.isel(few, missing_dims="ignore").load()
+    change(small.drop_encoding()).to_netcdf(path)
+    return path
+
+
+def everywhere(value):
+    """All that was measured is one number."""
+
+    def change(data):
+        measured = [name for name, array in data.data_vars.items() if array.dtype.kind == "f"]
+        return data.assign({name: xr.full_like(data[name], value) for name in measured})
+
+    return change
+
+
+def without_axes(data):
+    """Axes have gaps alone."""
+    axes = [name for name in ("seed", "displacement") if name in data.dims]
+    return data.assign_coords({name: data[name] * np.nan for name in axes})
+
+
+FOREIGN = {
+    "gaps": everywhere(np.nan),
+    "gaps on the axes": without_axes,
+    "zero": everywhere(0.0),
+    "no size": lambda data: data.isel(seed=[]),
+    "numbers for texts": lambda data: data.assign_coords(case=np.arange(data.sizes["case"])),
+    "window_start a text": lambda data: data.assign_attrs(window_start="soon"),
+    "no bin in the window": lambda data: data.assign_attrs(window_start=5.0, window_stop=6.0),
+    "title a number": lambda data: data.assign_attrs(title=3.0),
+    "configuration no JSON": lambda data: data.assign_attrs(configuration="{"),
+    "no attributes": lambda data: data.drop_attrs(),
+    "no labels": lambda data: data.drop_vars(["shape", "case", "kind"]),
+}
+
+
+def sheared_values(**more):
+    """Values of a small bed: 9 diameters long and about 8 high."""
+    same = dict.fromkeys(("granule", "wall", "cylinder"), 0.4)
+    cell = {
+        "inertial_number": 0.1,
+        "pressure": PRESSURE,
+        "settle": 1.0,
+        "strain": 3.0,
+        "samples": 300,
+    }
+    return {
+        "experiment": "shear",
+        "box_width": 9e-3,
+        "periodic": "x",
+        "packing": {"fraction": 0.83, "size_spread": 0.2},
+        "material": {"young_modulus": 5e9, "poisson_ratio": 0.3, "restitution": 0.1},
+        "friction": same,
+        "shapes": {"disc": {"kind": "disc", "diameter": 1e-3, "granules": 72}},
+        "shear": cell,
+        "shape": "disc",
+        "density": 2500.0,
+        "seed": 1,
+    } | more

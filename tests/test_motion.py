@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from scenes import ANCHOR, smoothly
 
 import dem
 
@@ -16,7 +17,6 @@ SOFT = dem.Material(young_modulus=1e8, restitution=0.6)
 # As good as elastic, smooth and at rest, with the kernels of all others.
 ELASTIC = dem.Material(young_modulus=1e8, restitution=1.0 - 1e-9)
 SMOOTH = dem.Friction(1e-12, 1e-12, 1e-12)
-ANCHOR = dem.Drive((0.0, 0.0), mass=1e6)
 AWAY = dem.Cylinder(1e-3, (0.5 * FAR, 0.5 * FAR))
 LEFT, RIGHT, BOTTOM, TOP = range(4)
 # With the ledger that some ask for, which changes no motion.
@@ -61,15 +61,6 @@ def bed(small_bed, motions=None, kind="disc", **changes):
     small = small_bed(kind, fraction=0.82)
     defaults = {"walls": small.bed.walls, "solids": replace(small.cylinder, velocity=(0.0, 0.0))}
     return scene(small.shape, motions, **defaults | changes), small.state
-
-
-def smoothly(speed, time, axis=0, spin=0.0):
-    """A path that gains its speed (m/s) and its spin (rad/s) over a time (s), without a jerk."""
-    at = np.linspace(0.0, time, 101)
-    share = np.sin(0.5 * np.pi * at / time) ** 2
-    velocity = np.zeros((101, 2))
-    velocity[:, axis] = speed * share
-    return dem.PrescribedMotion(at, velocity, spin * share if spin else None)
 
 
 MOVERS = {

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lists import FORMS, owned, parts, solid
 from numpy.testing import assert_allclose, assert_array_equal
-from test_neighbors import FORMS, owned, parts, solid
+from scenes import lids
 
 import dem
 from dem.dynamics.assembly import assemble, granule_table, order_of
@@ -62,11 +63,6 @@ def crowd(kind=dem.Disc):
     )
     angle, spin = rng.uniform(0.0, np.pi, n), 500.0 * rng.normal(size=n)
     return scene, dem.State(position, 0.5 * rng.normal(size=(n, 2)), angle, spin)
-
-
-def lids(rows):
-    """Walls that are heavy, and that nothing pushes: their scenes are of the kind that has a lid."""
-    return [dem.Wall(row, dem.Drive((None, 0.0), 1.0)) for row in rows] or None
 
 
 def gas(side=6, periodic=(True, True), **scene):

@@ -5,12 +5,15 @@ The package itself is imported in each process, because tests edit it.
 
 import multiprocessing
 import os
+import re
 import runpy
 import subprocess
 import sys
 import tempfile
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+
+from project import ROOT
 
 LIBRARIES = [
     "snakemake.cli",
@@ -77,3 +80,26 @@ def restore(path, text, stamp):
         path.unlink()
     else:
         os.utime(path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
+
+
+def planned(folder, *arguments, configfile=SMOKE):
+    """Number of jobs of each rule that a dry run announces."""
+    run = snakemake(folder, *arguments, "-n", configfile=configfile)
+    assert run.returncode == 0, run.stderr
+    table = re.search(r"\njob +count\n-+ +-+\n(.*?)\ntotal", run.stdout + run.stderr, re.S)
+    return {} if table is None else {k: int(n) for k, n in re.findall(r"(\w+) +(\d+)", table[1])}
+
+
+def run(*words, cwd, path=(), status=0):
+    """A command of Python; what it says."""
+    folders = os.pathsep.join(map(str, (*path, ROOT)))
+    process = subprocess.run(
+        [sys.executable, *map(str, words)],
+        cwd=cwd,
+        env=os.environ | {"PYTHONPATH": folders},
+        text=True,
+        capture_output=True,
+        timeout=600,
+    )
+    assert process.returncode == status, process.stderr + process.stdout
+    return process.stdout + process.stderr

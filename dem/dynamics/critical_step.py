@@ -18,7 +18,7 @@ Velocity Verlet, of which a dashpot sees the velocity at full steps with an acce
 extrapolated from the last two (dem.dynamics.integration), is stable if k dt^2 / 4 + 2 c dt <= 1,
 with k and c the greatest eigenvalues of both matrices: a motion that changes its sign in each step
 then just keeps its size. That is exact for one contact; for matrices without common eigenvectors it
-was tried on random ones (tests/test_step.py).
+was tried on random ones (tests/dynamics/test_step.py).
 """
 
 import math

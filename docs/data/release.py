@@ -3,7 +3,7 @@
     python docs/data/release.py results
 
 Those of a study go into its folder. Each file names the command and the revision that made it, and holds a hash of the code that
-decides how granules move (`kernels`). tests/test_pages.py compares it with today's.
+decides how granules move (`kernels`). tests/pages/test_pages.py compares it with today's.
 """
 
 import subprocess

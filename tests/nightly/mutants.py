@@ -21,8 +21,8 @@ COPIED = shlex.split(
     "dem tests conftest.py studies config rules docs profiles pyproject.toml Snakefile README.md"
 )
 LONGEST = 600.0  # s of the processor, for one mutant
-TWIN = "tests/test_twin.py::test_a_run_is_that_of_the_model[{}]"
-LARGE = "tests/test_twin.py::test_a_large_bed_is_that_of_the_model[{}]"
+TWIN = "tests/dynamics/test_twin.py::test_a_run_is_that_of_the_model[{}]"
+LARGE = "tests/dynamics/test_twin.py::test_a_large_bed_is_that_of_the_model[{}]"
 
 
 class Mutant(NamedTuple):
@@ -43,14 +43,18 @@ SOLIDS, TURNED = (
 DUMBBELLS, ELLIPSES = TWIN.format("dumbbells"), TWIN.format("ellipses")
 LOCAL, CHORD = TURNED, TWIN.format("ellipses by the chord")
 SUPER, ONE_THREAD, TWO_THREADS = TWIN.format("superellipses"), LARGE.format(1), LARGE.format(2)
-RUN = "tests/test_twin.py::test_a_run_of_a_configuration_is_that_of_the_model"
-HELD = "tests/test_step.py::test_the_time_step_is_held_where_the_bound_goes_up_and_down"
-ROUNDS = "tests/test_replicates.py::test_{}"
-BED, SWEEP, STORE = "tests/test_packing.py", "tests/test_sweep.py", "tests/test_stopping.py"
+RUN = "tests/dynamics/test_twin.py::test_a_run_of_a_configuration_is_that_of_the_model"
+HELD = "tests/dynamics/test_step.py::test_the_time_step_is_held_where_the_bound_goes_up_and_down"
+ROUNDS = "tests/sweep/test_replicates.py::test_{}"
+BED, SWEEP, STORE = (
+    "tests/packing/test_packing.py",
+    "tests/sweep/test_sweep.py",
+    "tests/sweep/test_stopping.py",
+)
 WHOLE = f"{STORE}::test_a_file_is_written_whole_or_not_at_all"
 STOPPED = f"{STORE}::test_a_chunk_that_is_stopped_goes_on_with_the_run_under_way"
 ROWS = f"{SWEEP}::test_an_n_dimensional_file_holds_every_run"
-FAILED = "tests/test_faults.py"
+FAILED = "tests/sweep/test_faults.py"
 UNDER_WAY = f"{SWEEP}::test_prune_keeps_beds_and_checkpoints_of_runs_under_way"
 PRUNED = f"{SWEEP}::test_prune_removes_what_no_sweep_needs"
 
@@ -90,23 +94,23 @@ MUTANTS = (
     Mutant("dynamics/neighbor_list.py", "missing term", "mass * both if both > 0.0 else 1.0", "1.0", SMOOTH),
     Mutant("dynamics/diagnostics.py", "missing term", "squared += 2.0 * skin * driven_acceleration", "squared += 0.0 * driven_acceleration", "tests/test_motion.py::test_the_work_of_a_driven_boundary_is_what_it_loses"),
     Mutant("dynamics/contact_history.py", "memory lost", "new[p] = old[source[p]]", "new[p] = 0.0", BOX),
-    Mutant("dynamics/neighbor_list.py", "missing term", "lowest[home] = min(lowest[home], other)", "lowest[home] = home", "tests/test_neighbors.py"),
+    Mutant("dynamics/neighbor_list.py", "missing term", "lowest[home] = min(lowest[home], other)", "lowest[home] = home", "tests/dynamics/test_neighbors.py"),
     Mutant("dynamics/cell_list.py", "missing term", "reach = radius[i] + radius[j] + skin", "reach = radius[i] + radius[j]", BOX),
     Mutant("dynamics/contact_history.py", "comparison", "old_partner[q] < j)", "old_partner[q] <= j)", BOX),
     Mutant("dynamics/stepping.py", "comparison", "if steps - candidate_since >= QUIET:", "if candidate_dt < math.inf:", HELD),
     Mutant("dynamics/stepping.py", "missing call", "world = rebuild_neighbor_list(world, table)\n            budget", "budget", BOX),
     Mutant("dynamics/stepping.py", "not cleared", "= before[b, c] - seen[b, c]", "= before[b, c]", RUN),
-    Mutant("dynamics/critical_step.py", "constant", "* 2.0 / max(rate + root", "* 4.0 / max(rate + root", "tests/test_simulate.py"),
+    Mutant("dynamics/critical_step.py", "constant", "* 2.0 / max(rate + root", "* 4.0 / max(rate + root", "tests/dynamics/test_simulate.py"),
     Mutant("dynamics/energy.py", "constant", "total += 0.5 * squared", "total += squared", RUN),
-    Mutant("laws/hertz.py", "constant", "return 0.4 * stiffness", "return 0.5 * stiffness", "tests/test_energy.py"),
-    Mutant("dynamics/stress.py", "sign", "moving -= _outer", "moving += _outer", "tests/test_stress.py"),
+    Mutant("laws/hertz.py", "constant", "return 0.4 * stiffness", "return 0.5 * stiffness", "tests/dynamics/test_energy.py"),
+    Mutant("dynamics/stress.py", "sign", "moving -= _outer", "moving += _outer", "tests/observables/test_stress.py"),
     Mutant("dynamics/simulation.py", "order", "back = np.argsort(self.engine.order)", "back = self.engine.order", ONE_THREAD),
     Mutant("dynamics/checkpoint.py", "not kept", '"world.shape.", "world.lanes.motion"', '"world.pairs.tangential_force", "world.lanes.motion"', STORE),
     # shapes
     Mutant("shapes/dumbbell.py", "sign", "- oy * (constituent_force", "+ oy * (constituent_force", DUMBBELLS),
     Mutant("shapes/ellipse.py", "constant", "else rho1 * rho2 / (rho1 + rho2)", "else 0.5 * rho1 * rho2 / (rho1 + rho2)", LOCAL),
     Mutant("shapes/common_normal.py", "sign", "t2 = -(q2 +", "t2 = (q2 +", ELLIPSES),
-    Mutant("shapes/common_normal.py", "comparison", "if gap > best:", "if gap < best:", "tests/test_geometry.py"),
+    Mutant("shapes/common_normal.py", "comparison", "if gap > best:", "if gap < best:", "tests/shapes/test_geometry.py"),
     Mutant("shapes/geometric_potential.py", "comparison", "if g1 >= 0.0:", "if g1 >= -0.1:", CHORD),
     Mutant("shapes/smooth.py", "constant", "return 0.25 * _integral", "return 0.5 * _integral", SUPER),
     Mutant("shapes/superellipse.py", "sign", "root + (1.0 - q) * root", "root - (1.0 - q) * root", SUPER),
@@ -121,7 +125,7 @@ MUTANTS = (
     Mutant("experiment/kinds/drag.py", "order", "min(every - done % every, BINS_A_CALL)", "BINS_A_CALL", RUN),
     Mutant("experiment/observables/drag.py", "sign", '"drag": -(total @ along)', '"drag": (total @ along)', RUN),
     Mutant("experiment/kinds/jamming.py", "constant", "load[start:] ** (1.0 / power)", "load[start:] ** (3.0 / 2.0)", "studies/claims/tests/test_claims.py::test_line_finds_where_pressure_begins"),
-    Mutant("experiment/kinds/onset.py", "constant", "HOLDING = 3", "HOLDING = 2", "tests/test_onset.py"),
+    Mutant("experiment/kinds/onset.py", "constant", "HOLDING = 3", "HOLDING = 2", "tests/experiment/test_onset.py"),
     Mutant("experiment/identity.py", "missing term", '"packing.fraction", "packing.friction"', '"packing.fraction"', SWEEP),
     # sweeps, their store, files and numbers
     Mutant("sweep/grouping.py", "index", "for run in batch.runs:\n", "for run in batch.runs[1:]:\n", SWEEP),
@@ -132,7 +136,7 @@ MUTANTS = (
     Mutant("sweep/batch.py", "comparison", "if (row := store.kept(replicate.id, aside=True)) is None:", "if (row := store.kept(replicate.id, aside=True)) is not None:", STOPPED),
     Mutant("sweep/batch.py", "condition", "    if list(_rows_of(store, batch)) == runs:\n        return path", "    if path.exists():\n        return path", f"{STORE}::test_a_chunk_that_is_there_is_left_alone"),
     Mutant("sweep/batch.py", "missing call", "            store.keep(run, rows[run])\n", "            pass\n", FAILED),
-    Mutant("sweep/batch.py", "condition", 'return None if row is None or row["failure"] else row', "return row", "tests/test_faults.py::test_a_run_that_failed_in_another_batch_is_tried_again"),
+    Mutant("sweep/batch.py", "condition", 'return None if row is None or row["failure"] else row', "return row", "tests/sweep/test_faults.py::test_a_run_that_failed_in_another_batch_is_tried_again"),
     Mutant("sweep/grouping.py", "order", "(batch_id(results, *b.runs) != b.id, -len", "(-len", f"{SWEEP}::test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs"),
     Mutant("sweep/prune.py", "index", 'path.name.partition(".")[0] not in', "path.stem not in", UNDER_WAY),
     Mutant("sweep/prune.py", "missing term", "runs.union(beds, (batch.id", "runs.union((batch.id", UNDER_WAY),
@@ -142,7 +146,7 @@ MUTANTS = (
     Mutant("sweep/combine.py", "index", "[list(rows)]", "[list(rows[::-1])]", ROWS),
     Mutant("sweep/combine.py", "condition", "if left and not (partial and file.dimensions):", "if left and not file.dimensions:", f"{SWEEP}::test_a_run_that_no_file_holds_is_named"),
     Mutant("sweep/combine.py", "missing call", "            _check(sweep, block, failed)\n", "            pass\n", FAILED),
-    Mutant("sweep/combine.py", "comparison", "if count == groups[group]:", "if count > groups[group]:", "tests/test_faults.py::test_a_case_without_any_run_stops_a_sweep"),
+    Mutant("sweep/combine.py", "comparison", "if count == groups[group]:", "if count > groups[group]:", "tests/sweep/test_faults.py::test_a_case_without_any_run_stops_a_sweep"),
     Mutant("base/files.py", "order", "        yield part\n", "        try:\n            yield part\n        except BaseException:\n            part.replace(path)\n            raise\n", WHOLE),
     Mutant("base/files.py", "missing call", "        part.unlink(missing_ok=True)\n", "        pass\n", WHOLE),
     Mutant("sweep/restart.py", "condition", "            if not alive:\n", "            if alive:\n", STORE),
@@ -151,10 +155,10 @@ MUTANTS = (
     Mutant("sweep/precision.py", "condition", 'return math.nan, str(row["failure_reason"])', 'return 0.0, str(row["failure_reason"])', ROUNDS.format("a_failed_run_counts_and_is_not_replaced")),
     Mutant("sweep/state.py", "condition", "if any(len(values[point]) < count for point, count in block.counts.items()):", "if False:", ROUNDS.format("a_stopped_sweep_goes_on_to_the_same_runs")),
     Mutant("sweep/state.py", "missing call", "                if not self.grow(name):\n                    break\n", "                break\n", ROUNDS.format("replicates_are_added_until_the_mean_is_as_well_known_as_asked")),
-    Mutant("base/statistics.py", "constant", "stdtrit(freedom, 0.5 + 0.5 * level)", "stdtrit(freedom, level)", "tests/test_statistics.py"),
-    Mutant("analysis/onset.py", "sign", "return y @ share - slope * middle", "return y @ share + slope * middle", "tests/test_onset.py"),
+    Mutant("base/statistics.py", "constant", "stdtrit(freedom, 0.5 + 0.5 * level)", "stdtrit(freedom, level)", "tests/base/test_statistics.py"),
+    Mutant("analysis/onset.py", "sign", "return y @ share - slope * middle", "return y @ share + slope * middle", "tests/experiment/test_onset.py"),
     # how kernels are compiled
-    Mutant("jit/compilation.py", "missing term", "*map(str, key), *code)", "*map(str, key))", "tests/test_compilation.py"),
+    Mutant("jit/compilation.py", "missing term", "*map(str, key), *code)", "*map(str, key))", "tests/jit/test_compilation.py"),
     Mutant("jit/optional.py", "sign", "return lambda a, b: -b", "return lambda a, b: b", ELLIPSES),
     Mutant("jit/block_memory.py", "index", "load_outline(like[1:], values, at + step, step)", "load_outline(like[1:], values, at, step)", ELLIPSES),
 )  # fmt: skip

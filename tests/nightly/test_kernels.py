@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import test_library_input
 import test_motion
-import test_twin
+from cli import test_library_input
+from dynamics import test_twin
+from dynamics.test_large import assert_threads_change_no_bit
 from egg import Egg
 from numpy.testing import assert_array_equal
-from test_clumps import mixed
-from test_large import assert_threads_change_no_bit
+from shapes.test_clumps import mixed
 
 import dem
 from dem.shapes import KINDS

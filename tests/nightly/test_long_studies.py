@@ -3,10 +3,10 @@
 import importlib
 
 import pytest
-import test_studies
+from project import needs_study
+from workflow import test_studies
 
 import studies
-from conftest import needs_study
 from dem.sweep.config import load
 
 

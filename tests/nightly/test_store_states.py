@@ -18,7 +18,7 @@ import xarray as xr
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
-from test_stopping import Killed, smoke
+from sweeps import Killed, smoke
 
 from dem.base.errors import InputError, RunError
 from dem.io.dataset import read

@@ -1,7 +1,7 @@
 """Every result that a page or the README states, read from released files: one module per question.
 
 A page calls a finding by its name: `{{ drag.mean("c1") }}`, `{{ table(claims.verdicts()) }}`. No
-result is typed on a page; tests/test_pages.py looks for those that are. A sentence that depends on
+result is typed on a page; tests/pages/test_pages.py looks for those that are. A sentence that depends on
 a result says on which: `{{ holds("Ellipses drag less than discs", drag.falls("c1", "e1")) }}`.
 docs/write_pages.py writes the pages.
 """

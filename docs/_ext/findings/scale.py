@@ -43,7 +43,7 @@ class Ensembles(Measured):
     """Processor time and peak memory of each command, by the number of runs."""
 
     name = "ensembles"
-    command = "python tests/ensembles.py 100 1000 10000 100000 -o docs/data/ensembles.nc"
+    command = "python docs/data/ensembles.py 100 1000 10000 100000 -o docs/data/ensembles.nc"
 
     def commands(self) -> Table:
         """Time and memory of each command, a row per number of runs."""
@@ -87,7 +87,7 @@ class Overhead(Measured):
     """Processor time of a sweep of small runs, and of its kernels alone."""
 
     name = "overhead"
-    command = "python tests/overhead.py 200 125 -o docs/data/overhead.nc"
+    command = "python docs/data/overhead.py 200 125 -o docs/data/overhead.nc"
 
     @property
     def kernels(self) -> float:

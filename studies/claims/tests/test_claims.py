@@ -9,11 +9,11 @@ import pytest
 import xarray as xr
 import yaml
 from numpy.testing import assert_allclose
+from project import CONFIG
 from scipy.stats import qmc
-from test_damage import FOREIGN, foreign
+from sweeps import FOREIGN, foreign
 from typer.testing import CliRunner
 
-from conftest import CONFIG
 from dem.base.errors import InputError
 from dem.experiment.kinds.jamming import NOISE, line
 from dem.experiment.observables.alignment import alignment

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from pictures import assert_not_blank
 
-from conftest import assert_not_blank
 from dem.figures.catalogue import possible
 from dem.figures.style import save
 from dem.sweep.config import load

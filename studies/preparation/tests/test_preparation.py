@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import numpy as np
+from pictures import assert_not_blank
 from sweeps import dataset_of
 
-from conftest import assert_not_blank
 from dem.figures.catalogue import possible
 from dem.figures.style import save
 from dem.sweep.config import load

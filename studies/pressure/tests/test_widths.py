@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pictures import assert_not_blank
 from sweeps import dataset_of
 
-from conftest import assert_not_blank
 from dem.base.errors import InputError
 from dem.figures.style import save
 from dem.sweep.config import load

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from test_collision import APART
+from collisions import APART
 
 import dem
 from dem.dynamics.checkpoint import copied

@@ -1,0 +1,92 @@
+"""Collisions of pairs, far from all else."""
+
+import numpy as np
+
+import dem
+
+SLIPPERY = dem.Friction(0.5, 0.5, 0.5)
+
+
+HEAVY = {"thickness": 1.0}  # m: contacts last long enough for the time steps of these tests
+
+
+FAR = 1e3  # m: walls and a cylinder that nothing meets
+
+
+APART = {
+    "walls": [[1.0, 0.0, FAR], [-1.0, 0.0, FAR], [0.0, 1.0, FAR], [0.0, -1.0, FAR]],
+    "solids": dem.Cylinder(1e-3, (0.9 * FAR, 0.9 * FAR)),
+}
+
+
+# The limit of no friction and no damping, with the kernels of drawn beds too.
+ELASTIC = dem.Material(restitution=1.0 - 1e-12)
+
+
+LEAST = {"friction": dem.Friction(1e-15, 1e-15, 1e-15), **APART}
+
+
+ROUGH = {"friction": SLIPPERY, **APART}
+
+
+def head_on(radii, speeds, gap=0.0, **properties):
+    """Pairs of discs about to collide, far from each other; speeds (m/s) of approach."""
+    radii, speeds = np.asarray(radii, float), np.asarray(speeds, float)
+    rows = 10.0 * radii.max() * np.arange(len(radii))
+    x = np.column_stack([-radii[:, 0], radii[:, 1] + gap])
+    position = np.stack([x, np.broadcast_to(rows[:, None], x.shape)], axis=-1)
+    velocity = np.zeros_like(position)
+    velocity[:, 0, 0], velocity[:, 1, 0] = 0.5 * speeds, -0.5 * speeds
+    scene = dem.Scene(dem.Disc(radii.ravel()), **HEAVY | properties)
+    return scene, dem.State(position.reshape(-1, 2), velocity.reshape(-1, 2))
+
+
+def approach(velocity):
+    """Speed (m/s) at which the discs of each pair approach each other."""
+    return velocity[..., 0::2, 0] - velocity[..., 1::2, 0]
+
+
+def followed(scene, state, duration, steps):
+    """Time, overlap (m) and approach (m/s) of each pair at every step."""
+    run = dem.simulate(scene, state, duration, time_step=duration / steps, frames=int(steps))
+    x, r = run.position[..., 0], scene.shape.radius
+    return run.time, r[0::2] + r[1::2] - (x[:, 1::2] - x[:, 0::2]), approach(run.velocity)
+
+
+def leaving(time, overlap):
+    """Moment (s) at which an overlap falls back to zero, between two steps."""
+    last = np.flatnonzero(overlap > 0.0)[-1]
+    return np.interp(0.0, -overlap[last : last + 2], time[last : last + 2])
+
+
+def energy(scene, state):
+    """Kinetic energy (J) of each granule."""
+    return 0.5 * scene.mass * (state.velocity**2).sum(axis=1) + (
+        0.5 * scene.inertia * state.angular_velocity**2
+    )
+
+
+def volley(shape, seed, spin, **properties):
+    """Random oblique impacts of granule n + i on granule i, all pairs far from each other."""
+    rng = np.random.default_rng(seed)
+    reach = shape.bounding_radius
+    n = len(reach) // 2
+    angle, turn = rng.uniform(0.0, 2.0 * np.pi, n), 0.5 * np.pi * rng.uniform(-0.99, 0.99, n)
+    out = np.column_stack([np.cos(angle), np.sin(angle)])
+    direction = np.column_stack([np.cos(angle + turn), np.sin(angle + turn)])
+    centre = np.column_stack([np.zeros(n), 30.0 * reach.max() * np.arange(n)])
+    position = np.concatenate([centre, centre + 1.001 * (reach[:n] + reach[n:])[:, None] * out])
+    velocity = np.concatenate([np.zeros((n, 2)), -direction * rng.uniform(0.5, 2.0, n)[:, None]])
+    state = dem.State(
+        position, velocity, rng.uniform(0.0, 2.0 * np.pi, 2 * n), rng.uniform(-spin, spin, 2 * n)
+    )
+    return dem.Scene(shape, **HEAVY | properties), state
+
+
+def gains(scene, state, step_fraction):
+    """Relative gain of kinetic energy of each pair of a volley that has met."""
+    result = dem.simulate(scene, state, 6e-3, step_fraction=step_fraction).state
+    initial, final = (energy(scene, s).reshape(2, -1).sum(axis=0) for s in (state, result))
+    met = np.hypot(*result.velocity[: len(initial)].T) > 0.0
+    assert met.sum() > len(initial) // 2
+    return (final / initial - 1.0)[met]

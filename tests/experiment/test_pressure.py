@@ -1,0 +1,166 @@
+"""Beds under a pressure: what is asked is borne, and held."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from beds import HIGH, PRESSURE, area_of, replicate
+from matplotlib.figure import Figure
+from project import CONFIG
+
+from dem.base.errors import InputError, PackingError
+from dem.dynamics.simulation import Simulation
+from dem.experiment.bed import make_bed
+from dem.experiment.box import height_of_box
+from dem.experiment.config import parse
+from dem.experiment.granule_sizes import diameters_of
+from dem.experiment.kinds import drag
+from dem.experiment.scene import make_scene
+from dem.experiment.snapshots import snapshots_of
+from dem.figures.bed import draw, view_of
+from dem.figures.frames import of_motion
+from dem.sweep.config import load
+
+
+@cache
+def bed_under(pressure=PRESSURE, periodic="x"):
+    return make_bed(replicate(pressure, periodic=periodic))
+
+
+@cache
+def drawn():
+    """What the run records."""
+    return drag.run(replicate(), bed_under())
+
+
+@pytest.mark.parametrize("pressure", [5e6, PRESSURE])
+def test_the_top_wall_bears_the_pressure_asked_for(pressure):
+    """By the forces of the run's own granules, before anything has moved."""
+    run, bed = replicate(pressure), bed_under(pressure)
+    force = Simulation(make_scene(run, bed), bed.state).record(1e-10, 1).wall_force[0]
+    assert force[-1] / area_of(run) == pytest.approx(pressure, rel=5e-3)
+
+
+def test_floor_and_top_wall_bear_the_same_where_the_cylinder_bears_none():
+    """Between side walls too; what the cylinder at rest takes is the difference (Newton's third law)."""
+    run, bed = replicate(periodic="none"), bed_under(periodic="none")
+    scene = make_scene(run, bed)
+    cylinder = replace(scene.solids[0], velocity=(0.0, 0.0))
+    scene = replace(scene, solids=cylinder, walls=scene.planes)
+    record = Simulation(scene, bed.state).record(1e-10, 1)
+    left, right, bottom, top = record.wall_force[0]
+    (on_cylinder,) = record.normal_force[0]
+    assert bottom == pytest.approx(top + on_cylinder[1], rel=1e-2)
+    assert left == pytest.approx(right + on_cylinder[0], rel=1e-2)
+    assert top / area_of(run) == pytest.approx(PRESSURE, rel=5e-3)
+
+
+def test_the_top_wall_holds_the_pressure_while_the_cylinder_moves():
+    """Its mean force is the pressure to within 3 %, though the cylinder pushes the bed against it; a
+    wall that does not yield bears much more."""
+    run, values = replicate(), drawn()
+    pressure = values["wall_force"][3] / area_of(run)
+    assert pressure.mean() == pytest.approx(PRESSURE, rel=0.03)
+    assert values["drag"].mean() > 0.0
+    assert values["top_height"][-1] != values["top_height"][0]
+
+
+def test_a_snapshot_shows_the_top_wall_where_it_is():
+    """What touches it there pushes it with the pressure, and no granule is drawn beyond it by more
+    than its overlap; it is not where it began."""
+    run = replicate()
+    motion = snapshots_of(run, drawn() | drag.axes(run.configuration))
+    contacts = motion.contacts(-1)
+    on_top = contacts.partner == -3  # after the cylinder and the bottom
+    assert contacts.force[on_top].sum() / area_of(run) == pytest.approx(PRESSURE, rel=0.1)
+    frames = of_motion(motion)
+    axes = Figure().subplots()
+    draw(axes, frames, -1, view_of(frames))
+    outlines = [path.vertices for path in axes.collections[0].get_paths()]
+    beyond = max(outline[:, 1].max() for outline in outlines) - 1e3 * motion.height[-1]
+    assert axes.patches[0].get_xy()[:, 1].max() == pytest.approx(1e3 * motion.height[-1])
+    assert 0.0 < beyond < 1.1e3 * contacts.overlap[on_top].max()
+    assert abs(motion.height[-1] / motion.height[0] - 1.0) > 1e-3
+
+
+@pytest.mark.parametrize("pressure", [5e6, HIGH])
+def test_a_bed_at_rest_pushes_the_solid_of_a_picture_as_that_of_its_run(pressure):
+    """The solid is where the run has it: forces of the contacts that the picture shows add up to what
+    the run records, though the bed under the pressure is not as high as the box that it was packed in."""
+    run, bed = replicate(pressure), bed_under(pressure)
+    scene = make_scene(run, bed)
+    still = [replace(solid, velocity=(0.0, 0.0)) for solid in scene.solids]
+    simulation = Simulation(replace(scene, solids=still), bed.state)
+    data = drag.RunData(run, bed, simulation.record(1e-10, 20), [simulation.state] * 3)
+    contacts = data.snapshots.contacts(0)
+    push = contacts.force[:, None] * contacts.normal
+    on_solid = push[contacts.partner == -1].sum(axis=0)
+    scale = contacts.force[contacts.partner == -1].sum()
+    np.testing.assert_allclose(on_solid, data.record.normal_force[0, 0], rtol=0, atol=0.02 * scale)
+    assert scale > 1.0
+
+
+def test_the_packing_fraction_follows_the_top_wall():
+    """Granules keep their area: fraction times free area is the same in all bins."""
+    run, values = replicate(), drawn()
+    configuration = run.configuration
+    hole = 0.25 * np.pi * configuration.cylinder.diameter**2
+    area = values["bed_fraction"] * (configuration.box_width * values["top_height"] - hole)
+    np.testing.assert_allclose(area, area[0], rtol=1e-12)
+    assert 0.7 < values["bed_fraction"].min() < values["bed_fraction"].max() < 0.95
+
+
+def test_more_pressure_makes_a_lower_box_around_the_same_cylinder():
+    """The cylinder is where it is before the height is known."""
+    beds = {pressure: bed_under(pressure) for pressure in (5e6, PRESSURE)}
+    assert beds[5e6].height > beds[PRESSURE].height
+    places = {make_scene(replicate(p), bed).solids[0].position for p, bed in beds.items()}
+    assert len(places) == 1
+
+
+def test_the_same_values_give_the_same_bed():
+    bed, repeat = bed_under(), make_bed(replicate())
+    assert (repeat.position == bed.position).all() and repeat.height == bed.height
+
+
+def test_a_box_too_low_for_the_stroke_is_refused():
+    """Of the box at a packing fraction of 0.84 the stroke leaves a micrometre; the bed is lower."""
+    run, bed = replicate(HIGH), bed_under(HIGH)
+    nominal = height_of_box(run.configuration, diameters_of(run))
+    (at,) = make_scene(run, bed).solids
+    stroke = nominal - at.position[1] - at.radius - 1e-6
+    assert bed.height < nominal
+    with pytest.raises(PackingError, match="would leave it during its stroke; at most"):
+        make_bed(replicate(HIGH, **{"cylinder.stroke": stroke}))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"packing.pressure": None}, "fraction is missing; give it, or a pressure"),
+        (
+            {"packing.fraction": 0.84},
+            "fraction is 0.84 and pressure 6e+07 Pa; one follows from the",
+        ),
+        (
+            {"packing.friction": 0.3},
+            "friction is 0.3 and preparation relaxed; a bed that is packed under a pressure",
+        ),
+        ({"periodic": "y"}, "packing.pressure is 6e+07 Pa and periodic y; a pressure needs a top"),
+        ({"experiment": "jamming"}, "packing.pressure is 6e+07; the experiment jamming takes none"),
+        ({"packing.pressure": 0.0}, "packing.pressure is 0.0; it must be positive"),
+    ],
+)
+def test_a_pressure_that_cannot_be_is_refused(changes, words):
+    with pytest.raises(InputError) as error:
+        replicate(**changes)
+    assert words in str(error.value) and str(error.value).count("\n") == 0
+
+
+def test_what_has_no_pressure_is_what_it_was():
+    """Identities of beds and runs do not depend on a key that is not given."""
+    values = load(CONFIG / "paper.yaml").values()
+    values["packing"].pop("pressure", None)
+    run = parse(values).replicate("c1", 3900.0, 1)
+    assert "pressure" not in run.run_key() and "None" not in run.bed_key()

@@ -1,0 +1,210 @@
+"""Files whose content is damaged, foreign or hostile: noticed, refused with their name, never obeyed."""
+
+import contextlib
+import json
+import shutil
+import warnings
+from pathlib import Path
+
+import netCDF4
+import pytest
+import xarray as xr
+from sweeps import FOREIGN, combined, foreign, planned, smoke
+from typer.testing import CliRunner
+
+from dem.base.errors import InputError
+from dem.cli.app import app
+from dem.io.dataset import AXES, LABELS, read
+from dem.io.lazily import open_lazily
+from dem.report.build import build
+from dem.sweep import batch as making
+from dem.sweep.combine import combine_block
+
+HOSTILE = "</script><script>alert(1)</script>"
+TITLE = "a [red]title[/red] [/nothing]"
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    """A folder with the batch of two runs, and their drag.nc and snapshots.nc."""
+    folder = tmp_path_factory.mktemp("made")
+    with contextlib.chdir(folder):
+        sweep = smoke(sweep={"case": ["c1"], "seed": [1, 2]}, results="results")
+        work, chunk = planned(sweep, folder)
+        shutil.copy(making.make(work.store, chunk), folder / "runs.nc")
+        combined(work, folder)
+        combine_block(work, "drag", "snapshots", folder / "snapshots.nc")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def hostile(results, tmp_path_factory):
+    """The same files with another title and name of the case, which no configuration may have."""
+    folder = tmp_path_factory.mktemp("hostile")
+    for name in ("drag.nc", "snapshots.nc"):
+        with xr.open_dataset(results / name) as dataset:
+            changed = dataset.load().drop_encoding().assign_coords(case=[HOSTILE])
+        changed.attrs["title"] = TITLE
+        changed.to_netcdf(folder / name)
+    shutil.copy(results / "runs.nc", folder)
+    with netCDF4.Dataset(folder / "runs.nc", "a") as file:
+        file.title = TITLE
+    return folder
+
+
+@pytest.mark.parametrize("name", ["runs.nc", "drag.nc", "snapshots.nc"])
+def test_a_file_that_is_cut_off_is_refused(results, tmp_path, name):
+    cut = tmp_path / name
+    cut.write_bytes((results / name).read_bytes()[:-1000])
+    with pytest.raises(InputError, match=f"{cut}: its content cannot be used .* run again"):
+        read(cut, ("run_id",))
+    with (
+        pytest.raises(
+            InputError, match=f"{cut}: it is not a readable netCDF.*make it again, or copy it again"
+        ),
+        open_lazily(cut),
+    ):
+        pass
+
+
+def test_other_programs_notice_damage_to_arrays(results):
+    """By netCDF's own checksums, whoever reads them."""
+    for name in ("runs.nc", "drag.nc", "snapshots.nc"):
+        with netCDF4.Dataset(results / name) as file:
+            for variable in file.variables.values():
+                if variable.dtype is not str and "S" not in str(variable.dtype) and variable.ndim:
+                    unguarded = variable.name in (*AXES, *LABELS) and name != "runs.nc"
+                    assert variable.filters()["fletcher32"] or unguarded, variable.name
+
+
+def outcome(*words):
+    """Exit status and output of a command; a traceback fails the test."""
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always", RuntimeWarning)
+        result = CliRunner().invoke(app, [str(word) for word in words])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    assert not [w for w in warned if issubclass(w.category, RuntimeWarning)], result.output
+    return result.exit_code, result.output
+
+
+VERBS = {
+    "info": lambda file, out: ("info", file),
+    "figure": lambda file, out: ("figure", "all", file, "-o", out),
+    "beds": lambda file, out: ("figure", "figure10", file, "-o", out),
+    "report": lambda file, out: ("report", file, "-o", out / "r.html"),
+}
+
+
+@pytest.mark.parametrize("verb", VERBS)
+@pytest.mark.parametrize("fault", FOREIGN)
+def test_a_foreign_file_is_answered_with_a_sentence(tmp_path, verb, fault):
+    """Or with dashes where it has gaps; no traceback, no warning of numpy."""
+    name = "snapshots.nc" if verb == "beds" else "drag.nc"
+    path = foreign(tmp_path / "mine.nc", FOREIGN[fault], name)
+    status, output = outcome(*VERBS[verb](path, tmp_path / "out"))
+    assert status in (0, 2)
+    if status:
+        assert str(tmp_path) in output
+        assert all("mine.nc" in line or "snapshots.nc" in line for line in output.splitlines())
+    else:
+        assert "nan" not in output
+
+
+def test_a_sound_file_is_not_blamed_for_a_figure_that_fails(tmp_path):
+    """Of a name that matplotlib takes for a formula, and cannot read as one."""
+    path = foreign(tmp_path / "mine.nc", lambda data: data.assign_coords(case=["c1", "$x_{$", "e"]))
+    status, output = outcome("figure", "sweep", path, "-o", tmp_path / "out")
+    assert status == 2 and f"{path}: sweep cannot be drawn: " in output
+    assert "damaged" not in output and not list((tmp_path / "out").glob("*"))
+
+
+@pytest.mark.parametrize("dims", [(), ("seed",), ("displacement", "seed", "case")])
+def test_a_drag_over_other_dimensions_is_refused(tmp_path, dims):
+    def change(data):
+        left_out = {dim: 0 for dim in data["drag"].dims if dim not in dims}
+        return data.assign(drag=data["drag"].isel(left_out, drop=True).transpose(*dims))
+
+    path = foreign(tmp_path / "mine.nc", change)
+    for verb in ("info", "figure"):
+        status, output = outcome(*VERBS[verb](path, tmp_path / "out"))
+        assert status == 2 and "its drag is not over case, seed, displacement" in output
+
+
+EVIL = """\
+from pathlib import Path
+Path(__file__).with_name("ran").touch()
+VARIABLES = {"evil": ((), None, None)}
+class Stone:
+    def of_size(diameter, aspect_ratio): ...
+def run(replicate): ...
+def look(simulation): ...
+"""
+NAMED = {
+    "shape": {"kind": "evil.Stone"},
+    "law": {"contact": {"law": "evil.Stone"}},
+    "experiment": {"experiment": "evil.py"},
+    "observable": {"observables": ["drag", "snapshots", "evil.py"]},
+}
+READERS = (
+    ("info", "runs.nc"),
+    ("info", "drag.nc"),
+    ("means", "drag.nc"),
+    ("figure", "all", "drag.nc"),
+    ("figure", "figure10", "snapshots.nc"),
+    ("report", "drag.nc", "-o", "page.html"),
+    *(
+        ("draw", "runs.nc", "seed=1", "--forces", "-o", f"run.{end}")
+        for end in ("png", "gif", "pvd")
+    ),
+)
+
+
+@pytest.mark.parametrize("what", NAMED)
+def test_no_reader_runs_code_that_a_file_of_results_names(results, tmp_path, monkeypatch, what):
+    """Only --shapes FOLDER lets code run, of that folder, and a sentence says so."""
+    monkeypatch.chdir(shutil.copytree(results, tmp_path / "given"))
+    (tmp_path / "given/evil.py").write_text(EVIL)
+
+    def named(values):
+        change = {"beside": str(tmp_path / "given"), **NAMED[what]}
+        kind, observables = change.pop("kind", None), change.pop("observables", None)
+        for shape in values["shapes"].values() if kind else ():
+            shape |= {"kind": kind, "aspect_ratio": 1.0}
+        if observables:
+            values["record"]["observables"] = observables
+        return values | change
+
+    for name in ("runs.nc", "drag.nc", "snapshots.nc"):
+        with netCDF4.Dataset(name, "a") as file:
+            if name == "runs.nc":
+                file.setncattr("values", json.dumps([*map(named, json.loads(file.values))]))
+            else:
+                file.configuration = json.dumps(named(json.loads(file.configuration)))
+    for words in READERS:
+        status, output = outcome(*words)
+        assert status in (0, 2) and not Path("ran").exists(), (words, output)
+    if what in ("shape", "law"):
+        words = "draw", "runs.nc", "seed=1", "--forces", "-o", "run.png"
+        status, output = outcome(*words)
+        assert status == 2 and "--shapes FOLDER" in output and not Path("run.png").exists()
+        outcome(*words, "--shapes", ".")
+        assert Path("ran").exists()
+
+
+def test_text_of_a_file_is_no_script_in_the_report(hostile, tmp_path):
+    """A case of any name is shown by its name."""
+    from PIL import Image
+
+    shutil.copy(hostile / "drag.nc", tmp_path)
+    (tmp_path / "figures").mkdir()
+    Image.new("RGB", (4, 4)).save(tmp_path / "figures/figure13.png")
+    build(tmp_path / "drag.nc", tmp_path / "r.html")
+    page = (tmp_path / "r.html").read_text()
+    assert HOSTILE not in page and "<script>alert" not in page
+    assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page
+
+
+@pytest.mark.parametrize("name", ["drag.nc", "runs.nc", "snapshots.nc"])
+def test_text_of_a_file_is_no_markup_on_the_terminal(hostile, name):
+    status, output = outcome("info", hostile / name)
+    assert status == 0 and "[red]title[/red]" in output and "[/nothing]" in output

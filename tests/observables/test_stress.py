@@ -1,0 +1,353 @@
+"""What stress and fabric promise: laws of mechanics that hold for any bed."""
+
+from dataclasses import replace
+
+import matplotlib
+import numpy as np
+import pytest
+import xarray as xr
+from beds import STIFF
+from collisions import ROUGH
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from project import code
+from scenes import lids, mapped
+from sweeps import make_sweep
+
+import dem
+from dem.experiment.observables.stress import VARIABLES
+from dem.jit.columns import FX, FY, TAU
+
+SOFT = dem.Material(density=2500.0, young_modulus=1e6, restitution=0.1)
+SMOOTH_SIDES = dem.Friction(granule=0.5, wall=0.0)
+THICKNESS = 1e-3
+G = 9.81
+USUAL = {"friction": dem.Friction(), "gravity": (0.0, 0.0), "thickness": THICKNESS}
+CORNER = dem.Cylinder(1e-9, (1e-9, 1e-9))  # it meets nothing
+
+
+def volume(run):
+    """Of a box without its solids (m3)."""
+    width, height = run.scene.planes[1, 2], run.scene.planes[3, 2]
+    area = sum(solid.area for solid in run.scene.solids)
+    return (width * height - area) * run.scene.thickness
+
+
+def shaken(small):
+    """A bed with friction, with the cylinder askew and all granules with velocity and spin."""
+    rng, n = np.random.default_rng(4), len(small.diameters)
+    state = replace(
+        small.state,
+        velocity=rng.normal(size=(n, 2)),
+        angular_velocity=rng.normal(scale=1e3, size=n),
+    )
+    return dem.Simulation(small.scene(), state)
+
+
+@pytest.fixture(scope="module")
+def column():
+    """Discs with friction that have come to rest under gravity, between smooth sides."""
+    rng = np.random.default_rng(2)
+    row, x = np.divmod(np.arange(120), 8)
+    shape = dem.Disc(0.5e-3 * rng.uniform(0.8, 1.2, 120))
+    walls = dem.box(10e-3, 30e-3)
+    scene = dem.Scene(shape, SOFT, SMOOTH_SIDES, walls, gravity=(0.0, -G), thickness=THICKNESS)
+    x = 1e-3 + 1.14e-3 * x + 0.1e-3 * (row % 2)
+    run = dem.Simulation(scene, dem.State(np.column_stack([x, 1e-3 + 1.3e-3 * row])))
+    run.advance(1.0)
+    return run
+
+
+@pytest.mark.parametrize(("kind", "fraction"), STIFF)
+def test_a_bed_at_rest_carries_what_its_boundary_puts_on_it(small_bed, kind, fraction):
+    """The moments of the forces of walls and cylinder, at their points, are stress times volume."""
+    small = small_bed(kind, fraction=fraction)
+    cylinder = replace(small.cylinder, velocity=(0.0, 0.0))
+    run = dem.Simulation(small.scene(solids=cylinder), small.state)
+    stress, contacts = run.stress(), run.contacts()
+    edge = contacts.partner < 0
+    moment = contacts.total_force[edge].T @ contacts.point[edge]
+    assert_allclose(stress.contact * volume(run), moment, atol=1e-6 * np.abs(moment).max())
+    assert stress.pressure > 0.0
+
+
+def test_the_stress_of_a_bed_at_rest_is_the_pressure_on_its_walls():
+    """Force over area, but for the overlaps: contact points are inside the walls."""
+    shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
+    bed = dem.pack(shape, 8e-3, 7e-3, CORNER, seed=1)
+    run = dem.Simulation(dem.Scene(shape, walls=bed.walls, **USUAL), bed.state)
+    stress, contacts = run.stress().contact, run.contacts()
+    left, right, bottom, top = (
+        contacts.force[contacts.partner == k].sum() for k in range(-1, -5, -1)
+    )
+    assert_allclose([left, bottom], [right, top], rtol=1e-5)
+    pressure = np.array([left / (7e-3 * THICKNESS), bottom / (8e-3 * THICKNESS)])
+    excess, deep = np.diag(stress) / pressure - 1.0, contacts.overlap.max() / 7e-3
+    assert (excess > 0.0).all() and (excess < deep).all() and deep < 0.02
+
+
+@pytest.mark.parametrize(("kind", "fraction"), STIFF)
+def test_the_forces_of_contacts_move_the_granules(small_bed, kind, fraction):
+    """Springs and dashpots, normal and tangential, add up to the force that accelerates each granule."""
+    run = shaken(small_bed(kind, fraction=fraction))
+    run.advance(2e-6)
+    progress = run.engine.progress
+    run.advance(progress.time + progress.dt - progress.seen)  # forces are those of whole steps
+    contacts, order = run.contacts(), run.engine.order
+    felt = np.zeros((run.scene.granules, 2))
+    np.subtract.at(felt, contacts.granule, contacts.total_force)
+    pair = contacts.partner >= 0
+    np.add.at(felt, contacts.partner[pair], contacts.total_force[pair])
+    felt = felt if order is None else felt[order]
+    force = run.world.force[:, [FX, FY]]
+    assert_allclose(felt, force, atol=1e-2 * np.abs(force).max())
+
+
+@pytest.mark.parametrize(("kind", "fraction"), STIFF)
+def test_the_stress_is_symmetric_but_for_torques(small_bed, kind, fraction):
+    """What differs across the diagonal is the torque that turns granules faster."""
+    run = shaken(small_bed(kind, fraction=fraction))
+    run.advance(2e-6)
+    stress, torque = run.stress().contact * volume(run), run.world.force[:, TAU]
+    # granules feel the opposite of the forces on their partners
+    assert abs(stress[1, 0] - stress[0, 1] + torque.sum()) < 0.02 * np.abs(torque).sum()
+
+
+def test_each_layer_of_a_column_carries_the_weight_above_it(column):
+    """Mean of the weights of granules above a line, over all lines of a bin; sides are smooth."""
+    edges = np.linspace(0.0, 12e-3, 7)
+    stress = column.stress(y=edges).contact[:, 1, 1]
+    height, weight = column.state.position[:, 1], G * column.scene.mass
+    low, high = edges[:-1, None], edges[1:, None]
+    above = np.clip((height - low) / (high - low), 0.0, 1.0) @ weight
+    assert_allclose(stress * 10e-3 * THICKNESS, above, rtol=2e-3, atol=1e-4 * weight.sum())
+    assert (np.diff(stress) < 0.0).all()
+    fraction = column.scene.shape.area.sum() / (10e-3 * height.max())
+    assert_allclose(np.diff(stress[:4]), -2500.0 * fraction * G * 2e-3, rtol=0.2)  # rho g h
+
+
+def test_a_chain_of_discs_between_two_walls_has_the_stress_of_their_force():
+    """Along the chain the force over the height of the box; across it none."""
+    radius, count, height = 1e-3, 5, 4e-3
+    length = 2.0 * count * radius * (1.0 - 1e-4)
+    scene = dem.Scene(dem.Disc([radius] * count), SOFT, walls=dem.box(length, height), **USUAL)
+    x = length * (np.arange(count) + 0.5) / count
+    run = dem.Simulation(scene, dem.State(np.column_stack([x, np.full(count, 0.5 * height)])))
+    run.advance(0.1)
+    stress = run.stress()
+    on_walls = run.record(1e-4, 1).wall_force[0]
+    force = on_walls[0] / (height * THICKNESS)
+    assert_allclose(on_walls[1], on_walls[0], rtol=1e-6)
+    assert_allclose(stress.contact, [[force, 0.0], [0.0, 0.0]], rtol=2e-4, atol=1e-9 * force)
+    assert_allclose(run.stress(x=[0.3 * length, 0.7 * length]).contact[0, 0, 0], force, rtol=1e-6)
+    assert_allclose(stress.fabric, [[1.0, 0.0], [0.0, 0.0]], atol=1e-12)
+    assert (stress.anisotropy, stress.fabric_angle, stress.angle) == pytest.approx((1.0, 0.0, 0.0))
+    assert stress.pressure == pytest.approx(stress.shear)
+    assert stress.coordination_number == pytest.approx(2.0 * (count - 1) / count)
+
+
+@settings(max_examples=20)
+@given(angle=st.floats(-3.1, 3.1))
+def test_the_stress_turns_with_the_bed(small_bed, angle):
+    """As a tensor, fabric and motion too, in a box whose walls are askew."""
+    run = shaken(small_bed("disc"))
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    stress = run.stress()
+    rotated = dem.Simulation(*mapped(run.scene, run.state, turn)).stress()
+    for name in ("contact", "kinetic", "fabric"):
+        expected = turn @ getattr(stress, name) @ turn.T
+        assert_allclose(
+            getattr(rotated, name), expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max()
+        )
+    assert rotated.pressure == pytest.approx(stress.pressure, rel=1e-6)
+    assert rotated.shear == pytest.approx(stress.shear, rel=1e-5)
+    turned = rotated.fabric_angle - stress.fabric_angle - angle
+    assert abs(np.sin(turned)) < 1e-4  # an axis, not an arrow
+
+
+@given(cuts=st.lists(st.integers(1, 99), max_size=8, unique=True), along=st.sampled_from("xy"))
+def test_bins_share_the_stress_of_the_whole(small_bed, cuts, along):
+    """The volume of each bin, without the cylinder, times its stress: the sum is that of the bed."""
+    run = shaken(small_bed("disc"))
+    axis = "xy".index(along)
+    size = run.scene.planes[2 * axis + 1, 2]
+    edges = np.array([-1e-3, *(0.01 * size * np.sort(cuts)), size + 1e-3])
+    parts, whole = run.stress(**{along: edges}).contact, run.stress().contact
+    across = run.scene.planes[3 - 2 * axis, 2]
+    area = np.diff(np.clip(edges, 0.0, size)) * across
+    center = run.scene.solids[0].position[axis]
+    radius = run.scene.solids[0].radius
+    lines = center + radius * np.cos(np.pi * (np.arange(20000) + 0.5) / 20000)
+    chords = 2.0 * np.abs(radius**2 - (lines - center) ** 2) ** 0.5
+    chords *= np.pi / 20000 * (radius**2 - (lines - center) ** 2) ** 0.5
+    area -= np.histogram(lines, edges, weights=chords)[0]
+    total = (parts * area[:, None, None]).sum(axis=0) * run.scene.thickness
+    assert_allclose(total, whole * volume(run), rtol=1e-3, atol=1e-4 * np.abs(total).max())
+
+
+def test_fabric_has_trace_one_and_a_coordination_number(small_bed):
+    """And the coordination number is that of `diagnose`."""
+    run = shaken(small_bed("ellipse"))
+    stress = run.stress()
+    assert np.trace(stress.fabric) == pytest.approx(1.0)
+    assert 0.0 < stress.anisotropy < 1.0
+    assert stress.coordination_number == pytest.approx(run.diagnose().coordination_number)
+    bins = run.stress(x=np.linspace(0.0, 8e-3, 5))
+    assert_allclose(np.trace(bins.fabric, axis1=1, axis2=2), 1.0)
+    assert bins.anisotropy.shape == bins.coordination_number.shape == (4,)
+
+
+def test_a_gas_has_the_pressure_of_its_energy_and_no_fabric():
+    """Pressure times area is the kinetic energy in two dimensions; what does not touch has no fabric."""
+    rng = np.random.default_rng(3)
+    scene = dem.Scene(dem.Disc(np.full(9, 0.2e-3)), SOFT, walls=dem.box(6e-3, 6e-3), **USUAL)
+    position = 1e-3 + 2e-3 * np.array(np.divmod(np.arange(9), 3)).T
+    velocity = rng.normal(size=(9, 2))
+    velocity -= velocity.mean(axis=0)
+    run = dem.Simulation(scene, dem.State(position, velocity))
+    stress = run.stress()
+    assert not stress.contact.any() and np.isnan(stress.fabric).all()
+    assert stress.coordination_number == 0.0
+    energy = run.diagnose().kinetic_energy
+    assert stress.pressure * 36e-6 * scene.thickness == pytest.approx(energy)
+    drifting = dem.Simulation(scene, dem.State(position, velocity + [3.0, 4.0]))
+    assert_allclose(drifting.stress().kinetic, stress.kinetic)  # of the motion about the mean
+    sliding = np.column_stack([1e3 * position[:, 1], np.zeros(9)])  # each row at its own speed
+    rows = dem.Simulation(scene, dem.State(position, sliding))
+    assert rows.stress().pressure > 0.0
+    assert_allclose(rows.stress(y=[0.0, 2e-3, 4e-3, 6e-3]).pressure, 0.0, atol=1e-9)
+    empty = run.stress(y=[2e-3, 2.5e-3])
+    assert not empty.contact.any() and np.isnan(empty.coordination_number).all()
+
+
+def test_frames_know_no_tangential_forces():
+    """They are NaN with friction, and known to be zero without."""
+    start = dem.State([[0.0, 0.0], [1.99e-3, 0.0]])
+    for around, known in ((ROUGH, False), ({}, True)):
+        scene = dem.Scene(dem.Disc([1e-3, 1e-3]), **around)
+        contacts = dem.simulate(scene, start, 1e-9).contacts()
+        assert len(contacts.force) == 1 and np.isfinite(contacts.force).all()
+        assert np.isfinite(contacts.total_force).all() == known
+        assert (contacts.tangential_force == 0.0).all() == known
+
+
+def test_the_edges_of_bins_close_a_wedge():
+    """A wedge without a lid has no area; a bin of it is a trapezium."""
+    side = np.sqrt(0.5)
+    walls = [[-side, -side, 0.0], [side, -side, 0.0]]
+    scene = dem.Scene(dem.Disc([1e-3]), walls=walls, **USUAL | {"thickness": 1.0})
+    run = dem.Simulation(scene, dem.State([[0.0, 1.4e-3]], velocity=[[0.0, -1.0]]))
+    with pytest.raises(dem.InputError, match="the container of the bed is not closed"):
+        run.stress()
+    contacts = run.contacts()
+    moment = (contacts.total_force[:, 1] * contacts.branch[:, 1]).sum()
+    assert run.stress(y=[0.0, 2e-3]).contact[0, 1, 1] == pytest.approx(moment / 4e-6)
+
+
+@pytest.mark.parametrize(
+    ("edges", "sentence"),
+    [
+        (
+            {"x": [0.0, 1e-3], "y": [0.0, 1e-3]},
+            "x and y are both given; give edges along one of them",
+        ),
+        ({"y": [0.0]}, "it must hold two or more edges of bins that rise, in m"),
+        ({"y": [0.0, 2e-3, 1e-3]}, "it must hold two or more edges of bins that rise, in m"),
+        (
+            {"x": [0.0, np.nan]},
+            r"x is \[0.0, nan\]; it must hold two or more edges of bins that rise",
+        ),
+        ({"x": 10}, "x is 10; it must hold two or more edges of bins that rise, in m"),
+    ],
+)
+def test_edges_that_are_none_are_refused(small_bed, edges, sentence):
+    run = shaken(small_bed("disc"))
+    with pytest.raises(dem.InputError, match=sentence):
+        run.stress(**edges)
+
+
+def test_a_run_records_the_stress_of_its_bed(tmp_path):
+    """At the start it is the pressure of the packing; in stress.nc it has units."""
+    chosen = {"sweep": {"case": ["c1"], "seed": 1}, "record": {"observables": ["drag", "stress"]}}
+    make_sweep(tmp_path, **chosen)
+    with xr.open_dataset(tmp_path / "results/stress.nc") as dataset:
+        dataset = dataset.load().squeeze()
+    with xr.open_dataset(tmp_path / "results/drag.nc") as drag:
+        packed = float(drag["packing_pressure"].squeeze())
+    mean = 0.5 * (dataset["stress_xx"] + dataset["stress_yy"])
+    assert float(mean[0]) == pytest.approx(packed, rel=0.05)
+    assert_allclose(dataset["stress_xy"], dataset["stress_yx"], atol=1e-3 * float(mean[0]))
+    assert (dataset["kinetic_pressure"] < 1e-3 * mean).all()
+    assert {dataset[name].attrs["units"] for name in VARIABLES} == {"Pa", "1", "rad"}
+
+
+def test_the_page_on_stress_shows_the_weight_above():
+    """The code of the page runs, and its profile is the law that the page states."""
+    names = {}
+    with matplotlib.rc_context({"backend": "agg"}):
+        for block in code("docs/howto/stress.md").values():
+            exec(compile(block, "stress.md", "exec"), names)
+    pressed = names["found"].contact[:, 1, 1] * 10e-3 * names["scene"].thickness
+    between = 0.5 * (np.array(names["above"])[1:] + np.array(names["above"])[:-1])
+    assert_allclose(pressed, between, atol=0.05 * between[0])
+
+
+@pytest.fixture(scope="module")
+def endless():
+    """A bed of discs under load that repeats itself along x, shaken, with a cylinder in it."""
+    cylinder = dem.Cylinder(2e-3, (3e-3, 3e-3))
+    shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 50))
+    bed = dem.pack(shape, 7e-3, 7e-3, cylinder, 1, "x")
+    velocity = np.random.default_rng(2).normal(size=(50, 2))
+    scene = dem.Scene(
+        shape,
+        SOFT,
+        dem.Friction(),
+        lids(bed.walls),
+        cylinder,
+        thickness=THICKNESS,
+        periodic=bed.periodic,
+    )
+    return dem.Simulation(scene, replace(bed.state, velocity=velocity))
+
+
+@settings(max_examples=10)
+@given(laps=st.lists(st.integers(-3, 3), min_size=50, max_size=50), shift=st.floats(-9e-3, 9e-3))
+def test_laps_and_the_origin_do_not_change_the_stress(endless, laps, shift):
+    """Of a bed that repeats itself: granules may be any number of periods away, and the bed, its
+    cylinder and the edges may be moved along."""
+    scene, state = endless.scene, endless.state
+    cylinder = replace(scene.solids[0], position=(3e-3 + shift, 3e-3))
+    position = state.position + np.outer(np.array(laps) * 7e-3 + shift, [1.0, 0.0])
+    other = dem.Simulation(replace(scene, solids=cylinder), replace(state, position=position))
+    for edges in ({}, {"y": np.linspace(0.0, 7e-3, 8)}, {"x": np.linspace(1e-3, 5e-3, 6)}):
+        expected = endless.stress(**edges)
+        if "x" in edges:
+            edges = {"x": edges["x"] + shift}
+        image = other.stress(**edges)
+        for name in ("contact", "kinetic", "fabric"):
+            value = getattr(expected, name)
+            assert_allclose(getattr(image, name), value, rtol=1e-6, atol=1e-6 * np.abs(value).max())
+
+
+def test_a_ring_of_discs_has_the_stress_of_its_contacts():
+    """A chain that meets itself across a periodic side carries one force through every line."""
+    radius, count, height = 1e-3, 5, 4e-3
+    length = 2.0 * count * radius * (1.0 - 1e-4)
+    scene = dem.Scene(
+        dem.Disc([radius] * count),
+        SOFT,
+        dem.Friction(),
+        lids(dem.box(length, height)[2:]),
+        thickness=THICKNESS,
+        periodic=(length, None),
+    )
+    x = length * (np.arange(count) + 0.3) / count
+    run = dem.Simulation(scene, dem.State(np.column_stack([x, np.full(count, 0.5 * height)])))
+    contacts = run.contacts()
+    assert len(contacts.force) == count
+    expected = contacts.force.mean() / (height * THICKNESS)
+    assert_allclose(run.stress().contact, [[expected, 0.0], [0.0, 0.0]], atol=1e-9 * expected)
+    for edges in (np.linspace(0.0, length, 8), [0.9 * length, 1.1 * length], [-1.0, -1.0 + 1e-3]):
+        assert_allclose(run.stress(x=edges).contact[:, 0, 0], expected, rtol=1e-9)

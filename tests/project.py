@@ -1,0 +1,43 @@
+"""Where the project is, and what a test needs of the system."""
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+CONFIG = ROOT / "config"
+
+# The workflow runs on Linux and macOS, the library and the command line also on Windows.
+posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX pipes, signals or bash")
+
+
+def needs_study(*names):
+    """Marks tests that are about studies, any of which may be removed."""
+    present = [(ROOT / "studies" / name).is_dir() for name in names]
+    return pytest.mark.skipif(not all(present), reason=f"needs the studies {', '.join(names)}")
+
+
+def code(document):
+    """Pieces of Python in a document, by the heading above them."""
+    pieces, heading = {}, ""
+    for title, block in re.findall(
+        r"^##? (.*?)$|^```(?:python|\{code-cell\} python)\n(.*?)^```",
+        (ROOT / document).read_text(),
+        re.S | re.M,
+    ):
+        heading = title or heading
+        pieces[heading] = pieces.get(heading, "") + block
+    return pieces
+
+
+PAGE = (ROOT / "docs/howto/shape.md").read_text()
+
+
+SHAPE, LIBRARY, SHORT_LINE = re.findall(r"```python\n(.*?)```", PAGE, re.S)
+
+
+# rotation.py, rotation.yaml, rest.py and rest.yaml
+EXPERIMENT = (ROOT / "docs/howto/experiment.md").read_text()
+FILES = dict(re.findall(r"```(?:python|yaml)\n# (\S+)\n(.*?)```", EXPERIMENT, re.S))

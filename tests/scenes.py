@@ -1,0 +1,239 @@
+"""Scenes that together have all that a scene can have."""
+
+from dataclasses import replace
+
+import numpy as np
+
+import dem
+from dem import Scene, State
+
+STEPS, FRAMES, TIME_STEP = 200, 4, 1e-6  # s; a collision takes some 50 steps
+
+
+SOFT = {"density": 2.5e3, "young_modulus": 1e8, "poisson_ratio": 0.3}
+
+
+WIDTH, HEIGHT = 6e-3, 5e-3  # m
+
+
+def path(*velocities, spin=None):
+    """A path that turns at four times of the run."""
+    time = TIME_STEP * np.array([30.0, 80.0, 81.0, 150.0])
+    return dem.PrescribedMotion(time, np.array(velocities), spin)
+
+
+TO_AND_FRO = ((0.0, 1.0), (1.0, -1.0), (2.0, 1.0), (0.0, -1.0))  # m/s
+
+
+LID = dem.Drive(force=(None, -0.2), mass=5e-6, velocity=(0.3, 0.0))
+
+
+DAMPED = dem.Drive(force=(0.1, -0.3), mass=2e-5, damping=0.05, velocity=(1.0, 2.0))
+
+
+GUIDED = dem.Drive(force=(None, -0.3), mass=2e-5, damping=0.05, velocity=(1.0, 2.0))
+
+
+FREE = dem.Drive(force=(0.1, -0.3), mass=2e-5, velocity=(1.0, 2.0))
+
+
+TURN = dem.Turn(inertia=1e-10, torque=1e-5, damping=1e-6, spin=500.0)
+
+
+WALLS = dem.box(WIDTH, HEIGHT)
+
+
+WEDGE = dem.Polygon([[-2.5e-4, -2e-4], [3e-4, -1.5e-4], [0.0, 2.5e-4]], radius=1.6e-4)
+
+
+PLATE = dem.plate(length=9e-4, thickness=3.2e-4)
+
+
+OVAL = dem.Ellipse([4.5e-4], [2.5e-4])
+
+
+def moving(*motions, **last):
+    """Walls of the box that move so; the last one is also of these values."""
+    *walls, top = map(dem.Wall, WALLS, motions)
+    return [*walls, replace(top, **last)]
+
+
+def granules(make, columns=5, rows=4):
+    """Granules on a grid from which they are displaced: most touch, few deeply."""
+    rng, n = np.random.default_rng(7), columns * rows
+    sizes = rng.uniform(0.45e-3, 0.65e-3, n)
+    grid = np.stack(np.meshgrid(np.arange(columns), np.arange(rows)), axis=-1).reshape(n, 2)
+    position = (grid + 0.5 + rng.uniform(-0.06, 0.06, (n, 2))) * [WIDTH / 5, HEIGHT / 4]
+    state = dem.State(
+        position, rng.normal(size=(n, 2)), rng.uniform(0.0, 7.0, n), rng.normal(scale=1e3, size=n)
+    )
+    return make(sizes), state
+
+
+LAWS = {
+    "linear discs": {"law": dem.Linear()},
+    "discs in plane strain": {
+        "law": dem.Line(),
+        "rolling": dem.Rolling(0.2, 0.3, 0.1, damping=0.2),
+    },
+}
+
+
+# with the kernels that test_laws.py and test_motion.py share; without rolling, and without a ledger: at night
+LEDGERS = "discs in plane strain", "discs"
+
+
+def scene_of(name):
+    """Scenes that together have everything, in as few kernels as can be."""
+    rough = dem.Friction(0.3, 0.5, 0.2, stiffness=0.7)
+    table = dem.Friction([[0.3, 0.1], [0.1, 0.6]], 0.5, 0.2, stiffness=0.7)
+    damped, elastic = dem.Material(restitution=0.6, **SOFT), dem.Material(restitution=1.0, **SOFT)
+    steel = dem.Material(2e3, 2e8, 0.2, 0.9)
+    cylinder = dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), (1.0, 2.0), spin=500.0)
+
+    def ellipses(**options):
+        return lambda r: dem.Ellipse(1.1 * r, r / 1.2, **options)
+
+    if name == "box of discs":
+        shape, state = granules(dem.Disc)
+        return dem.Scene(shape, damped, rough, WALLS, cylinder), state
+    if name == "discs that resist rolling":
+        shape, state = granules(dem.Disc)
+        cylinder = dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), (1.0, 2.0), spin=TURN)
+        return dem.Scene(
+            shape, damped, rough, WALLS, cylinder, rolling=dem.Rolling(0.2, 0.3, 0.1, damping=0.2)
+        ), state  # fmt: skip
+    if name == "discs":
+        shape, state = granules(dem.Disc)
+        return dem.Scene(
+            shape, [damped, elastic], table,
+            moving((0.0, 0.0), (-1.0, 2.0), path(*TO_AND_FRO), LID, friction=0.1, material=elastic),
+            [dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), DAMPED, TURN),
+             dem.Cylinder(6e-4, (4.8e-3, 3.75e-3), (0.5, 0.0), -900.0, friction=0.9, material=elastic)],
+            gravity=(3e3, -1e4), thickness=1e-3, boundary=steel, species=np.arange(20) % 2,
+            held=[dem.Held([0, 1], (0.5, 1.0)), dem.Held([9, 13, 14], GUIDED)],
+        ), state  # fmt: skip
+    if name in LAWS:
+        shape, state = granules(dem.Disc)
+        return dem.Scene(
+            shape, [damped, steel], table, WALLS, cylinder, boundary=elastic,
+            species=np.arange(20) % 2, **LAWS[name],
+        ), state  # fmt: skip
+    if name == "smooth discs":
+        shape, state = granules(dem.Disc)
+        state.angular_velocity[:] = 0.0
+        return dem.Scene(
+            shape, damped, None, moving((0.0, 0.0), (0.0, 0.0), path(*TO_AND_FRO), LID),
+            dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), FREE), gravity=(3e3, -1e4),
+            held=[dem.Held([3, 4], path(*TO_AND_FRO)), dem.Held([9, 13, 14], GUIDED)],
+        ), state  # fmt: skip
+    if name == "discs around solids":
+        shape, state = granules(dem.Disc)
+        hard = {"friction": 0.9, "material": steel}
+        solids = [
+            dem.Solid(WEDGE, (2.4e-3, 2.5e-3), 0.4, DAMPED, TURN, **hard),
+            dem.Solid(PLATE, (3.6e-3, 1.25e-3), 0.9, path(*TO_AND_FRO, spin=[0.0, 4e3, 9e3, -5e3])),
+            dem.Solid(OVAL, (1.2e-3, 3.75e-3), 0.3, (0.5, -1.0), 4e3, **hard),
+            dem.Cylinder(5e-4, (4.8e-3, 2.5e-3), GUIDED, -900.0),
+        ]
+        return dem.Scene(shape, damped, None, WALLS, solids), state
+    if name == "smooth discs around solids":
+        shape, state = granules(dem.Disc)
+        solids = [
+            dem.Solid(WEDGE, (2.4e-3, 2.5e-3), 0.4, FREE, TURN),
+            dem.Solid(PLATE, (3.6e-3, 1.25e-3), 0.9, (0.0, 1.0), 4e3),
+        ]
+        return dem.Scene(shape, damped, None, WALLS, solids), state
+    if name == "ellipses of local radius around solids":
+        precise = dem.CommonNormal(1e-6)
+        shape, state = granules(ellipses(contact=precise, hertz_radius="local"))
+        solids = [
+            dem.Solid(WEDGE, (2.4e-3, 2.5e-3), 0.4, (1.0, 2.0), 4e3),
+            dem.Solid(OVAL, (1.2e-3, 3.75e-3), 0.3, (0.5, -1.0), TURN),
+        ]
+        materials = {"material": [damped, steel], "species": np.arange(20) % 2}
+        held = [dem.Held([9, 13], (0.5, 1.0))]
+        return dem.Scene(
+            shape, friction=table, walls=WALLS, solids=solids, held=held, **materials
+        ), state
+    if name == "dumbbells":
+        shape, state = granules(lambda r: dem.Dumbbell(0.55 * r))
+        turning = path(*TO_AND_FRO, spin=[0.0, 900.0, -500.0, 0.0])
+        cylinder = dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), turning)
+        return dem.Scene(shape, damped, rough, WALLS, cylinder), state
+    if name == "clumps":
+        forms = [
+            [(0, 0, 1)],
+            [(0, 0, 0.7), (0.9, 0.3, 0.4)],
+            [(-0.7, 0, 0.6), (0.5, 0, 0.5), (0, 0.6, 0.4)],
+        ]
+        shape, state = granules(
+            lambda r: dem.Clump([size * np.array(forms[k % 3]) for k, size in enumerate(r)])
+        )
+        return dem.Scene(shape, damped, rough, WALLS, cylinder), state
+    if name == "ellipses":
+        shape, state = granules(ellipses())
+        return dem.Scene(shape, damped, rough, WALLS, cylinder), state
+    if name == "ellipses by the chord":
+        shape, state = granules(ellipses(contact="geometric_potential"))
+        return dem.Scene(shape, damped, None, WALLS, cylinder), state
+    shape, state = granules(lambda r: dem.Superellipse(0.9 * r, 0.8 * r, 0.3 * r, 3.0))
+    return dem.Scene(shape, damped, rough, WALLS, cylinder), state
+
+
+SCENES = (
+    "box of discs",
+    "discs that resist rolling",
+    "discs",
+    "smooth discs",
+    "discs around solids",
+    "dumbbells",
+    "clumps",
+    "ellipses",
+    "ellipses by the chord",
+    "ellipses of local radius around solids",
+    "superellipses",
+    *LAWS,
+)  # fmt: skip; smooth discs around solids at night
+
+
+ANCHOR = dem.Drive((0.0, 0.0), mass=1e6)
+
+
+def smoothly(speed, time, axis=0, spin=0.0):
+    """A path that gains its speed (m/s) and its spin (rad/s) over a time (s), without a jerk."""
+    at = np.linspace(0.0, time, 101)
+    share = np.sin(0.5 * np.pi * at / time) ** 2
+    velocity = np.zeros((101, 2))
+    velocity[:, axis] = speed * share
+    return dem.PrescribedMotion(at, velocity, spin * share if spin else None)
+
+
+def lids(rows):
+    """Walls that are heavy, and that nothing pushes: their scenes are of the kind that has a lid."""
+    return [dem.Wall(row, dem.Drive((None, 0.0), 1.0)) for row in rows] or None
+
+
+def mapped(scene, state, matrix):
+    """Scene and state seen through an orthogonal matrix."""
+    matrix = np.array(matrix)
+    hand = np.linalg.det(matrix)
+    walls = np.column_stack([scene.planes[:, :2] @ matrix.T, scene.planes[:, 2]])
+    solids = [
+        replace(solid, position=matrix @ solid.position, velocity=matrix @ solid.velocity)
+        for solid in scene.solids
+    ]
+    new = Scene(
+        scene.shape, scene.material, scene.friction, walls, solids, thickness=scene.thickness
+    )
+    return new, map_state(state, matrix, hand)
+
+
+def map_state(state, matrix, hand):
+    turn = np.arctan2(matrix[1, 0], matrix[0, 0])
+    return State(
+        state.position @ matrix.T,
+        state.velocity @ matrix.T,
+        turn + hand * state.angle,
+        hand * state.angular_velocity,
+    )

@@ -1,0 +1,787 @@
+"""What a sweep promises: any value varies, a run is known by what it reads, nothing is made twice."""
+
+import json
+import math
+import os
+import re
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+from project import CONFIG
+from rich.console import Console
+from typer.testing import CliRunner
+
+import dem
+from dem.analysis.tables import TextTable
+from dem.base.errors import InputError, RunError
+from dem.base.yaml_file import read
+from dem.cli.app import app
+from dem.experiment.run import Replicate
+from dem.report.info import drag_table
+from dem.report.status import status
+from dem.sweep import batch as making
+from dem.sweep import combine as combining
+from dem.sweep import store as stores
+from dem.sweep.axis import changes_of_words
+from dem.sweep.combine import about, combine, combine_block
+from dem.sweep.config import load, merged, parse
+from dem.sweep.grouping import plan_batches
+from dem.sweep.prune import prune, sweeps, usage
+from dem.sweep.state import SweepState
+
+FEW = {"c1": {"kind": "disc", "diameter": 1092e-6, "granules": 30}}
+SMALL = {
+    "extends": str(CONFIG / "smoke.yaml"),
+    "results": "results/small",
+    "box_width": 6e-3,
+    "cylinder": {"diameter": 1e-3, "stroke": 0.4e-3},
+    "packing": {"fraction": 0.8},
+    "record": {"bins": 8, "snapshots": 3, "window": [0.1e-3, 0.4e-3], "observables": ["drag"]},
+}
+
+
+def small(sweep, **changes):
+    """A sweep of beds of 30 discs, over a short stroke."""
+    values = SMALL | changes | {"sweep": sweep}
+    base = yaml.safe_load((CONFIG / "smoke.yaml").read_text())
+    return parse(values | {"shapes": base["shapes"] | FEW | values.get("shapes", {})})
+
+
+def ids(sweep, block="drag"):
+    return [run.id for run in sweep.block(block).runs.values()]
+
+
+def done(sweep, folder, jobs=1):
+    """A sweep at work, all runs made."""
+    work = SweepState(sweep, stores.Store(folder / "store"), root=folder)
+    for block in sweep.blocks:
+        chunks = work.batches(block)
+        work.begin(block)
+        for chunk in chunks:
+            making.make(work.store, chunk.id)
+    return work
+
+
+def combined(work, folder, block="drag", observable="drag"):
+    path = folder / f"{block}_{observable}.nc"
+    combine_block(work, block, observable, path)
+    with xr.open_dataset(path) as dataset:
+        return dataset.load()
+
+
+# What can vary
+
+
+def test_a_product_of_any_values_is_a_dimension_each():
+    """In the order of the file, with units and words of the schema."""
+    block = small(
+        {
+            "shape": ["c1", "e3"],
+            "friction.granule": [0.0, 0.3],
+            "packing.fraction": [0.8, 0.82, 0.84],
+            "seed": "1 to 2",
+        }
+    ).block("drag")
+    assert block.dims == ("shape", "friction_granule", "packing_fraction", "seed")
+    assert block.shape == (2, 2, 3, 2) and len(block.runs) == 24
+    assert block.axes[2].entry.units == "1" and "packing fraction" in block.axes[2].entry.about
+    last = list(block.runs.values())[-1]
+    assert (last.label, last.seed) == ("e3", 2)
+    assert last.configuration.friction.granule == 0.3
+    assert last.configuration.packing.fraction == 0.84
+
+
+def test_factors_are_of_the_files_own_value():
+    """{times: ...} multiplies what the configuration has."""
+    block = small({"shape": "c1", "material.young_modulus": {"times": [0.5, 2]}}).block("drag")
+    moduli = [run.configuration.material.young_modulus for run in block.runs.values()]
+    assert moduli == [35e9, 140e9] and block.axes[1].coordinate == moduli
+
+
+def test_values_that_go_together_are_one_dimension():
+    """Named points, each some values; what a point does not say stays."""
+    box = {"same": {}, "wide": {"box_width": 9e-3, "shapes.c1.granules": 45}}
+    block = small({"shape": ["c1", "e3"], "box": box}).block("drag")
+    assert block.dims == ("shape", "box", "seed")
+    width = {point[:2]: run.configuration.box_width for point, run in block.runs.items()}
+    assert width == {(0, 0): 6e-3, (0, 1): 9e-3, (1, 0): 6e-3, (1, 1): 9e-3}
+    _, dims, values = block.labels()["box_width"]
+    assert dims == ("box",) and values.tolist() == [6e-3, 9e-3]
+    _, dims, values = block.labels()["granules"]
+    assert dims == ("shape", "box") and values.tolist() == [[30, 45], [60, 60]]
+
+
+@pytest.mark.parametrize(
+    ("sweep", "expected"),
+    [
+        ({"cylinder.velocity": [0.6, 6.0]}, None),
+        ({"pull": {"slow": {"cylinder.velocity": 0.6}, "fast": {"cylinder.velocity": 6.0}}}, None),
+        ({"values": {"cylinder.velocity": 0.6}}, 0.6),
+        ({"friction.wall": [0.1, 0.3]}, 2.0),
+    ],
+)
+def test_what_varies_is_no_attribute(sweep, expected):
+    """And what all runs share is told as they have it, also where the file has another value."""
+    parsed = small({"shape": "c1"} | sweep)
+    block = parsed.block("drag")
+    assert about(parsed, block, {}).get("cylinder_velocity") == expected
+    if expected != 2.0 and "pull" not in sweep:
+        named = {**{axis.name: axis.coordinate for axis in block.axes}, **block.labels()}
+        assert "cylinder_velocity" in named
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        (
+            {"cylinder.velocity": [2.0, 500.0]},
+            "cylinder.velocity is 500 m/s, 0.12 of the velocity of sound",
+        ),
+        ({"cylinder.velocity": [32.0]}, ""),
+        ({"material.young_modulus": [1e3]}, "cylinder.velocity is 2 m/s, 3.9 of"),
+    ],
+)
+def test_a_velocity_in_another_unit_is_noticed(values, words):
+    """One sentence, of the fastest run, however many there are."""
+    warnings = SweepState(small({"shape": ["c1"], "seed": "1 to 3"} | values)).check()
+    warnings = [sentence for sentence in warnings if "velocity" in sentence]
+    assert len(warnings) == bool(words) and all(words in sentence for sentence in warnings)
+
+
+@pytest.mark.parametrize(
+    ("periodic", "direction", "words"),
+    [
+        ("x", 0.0, "drawn along x, and periodic has it too: nothing but friction"),
+        ("xy", math.pi / 2.0, "drawn along y"),
+        ("x", math.pi / 2.0, ""),
+        ("none", 0.0, ""),
+    ],
+)
+def test_a_bed_that_no_wall_holds_is_noticed(periodic, direction, words):
+    """The cylinder takes it along, and the drag is at most the friction of the walls that there are."""
+    values = {"shape": ["c1"], "seed": "1 to 3", "periodic": [periodic]}
+    warnings = SweepState(small(values | {"cylinder.direction": [direction]})).check()
+    warnings = [sentence for sentence in warnings if "periodic" in sentence]
+    assert len(warnings) == bool(words) and all(words in sentence for sentence in warnings)
+
+
+def test_a_name_that_a_variable_has_gets_a_suffix():
+    """So that both stand in one file."""
+    points = {"steps": {"few": {}}, "wall": {"rough": {}}, "replicates": {"one": {}}}
+    dims = small({"shape": "c1"} | points).block("drag").dims
+    assert dims == ("shape", "steps_swept", "wall_swept", "replicates_swept", "seed")
+
+
+@pytest.mark.parametrize("kind", ["latin_hypercube", "sobol"])
+def test_a_design_fills_its_ranges(kind):
+    """One point in every interval of a sixteenth, for each factor; each point a bed of its own."""
+    over = {
+        "friction.granule": {"low": 0.1, "high": 0.5},
+        "material.young_modulus": {"low": 1e9, "high": 1e11, "scale": "log"},
+        "friction.wall": {"choices": [0.1, 0.4]},
+    }
+    spec = {"design": kind, "points": 16, "first_seed": 50, "over": over}
+    block = small({"shape": "c1", "point": spec}).block("drag")
+    runs = list(block.runs.values())
+    assert [run.seed for run in runs] == list(range(50, 66))
+    places = {
+        "granule": [(r.configuration.friction.granule - 0.1) / 0.4 for r in runs],
+        "modulus": [np.log10(r.configuration.material.young_modulus / 1e9) / 2 for r in runs],
+    }
+    for shares in places.values():
+        assert sorted((16 * np.array(shares)).astype(int)) == list(range(16))
+    assert {r.configuration.friction.wall for r in runs} == {0.1, 0.4}
+
+
+def test_values_of_a_block_hold_in_all_of_it():
+    """Seed, shape and density too; they are dimensions of one point."""
+    values = {"seed": 7, "shape": "c1", "density": 2e3, "friction.wall": 0.1}
+    block = small({"blocks": {"a": {"values": values, "friction.granule": [0.1, 0.2]}}}).block("a")
+    assert block.dims == ("shape", "friction_granule", "seed")
+    for run in block.runs.values():
+        assert (run.label, run.density, run.seed) == ("c1", 2e3, 7)
+        assert run.configuration.friction.wall == 0.1
+
+
+def test_a_point_without_a_seed_has_the_usual_one():
+    """Beside points that have one."""
+    block = small({"shape": "c1", "box": {"a": {"seed": 5}, "b": {"gravity": 1}}}).block("drag")
+    assert [run.seed for run in block.runs.values()] == [5, 1]
+    assert block.labels()["seed"][1:][0] == ("box",)
+
+
+def test_a_value_of_the_command_line_is_the_number_that_a_file_would_give():
+    """A count stays a whole number, beside others that are not."""
+    words = ["shapes.c1.granules=40", "box_width=7e-3", "friction.granule=0"]
+    sweep = load(CONFIG / "smoke.yaml")
+    run = sweep.changed(changes_of_words(sweep, words), "c1").replicate("c1", 3.9e3, 1)
+    file = {"box_width": 7e-3, "friction": {"granule": 0}, "shapes": {"c1": {"granules": 40}}}
+    base = yaml.safe_load((CONFIG / "smoke.yaml").read_text())
+    assert run.id == parse(merged(base, file)).replicate("c1", 3.9e3, 1).id
+
+
+POINT = {"design": "sobol", "points": 4}
+GRAVITY, GRAVIT = ({name: {"low": 0, "high": 1}} for name in ("gravity", "gravit"))
+DERIVED = {"packing.fraction": {"derive": "equal_load", "friction": 0.3}}
+C1 = {"shape": "c1"}
+# what varies: a part of the sentence about it; sentences about single values are in test_config.py
+WRONG = [
+    ({"friction.granule": [0.1]}, "must give all runs a shape or a case; there are c1, d1, e0, e3"),
+    ({"box": {"a": C1, "b": {"gravity": 1}}}, "sweep must give all runs a shape or a case"),
+    (C1 | {"cylinder.stroke": [1e-3]}, "runs of one block share"),
+    (C1 | {"cylinder.start": [0.25, 0.01]}, "asks for an impossible run"),
+    ({"box": {"a": {"box_with": 1}}}, "is no value that can vary; the nearest is box_width"),
+    ({"p": POINT | {"over": GRAVITY, "design": "grid"}}, "sweep.p.design is 'grid'; it must be"),
+    ({"p": POINT | {"over": GRAVIT}}, "the nearest is gravity"),
+    ({"blocks": {}}, "sweep.blocks is {}; it must have at least 1 item"),
+    ({"box": {"a": {"shape": "zz"}}}, "sweep.box.a.shape is 'zz', which is not one of shapes"),
+    ({"box": {"a": {"density": 0.0}}}, "sweep.box.a.density is 0.0; it must be positive"),
+    ({"box": {1: {}, "1": {}}}, "has '1' twice"),
+    ({"friction.granule": [0, -0.0]}, "twice; list each once"),
+    (C1 | {"friction.wall": [1], "friction_wall": {"a": {}}}, "two things named friction_wall"),
+    (C1 | {"friction_wall": {"a": {"friction.wall": 0.1}}}, "two things named friction_wall"),
+    ({"blocks": {"a": C1, "b": C1 | {"needs": "a", "s": {"x": DERIVED}}}}, "leave friction out"),
+    ({"blocks": {"a": C1}} | C1, "has blocks and shape"),
+]
+
+
+@pytest.mark.parametrize(("sweep", "words"), WRONG)
+def test_a_wrong_sweep_is_one_sentence(sweep, words):
+    """It names the key and the value, and the nearest right one."""
+    with pytest.raises(InputError) as error:
+        small(sweep)
+    assert words in str(error.value) and "\n" not in str(error.value)
+
+
+def test_a_file_extends_another(tmp_path):
+    """Values beside those of the other file; what varies is its own; results must be."""
+    (tmp_path / "base.yaml").write_text((CONFIG / "smoke.yaml").read_text())
+    path = tmp_path / "own.yaml"
+    text = "extends: base.yaml\nresults: results/own\nfriction: {wall: 0.1}\nsweep: {shape: c1}\n"
+    path.write_text(text)
+    sweep = load(path)
+    assert (sweep.friction.wall, sweep.friction.granule) == (0.1, 0.3)
+    assert sweep.blocks == {"drag": {"shape": "c1"}} and sweep.studies == "smoke.yaml"
+    for wrong, words in (
+        (text.replace("results: results/own\n", ""), "results is missing"),
+        (text.replace("base.yaml", "none.yaml"), "none.yaml: cannot read it"),
+        (text + "seeds: [1]\n", "seeds is not a known key"),
+    ):
+        path.write_text(wrong)
+        with pytest.raises(InputError, match=words):
+            load(path)
+
+
+# What a run is known by
+
+
+def test_what_a_run_does_not_read_makes_no_other_run():
+    """Titles, other seeds, names, windows, chunks, order of keys: the same identity."""
+    sweep = {"shape": "c1", "seed": [1]}
+    first = ids(small(sweep))
+    same = [
+        small(sweep, title="other", batch=3, failures=0.5),
+        small({"seed": "1 to 3", "shape": ["c1"]}),
+        small(sweep, record=SMALL["record"] | {"window": [0.2e-3, 0.3e-3]}),
+        small(sweep, ellipse={"contact": "geometric_potential"}),
+        small(sweep, shapes={"c7": FEW["c1"]}),
+        small({"shape": "c7"}, shapes={"c7": FEW["c1"]}),
+    ]
+    assert all(ids(other)[0] == first[0] for other in same)
+
+
+def test_what_a_run_reads_makes_another_run():
+    """Each value of the schema, seed and density too; two of its shape only."""
+    sweep = {"shape": "c1"}
+    first = small(sweep).block("drag").first
+    run_ids = {first.id}
+    changed = {
+        "friction.granule": 0.2,
+        "gravity": 9.81,
+        "material.thickness": 2e-3,
+        "box_width": 7e-3,
+        "cylinder.start": 0.3,
+        "packing.size_spread": 0.1,
+        "numerics.max_overlap": 1.0,
+        "shapes.c1.granules": 31,
+        "shapes.c1.diameter": 1.1e-3,
+    }
+    for path, value in changed.items():
+        run_ids.add(ids(small(sweep | {path: [value]}))[0])
+    run_ids.add(ids(small(sweep | {"density": [3.91e3]}))[0])
+    run_ids.add(ids(small(sweep | {"seed": [2]}))[0])
+    run_ids.add(ids(small(sweep, record=SMALL["record"] | {"observables": ["drag", "ledger"]}))[0])
+    assert len(run_ids) == len(changed) + 4
+
+
+SWEEPS = [
+    CONFIG / "paper.yaml",
+    *(
+        CONFIG.parent / f"studies/{name}/sweep.yaml"
+        for name in ("calibration", "onset", "preparation", "pressure", "shear", "velocity")
+    ),
+]
+SWEEPS = [path for path in SWEEPS if path.is_file()]
+
+
+@pytest.mark.parametrize("file", SWEEPS, ids=lambda path: "/".join(path.parts[-2:]))
+def test_every_place_of_a_sweep_that_comes_with_the_code_is_a_run_of_its_own(file):
+    """Whatever the experiment: no value that varies is left out of what a run is known by."""
+    sweep = load(file)
+    for block in sweep.blocks:
+        run_ids = ids(sweep, block)
+        assert len(run_ids) == len(set(run_ids)) > 1
+
+
+def test_an_ellipse_reads_how_its_contacts_are_found():
+    """A disc does not: its places on that axis are one run, made once."""
+    contacts = ["common_normal", "geometric_potential"]
+    block = small({"shape": ["c1", "e3"], "ellipse.contact": contacts}).block("drag")
+    assert len(block.runs) == 4 and len(list(block.unique())) == 3
+    assert sorted(map(len, block.points.values())) == [1, 1, 2]
+
+
+def test_beds_do_not_depend_on_what_comes_after_them():
+    """Runs at several frictions, densities and moduli share a bed; other fractions do not."""
+    shared = small(
+        {
+            "shape": "c1",
+            "friction.granule": [0.1, 0.2],
+            "density": [1e3, 4e3],
+            "packing.fraction": [0.8, 0.84],
+        }
+    )
+    beds = [run.bed_id for run in shared.block("drag").runs.values()]
+    assert len(set(beds)) == 2
+
+
+def test_what_a_bed_reads_makes_another_bed():
+    """Each of these values and the seed: no run is drawn through the bed of another."""
+    sweep = {"shape": "c1"}
+    changed = {
+        "packing.fraction": 0.79,
+        "packing.friction": 0.2,
+        "packing.size_spread": 0.1,
+        "packing.preparation": "grown",
+        "box_width": 7e-3,
+        "cylinder.start": 0.3,
+        "cylinder.diameter": 1.4e-3,
+        "shapes.c1.granules": 31,
+        "shapes.c1.diameter": 1.1e-3,
+        "seed": 2,
+    }
+    sweeps = [small(sweep)] + [small(sweep | {path: [value]}) for path, value in changed.items()]
+    beds = {case.block("drag").first.bed_id for case in sweeps}
+    assert len(beds) == len(changed) + 1
+
+
+def test_chunks_are_filled_and_runs_of_one_bed_follow_each_other(tmp_path):
+    """Two beds of two runs, in chunks of at most so many."""
+    block = small({"shape": "c1", "seed": [1, 2], "friction.granule": [0.1, 0.2]}).block("drag")
+    for size, runs in ((5, [4]), (4, [4]), (3, [3, 1]), (2, [2, 2]), (1, [1, 1, 1, 1])):
+        chunks, _ = plan_batches((), block.unique(), size, "results")
+        assert [len(chunk.runs) for chunk in chunks] == runs
+        if size == 2:
+            beds = {run.id: run.bed_id for run in block.unique()}
+            assert all(len({beds[run] for run in chunk.runs}) == 1 for chunk in chunks)
+
+
+def test_the_first_batches_compile_each_kind_of_granule_once():
+    """The others find it compiled. Those of the paper, whose c1 and c2 share kernels."""
+    runs = {run.id: run for run in load(CONFIG / "paper.yaml").block("drag").unique()}
+    chunks, _ = plan_batches((), runs.values(), 10, "results")
+    kinds = [runs[chunk.runs[0]].shape.kind for chunk in chunks]
+    assert sorted(kinds[:3]) == ["disc", "dumbbell", "ellipse"] and len(kinds) == 6
+    axes = {"shape": "c1", "cylinder.spin": [None, "free"], "shapes.c1.granules": [60, 70]}
+    record = SMALL["record"] | {"observables": ["drag", "snapshots"]}
+    block = small(axes | {"seed": [1]}, record=record).block("drag")
+    runs = {run.id: run for run in block.unique()}
+    chunks, _ = plan_batches((), runs.values(), 10, "results")
+    spins = [runs[chunk.runs[0]].configuration.cylinder.spin for chunk in chunks]
+    assert spins == [None, "free", None, "free"]
+
+
+@pytest.mark.parametrize(
+    "axis",
+    [
+        {"shape": ["c1", "e3"]},
+        {"shape": "c1", "contact.law": ["hertz", "linear"]},
+        {"shape": "c1", "cylinder.spin": [None, "free"]},
+    ],
+    ids=["kind", "law", "variables"],
+)
+def test_runs_of_other_code_or_with_other_variables_are_in_other_batches(axis):
+    """A file of a batch names the code of all its runs, and has a row of each variable for all."""
+    record = SMALL["record"] | {"observables": ["drag", "snapshots"]}
+    runs = small(axis | {"seed": [1, 2]}, record=record).block("drag").unique()
+    chunks, _ = plan_batches((), runs, 5, "results")
+    assert [len(chunk.runs) for chunk in chunks] == [2, 2]
+
+
+def test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs():
+    """All its jobs find the same ones, however many the other puts together."""
+    runs = list(small({"shape": "c1", "seed": [1, 2, 3, 4]}).block("drag").unique())
+    first, _ = plan_batches((), runs, 1, "results/mine")
+    others, _ = plan_batches((), runs, 4, "results/other")
+    batches, new = plan_batches(others + first, runs, 1, "results/mine")
+    assert set(batches) == set(first) and not new
+
+
+# What is there is not made again
+
+
+def test_a_value_that_is_added_makes_only_its_runs(tmp_path):
+    """In chunks of their own; the old ones are as they were, and beds are packed once."""
+    work = done(small({"shape": "c1", "friction.granule": [0.1, 0.3], "seed": [1, 2]}), tmp_path)
+    chunks = {path: path.stat().st_mtime_ns for path in work.files("drag")}
+    beds = list((tmp_path / "store/beds").rglob("*.npz"))
+    assert len(beds) == 2
+    other = SweepState(
+        small({"seed": [2, 1], "friction.granule": [0.5, 0.1, 0.3], "shape": "c1"}, batch=1),
+        work.store,
+    )
+    new = [chunk for chunk in other.batches("drag") if not other.store.file_of(chunk.id).exists()]
+    assert [len(chunk.runs) for chunk in new] == [1, 1]
+    done(other.sweep, tmp_path)
+    assert chunks == {path: path.stat().st_mtime_ns for path in chunks}
+    assert list((tmp_path / "store/beds").rglob("*.npz")) == beds
+
+
+@pytest.mark.parametrize("batch", [3, 10])
+def test_an_n_dimensional_file_holds_every_run(tmp_path, batch):
+    """At its place, with the bits of the run made alone; also where seeds lie side by side in a batch."""
+    sweep = small(
+        {"shape": ["c1", "d1"], "friction.granule": [0.3, 0.1], "seed": [1, 2]},
+        batch=batch,
+        shapes={"d1": {"kind": "dumbbell", "diameter": 1092e-6, "granules": 30}},
+    )
+    dataset = combined(done(sweep, tmp_path), tmp_path)
+    assert dataset["drag"].dims == ("shape", "friction_granule", "seed", "displacement")
+    assert dataset["friction_granule"].attrs["long_name"] == "friction between granules"
+    for point, run in sweep.block("drag").runs.items():
+        alone = dem.run_experiment(run.values())
+        np.testing.assert_array_equal(dataset["drag"][point].values, alone["drag"].values)
+        assert dataset["run_id"][point] == alone.attrs["run_id"]
+
+
+def test_a_combined_file_tells_the_values_that_its_runs_had(tmp_path):
+    """Of a block, also those that all points of a group share, and not those of the file."""
+    same = {"friction.wall": 0.2, "shapes.c1.granules": 25, "material.thickness": 1e-3}
+    block = {
+        "values": {"friction.granule": 0.1, "shape": "c1"},
+        "box": {"a": same, "b": same},
+        "gravity": [0.0, 1.0],
+    }
+    data = combined(done(small({"blocks": {"a": block}}), tmp_path), tmp_path, "a")
+    config = json.loads(data.attrs["configuration"])
+    assert config["friction"] == {"granule": 0.1, "wall": 0.2, "cylinder": 0.3, "stiffness": 1.0}
+    assert config["shapes"]["c1"]["granules"] == 25 and config["material"]["thickness"] == 1e-3
+    assert config["sweep"] == {"blocks": {"a": block}} and config["shapes"]["e3"]["granules"] == 60
+    shared = {"friction_granule": 0.1, "friction_wall": 0.2}
+    assert {name: data.coords[name].item() for name in shared} == shared
+    assert data["gravity"].values.tolist() == [0.0, 1.0]
+    assert data.coords["granules"].values.tolist() == [25]
+
+
+def test_null_beside_numbers_is_a_label_of_its_axis(tmp_path):
+    """Without units, as texts have none; a table and a figure show it."""
+    work = done(small({"shape": "c1", "material.thickness": [None, 1e-3]}), tmp_path)
+    axis = combined(work, tmp_path)["material_thickness"]
+    assert axis.values.tolist() == ["null", "0.001"] and "units" not in axis.attrs
+    for words in (["info"], ["figure", "sweep", "-o", str(tmp_path)]):
+        result = CliRunner().invoke(app, [*words, str(tmp_path / "drag_drag.nc")])
+        assert result.exit_code == 0, result.output
+        assert words != ["info"] or "null" in result.output
+
+
+def test_values_that_hardly_differ_are_told_apart(tmp_path):
+    work = done(small({"shape": "c1", "friction.granule": [2, 2.0000001]}), tmp_path)
+    table = drag_table(combined(work, tmp_path))
+    assert [2.0, 2.0000001] in [table[name].tolist() for name in table]
+    for shown in (TextTable(table), status(work)):
+        with (console := Console(width=200)).capture() as text:
+            console.print(shown)
+        assert "2.0000001" in text.get()
+
+
+def test_a_run_that_no_file_holds_is_named(tmp_path):
+    """A sweep is not combined before all its batches are there; no file is left."""
+    sweep = small({"shape": "c1", "seed": [1, 2]}, batch=1)
+    work = done(sweep, tmp_path)
+    first, second = work.files("drag")
+    output = tmp_path / "drag.nc"
+    with pytest.raises(InputError, match=r"seed [12] is in none of the 1 files; run again"):
+        combine([first], sweep, sweep.block("drag"), "drag", output)
+    second.unlink()
+    with pytest.raises(InputError, match=rf"{second.name}: there is no such file\.$"):
+        combine_block(work, "drag", "drag", output)
+    assert not output.exists()
+
+
+def test_a_truth_value_can_vary(tmp_path):
+    """netCDF has none: the axis holds 0 and 1."""
+    sweep = small({"shape": ["c1"], "numerics.allow_unstable": [False, True]})
+    dataset = combined(done(sweep, tmp_path), tmp_path)
+    assert dataset["numerics_allow_unstable"].values.tolist() == [0, 1]
+    assert np.isfinite(dataset["drag"]).all()
+
+
+def test_failed_runs_have_the_same_gaps_whichever_chunk_comes_first(tmp_path):
+    """NaN, and -1 for the number of steps; where too many failed, the first is named by its place."""
+    sweep = {"shape": "c1", "numerics.max_overlap": [1e-6, 1.2], "seed": [1, 2]}
+    work = done(small(sweep, batch=1, failures=0.9), tmp_path)
+    dataset = combined(work, tmp_path)
+    steps = dataset["steps"].fillna(-1).values[0]
+    assert (steps[0] == -1).all() and (steps[1] > 0).all()
+    strict, files = small(sweep), work.files("drag")
+    for order in (files, files[::-1]):
+        named = [shutil.copy(path, tmp_path / f"{n}.nc") for n, path in enumerate(order)]
+        with pytest.raises(
+            RunError, match=r"2 of 4 runs .* The first is c1 at 3900 kg/m3, seed 1:"
+        ):
+            combine(named, strict, strict.block("drag"), "drag", tmp_path / "drag.nc")
+
+
+def test_batches_are_combined_in_the_order_of_the_grid(tmp_path, monkeypatch):
+    """Whatever their names are, so that netCDF compresses each chunk once and keeps few in memory."""
+    work = done(small({"shape": "c1", "seed": "1 to 6"}, batch=1), tmp_path)
+    read_file, seeds = combining.read, []
+
+    def noted(path, names):
+        values = read_file(path, (*names, "seed"))
+        seeds.extend(values[0]["seed"].tolist())
+        return values
+
+    monkeypatch.setattr(combining, "read", noted)
+    combined(work, tmp_path)
+    work._planned = dict(sorted(work._planned.items()))  # as a second process finds them
+    combined(work, tmp_path)
+    assert seeds == 2 * [1, 2, 3, 4, 5, 6]
+
+
+def test_prune_removes_what_no_sweep_needs(tmp_path, monkeypatch):
+    """Batches of a value that was taken out, with their beds; nothing of a sweep that is there."""
+    monkeypatch.chdir(tmp_path)
+    work = done(small({"shape": "c1", "packing.fraction": [0.8, 0.84]}, batch=1), tmp_path)
+    assert prune(work.store) == ([], 0)
+    left = done(small({"shape": "c1", "packing.fraction": [0.84]}, batch=1), tmp_path)
+    assert usage(left.store) == [(f"{tmp_path}/results/small", 1), ("no sweep", 1)]
+    removed, size = prune(left.store)
+    assert sorted(path.suffix for path in removed) == [".json", ".nc", ".npz"] and size > 0
+    combine = tmp_path / "results/small"
+    assert combined(left, combine)["drag"].shape == (1, 1, 1, 8)
+    (combine / "config.yaml").unlink()
+    assert all(path.suffix == ".npz" for path in prune(left.store)[0])  # drag.nc names its runs
+
+
+def test_prune_leaves_the_plans_of_a_sweep_that_starts_meanwhile(tmp_path, monkeypatch):
+    """Of which it does not know when it has looked at all folders."""
+    monkeypatch.chdir(tmp_path)
+    work = done(small({"shape": "c1"}), tmp_path)
+    late = SweepState(small({"shape": "c1", "seed": [9]}, results="results/late"), work.store)
+
+    def looked(store):
+        yield from sweeps(store)
+        late.begin("drag")
+
+    monkeypatch.setattr("dem.sweep.prune.sweeps", looked)
+    assert prune(work.store) == ([], 0)
+    assert all(work.store.plan_of(batch.id).is_file() for batch in late.batches("drag"))
+
+
+# The store, when something is wrong with it
+
+
+def listed(folder):
+    """All that lies below a folder, with the bytes of files."""
+    return {path: path.read_bytes() if path.is_file() else None for path in Path(folder).rglob("*")}
+
+
+def places(work):
+    """Where a sweep has its beds, its runs under way and their checkpoints."""
+    store, runs = work.store, work.sweep.block("drag").runs.values()
+    of_runs = [store.run_of(run.id, end) for run in runs for end in (".npz", ".checkpoint.npz")]
+    return [*map(store.file_of_bed, runs), *of_runs]
+
+
+def as_if_made(work):
+    """Write the plans of a sweep, and files in the places of what they ask for."""
+    work.begin("drag")
+    for path in work.files("drag"):
+        path.write_bytes(b"\x89HDF\r\n\x1a\n runs")
+    for file in places(work):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(b"a bed, or a run")
+
+
+@pytest.fixture
+def pruned(tmp_path, monkeypatch):
+    """A sweep of two batches as if they were made, and one of a sweep whose folder was deleted."""
+    monkeypatch.chdir(tmp_path)
+    work = SweepState(small({"shape": "c1", "seed": [1, 2]}, batch=1))
+    as_if_made(work)
+    as_if_made(SweepState(small({"shape": "c1", "seed": [3]}, results="results/gone")))
+    shutil.rmtree("results/gone")
+    return work
+
+
+def pruning():
+    return CliRunner().invoke(app, ["store", "--prune"])
+
+
+def refused(words):
+    """That pruning says so, in sentences, and that nothing is removed."""
+    files = listed("results")
+    result = pruning()
+    assert result.exit_code == 2 and words in result.stderr, (result.output, result.exception)
+    assert listed("results") == files
+
+
+def test_prune_keeps_beds_and_checkpoints_of_runs_under_way(pruned):
+    """And removes those of a sweep whose folder was deleted."""
+    gone = SweepState(small({"shape": "c1", "seed": [3]}, results="results/gone"))
+    assert all(path.is_file() for path in places(pruned) + places(gone))
+    assert pruning().exit_code == 0
+    assert all(path.is_file() for path in places(pruned))
+    assert not any(path.exists() for path in places(gone))
+
+
+def test_prune_removes_what_is_damaged_and_was_put_aside(pruned):
+    """Also of runs that a sweep needs: these are made again."""
+    aside = [path.with_name(f"{path.name}.damaged") for path in places(pruned)]
+    for path in aside:
+        path.touch()
+    assert pruning().exit_code == 0
+    assert all(path.is_file() for path in places(pruned))
+    assert not any(path.exists() for path in aside)
+
+
+CONFIGS = {
+    "empty": "",
+    "cut": "results: results/small\nsweep:",
+    "a list": "[]",
+    "bytes": "\udcff\udcfe",
+}
+
+
+@pytest.mark.parametrize("damage", CONFIGS)
+def test_prune_removes_nothing_while_a_sweep_cannot_be_read(pruned, damage):
+    """What the sweep needs is unknown then. When the sweep starts again, it is whole again."""
+    config = Path("results/small/config.yaml")
+    config.write_text(CONFIGS[damage], errors="surrogateescape")
+    refused(str(config))
+    SweepState(pruned.sweep).begin("drag")
+    result = pruning()
+    assert result.exit_code == 0 and "5 files removed" in result.stdout, result.output
+    assert all(path.is_file() for path in pruned.files("drag"))
+
+
+def test_prune_removes_nothing_of_a_sweep_whose_folder_is_away(pruned):
+    """Its disk may be away for a moment. Who deleted the folder for good deletes the link too."""
+    results = Path(pruned.sweep.results)
+    results.rename("away")
+    results.symlink_to("../away")
+    assert pruning().exit_code == 0 and all(path.is_file() for path in pruned.files("drag"))
+    Path("away").rename("further")
+    refused(f"{results}: it is a link to what is not there")
+
+
+def test_prune_removes_nothing_where_there_is_no_sweep(pruned):
+    """Who wants none of the runs deletes the folder."""
+    shutil.rmtree(pruned.sweep.results)
+    refused("delete the folder results/store")
+
+
+def test_prune_removes_nothing_whose_runs_are_unknown(pruned):
+    """Nor what the store does not write: a note that somebody put there is theirs."""
+    unknown = pruned.store.file_of("f" * 16)
+    notes = [
+        pruned.store.folder / name for name in ("batches/notes.txt", "batches/mine.nc", "beds/a/b")
+    ]
+    for note in (unknown, *notes):
+        note.parent.mkdir(parents=True, exist_ok=True)
+        note.write_text("mine")
+    assert pruning().exit_code == 0 and all(note.is_file() for note in (unknown, *notes))
+
+
+def test_a_command_about_the_store_says_where_there_is_none(tmp_path, monkeypatch):
+    """And makes none."""
+    monkeypatch.chdir(tmp_path)
+    for words in ([], ["--prune"]):
+        result = CliRunner().invoke(app, ["store", *words])
+        assert result.exit_code == 2 and "there is no store" in result.stderr, result.output
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_plan_that_was_changed_is_written_again(pruned):
+    """By the next start of its sweep, which then makes the runs that it says."""
+    batch = pruned.batches("drag")[0].id
+    pruned.store.file_of(batch).unlink()
+    path = pruned.store.plan_of(batch)
+    text = path.read_text()
+    path.write_text(re.sub(r'"fraction": 0\.\d+', '"fraction": 0.77', text))
+    assert path.read_text() != text
+    with pytest.raises(InputError, match="start the sweep, and workers"):
+        pruned.store.replicates(batch)
+    SweepState(pruned.sweep).begin("drag")
+    assert path.read_text() == text and len(pruned.store.replicates(batch)) == 1
+
+
+def test_a_sweep_says_where_a_new_store_begins(tmp_path, monkeypatch):
+    """In a folder with a store it says nothing; a dry run makes none."""
+    (tmp_path / "small.yaml").write_text(yaml.safe_dump(small({"shape": "c1"}).dump()))
+    command = ["sweep", "small.yaml", "--dry-run"]
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("os.access", lambda _, mode: mode == os.R_OK)  # which only reads
+    result = CliRunner().invoke(app, command)
+    assert f"{tmp_path}/results/store: this store of runs is new" in result.stderr, result.output
+    assert not (tmp_path / "results").exists()
+    (tmp_path / "results/store").mkdir(parents=True)
+    result = CliRunner().invoke(app, command)
+    assert result.exit_code == 0 and "store" not in result.stderr
+
+
+# The library
+
+
+def test_a_sweep_is_a_loop_in_python(tmp_path):
+    """load_sweep gives what run_experiment takes, in the order of the axes."""
+    path = tmp_path / "own.yaml"
+    sweep = {"shape": "c1", "friction.granule": [0.1, 0.3]}
+    path.write_text(yaml.safe_dump(SMALL | {"shapes": FEW, "sweep": sweep}))
+    values = list(dem.load_sweep(path))
+    assert [run["friction"]["granule"] for run in values] == [0.1, 0.3]
+    dataset = xr.concat([dem.run_experiment(run) for run in values], "friction_granule")
+    assert dataset["drag"].dims == ("friction_granule", "displacement")
+    assert dataset["drag"].attrs["units"] == "N" and dataset["shape"] == "c1"
+
+
+def test_a_run_extends_a_file():
+    """The values of the file, but for those that are said."""
+    values = {"extends": str(CONFIG / "smoke.yaml"), "shape": "c1", "seed": 2}
+    default = dem.run_experiment(values)
+    rough = dem.run_experiment(values | {"friction": {"granule": 0.5}})
+    assert float(rough["drag"].mean()) > float(default["drag"].mean()) > 0.0
+    sweep = load(CONFIG / "smoke.yaml")
+    assert default.attrs["run_id"] == Replicate(sweep, "c1", 3.9e3, 2).id
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"extends": str(CONFIG / "smoke.yaml")}, "shape is missing"),
+        ({"extends": "none.yaml", "shape": "c1"}, "cannot read it"),
+        (read(CONFIG / "smoke.yaml"), "shape is missing"),
+        (
+            {"extends": CONFIG / "smoke.yaml", "shape": "c1", "friction": {"granule": -1}},
+            r"^values: friction\.granule is -1; it must be at least 0\.$",
+        ),
+    ],
+)
+def test_a_run_that_cannot_be_is_one_sentence(values, words):
+    with pytest.raises(InputError, match=words):
+        dem.run_experiment(values)

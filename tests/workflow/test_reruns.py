@@ -1,0 +1,100 @@
+"""What the workflow makes again after an edit or another value: a table, told by dry runs.
+
+In a copy of the repository with the results of the sweep and of the claims. Those of the other
+studies are empty files that Snakemake takes for its own.
+"""
+
+import shutil
+
+import pytest
+from project import needs_study, posix
+from sweeps import planned
+from workflows import SMOKE, edited, snakemake
+
+pytestmark = [posix, needs_study("accuracy", "stability", "claims", "benchmark")]
+TARGETS = ("all", "accuracy", "stability", "claims", "benchmark")
+LINE = "\nEDITED = True\n"
+
+
+@pytest.fixture(scope="module")
+def project(checkout_with_claims, tmp_path_factory):
+    """A copy of the sources and of the results of sweep and claims, with a file for each result."""
+    folder = tmp_path_factory.mktemp("made") / "copy"
+    shutil.copytree(checkout_with_claims, folder, symlinks=True)
+    lines = snakemake(folder, *TARGETS, "-c2", "--summary").stdout.splitlines()[1:]
+    for name in (line.partition("\t")[0] for line in lines):
+        path = folder / name
+        if not path.exists():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.touch()
+    run = snakemake(folder, *TARGETS, "-c2", "--forceall", "--touch")
+    assert run.returncode == 0, run.stderr
+    return folder
+
+
+def jobs_to_run(folder, configfile=SMOKE) -> dict[str, int]:
+    """Number of jobs of each rule that would run, without those that only gather files."""
+    jobs = planned(folder, *TARGETS, configfile=configfile)
+    return {rule: count for rule, count in jobs.items() if rule not in TARGETS}
+
+
+RUNS = {"batch"}
+RESULTS = {"combine", "figure", "results", "table"}
+HARMLESS = {
+    "a comment": ("dem/contacts/loops.py", "\n# edited\n"),
+    "an error sentence": (
+        "dem/experiment/config.py",
+        ("has no such shape", "knows no such shape"),
+    ),
+    "one more observable": ("dem/experiment/observables/heat.py", "VARIABLES = {}\n"),
+    "the command line": ("dem/cli/app.py", LINE),
+    "runs a batch": (SMOKE, ("title: Smoke", "batch: 3\ntitle: Smoke")),
+    "order of keys": (
+        SMOKE,
+        ("  fraction: 0.84\n  size_spread: 0.2", "  size_spread: 0.2\n  fraction: 0.84"),
+    ),
+}
+EDITS = {
+    "one figure": ("dem/figures/figure13.py", LINE, {"figure"}),
+    "sentences of the claims": ("studies/claims/sentences.py", LINE, {"table", "figure"}),
+    "a kernel": ("dem/contacts/loops.py", LINE, RUNS | RESULTS),
+}
+
+
+def test_nothing_is_made_again_for_what_changes_no_result(project):
+    """After edits and values that no number and no picture depends on, all of them at once."""
+    with edited(project, HARMLESS.values()):
+        assert jobs_to_run(project) == {}
+    assert jobs_to_run(project) == {}
+
+
+@pytest.mark.parametrize("edit", EDITS)
+def test_an_edit_makes_again_what_depends_on_it(project, edit):
+    name, change, rules = EDITS[edit]
+    with edited(project, [(name, change)]):
+        jobs = jobs_to_run(project)
+    assert set(jobs) == rules and (edit != "one figure" or jobs["figure"] == 1)
+
+
+# (file, what it says, what is put instead): rules whose jobs run, with the chunks of new runs
+SHOWN = {"combine", "figure", "results", "table"}
+SWEEP = {"combine", "figure"}
+VALUES = {
+    "a title": ((SMOKE, "title: Smoke", "title: Some"), SHOWN, 0),
+    "one more seed": ((SMOKE, "seed: [1, 2]", "seed: [1, 2, 3]"), SWEEP | {"batch"}, 3),
+    "window": ((SMOKE, "window: [0.4e-3,", "window: [0.5e-3,"), SHOWN, 0),
+    "another study's sweep": (
+        ("studies/accuracy/smoke.yaml", "seed: 1001 to 1003", "seed: 1001 to 1004"),
+        {"batch", "results", "table", "figure"},
+        None,
+    ),
+}
+
+
+@pytest.mark.parametrize("value", VALUES)
+def test_a_value_makes_again_what_reads_it(project, value):
+    (name, *change), rules, chunks = VALUES[value]
+    with edited(project, [(name, tuple(change))]):
+        jobs = jobs_to_run(project)
+    assert set(jobs) == rules
+    assert chunks is None or jobs.get("batch", 0) == chunks

@@ -1,0 +1,301 @@
+"""The workflow's promises, kept by a run of config/smoke.yaml in a copy of the repository."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pytest
+from pictures import assert_alone, assert_not_blank
+from project import posix
+from sweeps import contents, differing, planned
+from typer.testing import CliRunner
+from workflows import SMOKE, edited, environment, snakemake
+
+import dem
+from dem.cli.app import app
+from dem.figures.catalogue import FIGURES
+from dem.sweep.config import load
+from dem.sweep.state import SweepState
+
+pytestmark = posix
+
+
+REDRAW = ("--profile", "profiles/figures", "figures")  # and no other option behind them
+
+
+def test_one_command_makes_all_results(checkout):
+    """One command leaves drag.nc, snapshots.nc, every run once and the figures."""
+    results = checkout / "results/smoke"
+    batches = map(contents, (checkout / "results/store/batches").glob("*.nc"))
+    runs = [run for batch in batches for run in batch["run_id"].tolist()]
+    assert len(runs) == len(set(runs)) == 5 * 2
+    assert (results / "snapshots.nc").is_file()
+    for number in ("07", "08", "09", "12", "13", "14"):
+        assert (results / f"figures/figure{number}.svg").is_file()
+        assert_not_blank(results / f"figures/figure{number}.png")
+    assert not list(results.rglob("*.part"))
+
+
+@pytest.fixture(scope="module")
+def reported(checkout):
+    """The folder of results with Snakemake's own report and the page that links it."""
+    results = checkout / "results/smoke"
+    for arguments in (("-j1", "--report", str(results / "provenance.html")), ("-j2", "report")):
+        run = snakemake(checkout, *arguments)
+        assert run.returncode == 0, run.stdout + run.stderr
+    return results
+
+
+def test_the_report_of_snakemake_says_what_each_figure_shows(checkout, reported):
+    """In the list of figures and beside each, in the words of its own module."""
+    page = (reported / "provenance.html").read_text()
+    drawn = FIGURES.keys() & {path.stem for path in (reported / "figures").glob("*.svg")}
+    assert len(drawn) >= 6
+    for name in drawn:
+        caption = FIGURES[name].caption
+        assert f'{{"figure": "{name}", "shows": "{caption}"}}' in page
+        assert f"<p>{caption}, drawn from" in page
+    assert 'href="provenance.html"' in (reported / "report.html").read_text()
+    assert planned(checkout, "report") == {}
+
+
+def test_reports_open_without_a_network(reported, browser):
+    """The page of results and Snakemake's own report ask for no other file."""
+    for name in ("provenance.html", "report.html"):
+        browser.get((reported / name).as_uri())
+        assert_alone(browser)
+
+
+def test_claims_of_small_beds(checkout_with_claims):
+    """The study of claims, from its runs to a table and five figures; nothing is made twice."""
+    results = checkout_with_claims / "results/smoke"
+    table = (results / "claims.txt").read_text()
+    assert "dumbbells above discs" in table and "drag relative to c1" in table
+    pictures = list((results / "figures").glob("claims_*.png"))
+    assert len(pictures) == 5
+    for picture in pictures:
+        assert_not_blank(picture)
+    assert planned(checkout_with_claims, "claims") == {}
+
+
+def stamps(paths):
+    """When files were written."""
+    return {path: path.stat().st_mtime_ns for path in paths if path.is_file()}
+
+
+REORDERED = """
+extends: config/smoke.yaml
+results: results/again
+batch: 1
+sweep: {case: [c12, c1]}
+"""
+
+
+def test_what_is_there_is_planned_drawn_and_taken_and_not_made(checkout):
+    """By the same sweep, by none that the command line names, which is the paper, and by another one of
+    the same runs, in other batches, another order and another folder."""
+    sweep = load(checkout / SMOKE)
+    assert load(checkout / "results/smoke/config.yaml").dump() == sweep.dump()
+    assert planned(checkout) == {}
+    if (checkout / "studies/accuracy").is_dir():  # whose sweep nothing here asks for
+        with edited(checkout, [("studies/accuracy/smoke.yaml", "wrong: [")]):
+            assert planned(checkout) == {}
+    paper = SweepState.of(checkout / "config/paper.yaml", checkout)
+    assert planned(checkout, configfile=None)["batch"] == len(paper.batches("drag"))
+    arrows = {}
+    for option in ("--dag", "--rulegraph"):  # a box a job, a box a rule
+        graph = snakemake(checkout, "results/smoke/drag.nc", option)
+        assert graph.returncode == 0 and "digraph" in graph.stdout, graph.stderr
+        names = dict(re.findall(r'(\d+)\[label = "(\w+)', graph.stdout))
+        arrows[option] = [
+            (names[a], names[b]) for a, b in re.findall(r"(\d+) -> (\d+)", graph.stdout)
+        ]
+    assert arrows == {"--dag": 3 * [("batch", "combine")], "--rulegraph": [("batch", "combine")]}
+    output = snakemake(checkout, "--lint").stderr
+    complaints = re.findall(r"(?m)^ +\* (.*)", output)
+    assert set(complaints) <= {"Specify a conda environment or container for each rule.:"}, output
+    (checkout / "config/again.yaml").write_text(REORDERED)
+    batches = stamps((checkout / "results/store/batches").iterdir())
+    run = snakemake(checkout, "results/again/drag.nc", "-j2", configfile="config/again.yaml")
+    assert run.returncode == 0, run.stderr
+    assert batches == stamps((checkout / "results/store/batches").iterdir())
+    assert planned(checkout) == {}
+    one, two = (contents(checkout / f"results/{name}/drag.nc") for name in ("smoke", "again"))
+    np.testing.assert_array_equal(two["drag"][:, 0], one["drag"][[4, 0], 0])
+
+
+def test_what_is_asked_for_is_made_again_with_the_same_bits(checkout, tmp_path):
+    """One batch, by the Python of Snakemake, which is called by its path with nothing on PATH and another
+    package named dem before this one. All figures, where kernels are newer than the results too, by no other
+    process, and nothing is simulated; then all is up to date."""
+    folder = tmp_path / "forced"
+    shutil.copytree(checkout, folder, symlinks=True)
+    results, kernel = folder / "results/smoke", folder / "dem/contacts/loops.py"
+    batch, *others = SweepState.of(folder / SMOKE, folder).files("drag")
+    combined, times = [results / f"{name}.nc" for name in ("drag", "snapshots")], stamps(others)
+    original = [contents(path) for path in (batch, *combined)]
+    (tmp_path / "dem").mkdir()
+    (tmp_path / "dem/__init__.py").write_text("raise SystemExit('another dem')")
+    words = "-j1", "-f", str(batch.relative_to(folder)), "--configfile", SMOKE
+    run = subprocess.run(
+        [Path(sys.executable).with_name("snakemake"), *words],
+        cwd=folder,
+        text=True,
+        capture_output=True,
+        env=os.environ | {"PATH": "/usr/bin:/bin", "PYTHONPATH": str(tmp_path)},
+    )
+    assert run.returncode == 0, run.stdout + run.stderr
+    targets = [str(path.relative_to(folder)) for path in combined]
+    assert planned(folder, *targets) == {"combine": 2}
+    run = snakemake(folder, "-j1", *targets)
+    assert run.returncode == 0 and times == stamps(others), run.stderr
+    for path, values in zip((batch, *combined), original, strict=True):
+        assert differing(contents(path), values) == []
+    stamp, text = kernel.stat(), kernel.read_text()
+    kernel.write_text(text + "\nEDITED = True\n")
+    with (folder / "dem/figures/style.py").open("a") as style:
+        style.write("\nEDITED = True\n")
+    data, figures = stamps(results.rglob("*.nc")), stamps((results / "figures").iterdir())
+    assert planned(folder)["batch"] == 3 and len(figures) >= 16
+    assert planned(folder, *REDRAW) == {"figure": len(figures) // 2, "figures": 1}
+    (folder / "sitecustomize.py").write_text("open('started', 'w')")  # Python begins with it
+    # the dry run names them all; to draw a few of them, as if they were all, is enough
+    for arguments in (("--batch", "figures=1/8"), ("--touch",)):
+        run = snakemake(folder, "-j2", *arguments, *REDRAW)
+        assert run.returncode == 0, run.stdout + run.stderr
+        if "--batch" in arguments:
+            new = stamps((results / "figures").iterdir())
+            assert 2 <= sum(new[path] > at for path, at in figures.items()) < len(figures)
+    assert data == stamps(results.rglob("*.nc")) and not (folder / "started").exists()
+    kernel.write_text(text)
+    os.utime(kernel, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
+    assert planned(folder, "figures") == {}
+
+
+KILLED = """
+extends: config/smoke.yaml
+title: one
+results: results/killed
+packing: {size_spread: 0.19}
+sweep: {case: [c1, d1], seed: [1, 2]}
+"""
+
+
+def test_a_workflow_goes_on_after_a_kill_and_a_damaged_batch(checkout):
+    """The same command finishes, with the bits of runs alone. A damaged batch is named, and the next start
+    tries again until it is mended."""
+    file, target = checkout / "config/killed.yaml", "results/killed/drag.nc"
+    words = {"configfile": "config/killed.yaml"}
+    result, runs = checkout / target, checkout / "results/store/runs"
+    file.write_text(KILLED)
+    victim = subprocess.Popen(
+        [sys.executable, "-m", "snakemake", target, "-j2", "--configfile", words["configfile"]],
+        cwd=checkout,
+        env=environment(checkout),
+        start_new_session=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    while not list(runs.rglob("*.npz")):
+        assert victim.poll() is None
+        time.sleep(0.05)
+    os.killpg(victim.pid, signal.SIGKILL)
+    victim.wait()
+    assert not result.exists() and list(runs.rglob("*.npz"))
+    run = snakemake(checkout, target, "-j2", **words)
+    assert run.returncode == 0, run.stderr
+    assert not list(runs.rglob("*.npz"))
+    dataset = contents(result)
+    for point, run in list(load(file).block("drag").runs.items())[::3]:
+        alone = dem.run_experiment(run.values())
+        np.testing.assert_array_equal(dataset["drag"][point], alone["drag"].values)
+
+    batch = SweepState.of(file, checkout).files("drag")[0]
+    content = batch.read_bytes()
+    batch.write_bytes(content[:20000])
+    file.write_text(KILLED.replace("title: one", "title: changed"))
+    run = snakemake(checkout, target, "-j2", **words)
+    assert run.returncode == 1 and "its content cannot be used" in run.stderr
+    batch.write_bytes(content)
+    run = snakemake(checkout, target, "-j2", **words)
+    assert run.returncode == 0 and planned(checkout, target, **words) == {}, run.stderr
+    with netCDF4.Dataset(result) as one:
+        assert one.title == "changed"
+
+
+def test_a_wrong_configuration_writes_nothing(copy, monkeypatch):
+    """One sentence with key and value: before Snakemake's own lines, and all that dem sweep says."""
+    text = (copy / SMOKE).read_text().replace("results/smoke", "results/wrong")
+    (copy / "config/wrong.yaml").write_text(text.replace("wall: 0.3", "wall: -0.3"))
+    run = snakemake(copy, "-j1", configfile="config/wrong.yaml")
+    assert run.returncode == 1
+    sentence = "config/wrong.yaml: friction.wall is -0.3; it must be at least 0.\n"
+    assert 0 < run.stderr.index(sentence) < run.stderr.index("  File ")
+    monkeypatch.chdir(copy)
+    alone = CliRunner().invoke(app, ["sweep", "config/wrong.yaml"])
+    assert (alone.exit_code, alone.stdout, alone.stderr) == (2, "", sentence)
+    assert not (copy / "results/wrong").exists()
+
+
+MODULES = """
+module one:
+    snakefile: "{0}/Snakefile"
+    config: {{"extends": "{0}/config/smoke.yaml", "results": "results/one", "sweep": {{"case": ["c1"], "seed": [1, 2]}}}}
+    prefix: "a"
+
+module two:
+    snakefile: "{0}/Snakefile"
+    config: {{"extends": "{0}/config/smoke.yaml", "results": "results/two", "sweep": {{"case": ["d1"], "seed": 1}}}}
+    prefix: "b"
+
+use rule * from one as one_*
+use rule * from two as two_*
+
+rule both:
+    default_target: True
+    input: "a/results/one/drag.nc", "b/results/two/figures/figure13.svg"
+"""
+
+
+def test_a_workflow_uses_two_sweeps_as_modules(checkout, tmp_path):
+    """From another working folder, with Snakemake's own defaults; nothing is made twice, and reported."""
+    (tmp_path / "Snakefile").write_text(MODULES.format(checkout))
+    for options, words in (
+        (["-j2"], "steps (100%) done"),
+        (["-j2"], "Nothing to be done"),
+        (["--report", "report.html"], "Report created"),
+    ):
+        run = snakemake(tmp_path, *options, configfile=None, sources=checkout)
+        assert run.returncode == 0 and words in run.stdout + run.stderr, run.stdout + run.stderr
+    assert FIGURES["figure13"].caption in (tmp_path / "report.html").read_text()
+    one, whole = (
+        contents(path / "drag.nc")
+        for path in (tmp_path / "a/results/one", checkout / "results/smoke")
+    )
+    np.testing.assert_array_equal(one["drag"][0], whole["drag"][0])
+    assert_not_blank(tmp_path / "b/results/two/figures/figure13.png")
+
+
+def test_files_follow_the_cf_conventions(checkout):
+    """Every kind of netCDF file passes the checker for CF-1.11, in the classic model, which other programs read."""
+    results = checkout / "results/smoke"
+    paths = [
+        next(results.glob(name)) for name in ("drag.nc", "snapshots.nc", "../store/batches/*.nc")
+    ]
+    for path in paths:
+        with netCDF4.Dataset(path) as file:
+            assert file.data_model == "NETCDF4_CLASSIC"
+    run = subprocess.run(
+        ["compliance-checker", "--test=cf:1.11", *map(str, paths)],
+        text=True,
+        capture_output=True,
+        env=environment(checkout),
+    )
+    assert run.returncode == 0, run.stdout
