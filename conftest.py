@@ -39,52 +39,18 @@ LONGEST = shlex.split(
 )
 
 
-# What `pytest -m quick` runs, in this order: of these files, tests whose names hold one of these parts
-# and none of SLOW. They take a minute in all on two processors, and notice four of five faults of
-# tests/nightly/mutants.py. That file and --durations=0 say what to add or to leave out.
-QUICK = {
-    "test_twin.py": ("",),
-    "test_statistics.py": ("",),
-    "test_replicates.py": ("",),
-    "test_energy.py": ("",),
-    "test_stress.py": ("",),
-    "test_packing.py": ("test_bed_is", "test_packing_fraction", "test_a_stage", "jams_sooner"),
-    "test_geometry.py": ("",),
-    "test_step.py": ("held", "elastic_gas", "bound"),
-    "test_simulate.py": ("critical_time_step", "wrong_input", "change_of_momentum"),
-    "test_sweep.py": ("",),
-    "test_config.py": ("",),
-    "test_stopping.py": (
-        "goes_on",
-        "until_the_result",
-        "a_chunk",
-        "killed",
-        "store_is_made",
-        "whole_or_not",
-    ),
-    "test_faults.py": ("a_case_without", "in_another_batch", "that_failed_is_tried"),
-    "test_onset.py": ("",),
-    "test_claims.py": ("test_line_finds",),
-    "test_compilation.py": ("copies_share_kernels", "class_of_ones_own"),
-    "test_neighbors.py": ("lowest_patch",),
-    "test_motion.py": ("work_of_a_driven",),
-}
+# Parameters of quick tests that take long, by a part of the name of the test.
 SLOW = shlex.split(
     "superellipse- [superellipse] records_the_stress page_on_stress jam_with close_one[ellipse "
     "residual_falls the_figure [e3]"
 )
 
 
-def is_quick(item):
-    """Whether a test is one of the quick ones."""
-    parts = QUICK.get(item.path.name, ())
-    return any(part in item.name for part in parts) and not any(part in item.name for part in SLOW)
-
-
 def pytest_ignore_collect(collection_path, config):
     """Files without quick tests are not even read for them."""
-    other = collection_path.suffix == ".py" and collection_path.name not in QUICK
-    return True if other and config.option.markexpr == "quick" else None
+    if config.option.markexpr == "quick" and collection_path.suffix == ".py":
+        return "pytest.mark.quick" not in collection_path.read_text(encoding="utf-8") or None
+    return None
 
 
 @pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups
@@ -98,11 +64,9 @@ def pytest_collection_modifyitems(config, items):
         group = "test_large" if "in chunks" in parameters else group  # beds of many granules
         groups[item] = "claims" if "checkout_with_claims" in item.fixturenames else group
         item.add_marker(pytest.mark.xdist_group(groups[item]))
-        if is_quick(item):
-            item.add_marker(pytest.mark.quick)
     if config.option.markexpr == "quick":
-        items.sort(key=lambda item: list(QUICK).index(item.path.name))
-    elif "PYTEST_XDIST_WORKER" in os.environ:
+        items[:] = [item for item in items if not any(part in item.name for part in SLOW)]
+    if "PYTEST_XDIST_WORKER" in os.environ:
         order = {group: index for index, group in enumerate(LONGEST)}
         items.sort(key=lambda item: order.get(groups[item], len(order)))
 

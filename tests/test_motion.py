@@ -341,6 +341,7 @@ def test_a_driven_boundary_returns_the_restitution_that_is_asked_for(mover, rati
     assert ledger.residual < 1e-2 and ledger.before == initial
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("ratio", [0.1, 1.0, 10.0])
 @pytest.mark.parametrize("mover", ["wall", "solid", "held"])
 def test_the_work_of_a_driven_boundary_is_what_it_loses(mover, ratio):

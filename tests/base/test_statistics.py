@@ -13,6 +13,8 @@ from dem.base.statistics import half_interval
 from dem.figures import style
 from dem.figures.sweep import plot
 
+pytestmark = pytest.mark.quick
+
 
 def runs(drag):
     """A file of runs (case, seed, displacement) of one case."""

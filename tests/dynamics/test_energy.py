@@ -7,6 +7,8 @@ import pytest
 
 import dem
 
+pytestmark = pytest.mark.quick
+
 FAR = 1.0  # m: walls and a cylinder that nothing meets
 
 

@@ -39,6 +39,7 @@ def shared_out(shape, one, other, granules):
     return share_out(True, shape, one, other, granules)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("kind", "per"), [(Disc, 1), (Dumbbell, 2)])
 def test_a_patch_knows_the_lowest_patch_whose_pairs_push_it(kind, per):
     """Or else a thread would add the forces of its granules before another has found them, now and then."""

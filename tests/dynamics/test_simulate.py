@@ -40,6 +40,7 @@ WRONG = {
 }
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("sentence", WRONG)
 def test_wrong_input_is_named(sentence):
     """A value that cannot be used is refused before anything runs, in one sentence."""
@@ -49,6 +50,7 @@ def test_wrong_input_is_named(sentence):
     assert str(error.value).endswith(".")
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("kind", "fraction"), STIFF)
 def test_forces_on_boundaries_are_the_change_of_momentum(small_bed, kind, fraction):
     """The momentum that granules lose goes into the reported forces on solids and walls."""
@@ -151,6 +153,7 @@ def test_a_fixed_step_that_becomes_too_long_ends_the_run(small_bed):
             run.advance(step)
 
 
+@pytest.mark.quick
 def test_critical_time_step_does_not_depend_on_how_contacts_are_found():
     """Pairs that are apart stiffen nothing: chord and common normal allow steps alike."""
     bed, steps = make_small_bed("ellipse"), []
@@ -162,6 +165,7 @@ def test_critical_time_step_does_not_depend_on_how_contacts_are_found():
     assert 0.5 * steps[0] < steps[1] < 1.1 * steps[0]
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("kind", "fraction"), STIFF)
 def test_critical_time_step_is_a_bound_and_a_close_one(small_bed, kind, fraction):
     """No motion of a frictional, damped bed grows at the critical step, and some do at twice it."""

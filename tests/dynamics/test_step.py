@@ -114,6 +114,7 @@ def energy(run):
     return moving + 0.4 * (contacts.force * contacts.overlap).sum()
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("young_modulus", [1e8, 1e10])
 def test_an_elastic_gas_keeps_its_energy(young_modulus):
     """Over some twenty thousand collisions, at the default step."""
@@ -123,6 +124,7 @@ def test_an_elastic_gas_keeps_its_energy(young_modulus):
     assert energy(run) == pytest.approx(initial, rel=8e-3)
 
 
+@pytest.mark.quick
 def test_the_time_step_is_held_where_the_bound_goes_up_and_down():
     """A fast cylinder asks for short steps. Once it is slow the bound allows longer ones; they come late."""
     cylinder = dem.Cylinder(2e-3, (50e-3, 20e-3), velocity=(0.0, 30.0))
@@ -276,6 +278,7 @@ def growth(stiffness, damping):
     return np.abs(np.linalg.eigvals(np.vstack([position, velocity, current, previous]))).max()
 
 
+@pytest.mark.quick
 def test_the_bound_on_the_step_of_one_contact_is_exact():
     """At k dt^2 / 4 + 2 c dt = 1 no motion grows, and 2 % beyond one does."""
     for share in np.linspace(0.0, 1.0, 51):
@@ -284,6 +287,7 @@ def test_the_bound_on_the_step_of_one_contact_is_exact():
         assert growth(1.02 * k, 1.02 * c) > 1.0 + 1e-3
 
 
+@pytest.mark.quick
 def test_the_bound_on_the_step_holds_for_any_stiffness_and_damping():
     """Also for random matrices of both without common eigenvectors."""
     rng = np.random.default_rng(1)

@@ -22,6 +22,8 @@ from scenes import (
 
 import dem
 
+pytestmark = pytest.mark.quick
+
 
 def assert_same(result, expected, close=1e-9):
     """All arrays of a run are those of the twin, to `close` of what they change by."""

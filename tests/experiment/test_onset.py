@@ -16,6 +16,8 @@ from dem.figures.onset import plot
 from dem.packing.compaction import Press
 from dem.sweep.config import load
 
+pytestmark = pytest.mark.quick
+
 SWEEP = ROOT / "studies/onset/sweep.yaml"
 if not SWEEP.is_file():
     pytest.skip("needs the study onset", allow_module_level=True)

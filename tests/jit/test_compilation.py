@@ -45,6 +45,7 @@ def cache_counts(folder, cache):
     return tuple(map(int, process.stdout.split()))
 
 
+@pytest.mark.quick
 def test_copies_share_kernels_and_edits_do_not(tmp_path):
     """Another copy of the same sources compiles nothing, nor does a comment; a line of code does, also
     one of a shape, which no kernel imports."""
@@ -196,6 +197,7 @@ def test_code_for_a_class_that_is_not_known_by_its_code_is_not_kept():
     assert add_all._cache._file(signature, compiles_for()) is None
 
 
+@pytest.mark.quick
 def test_machine_code_is_kept_for_one_code_of_a_class_of_ones_own(monkeypatch):
     """After an edit of its file it is looked for elsewhere."""
     assert add_all(Inner((), np.ones(2))) == 2.0

@@ -19,6 +19,8 @@ import dem
 from dem.experiment.observables.stress import VARIABLES
 from dem.jit.columns import FX, FY, TAU
 
+pytestmark = pytest.mark.quick
+
 SOFT = dem.Material(density=2500.0, young_modulus=1e6, restitution=0.1)
 SMOOTH_SIDES = dem.Friction(granule=0.5, wall=0.0)
 THICKNESS = 1e-3

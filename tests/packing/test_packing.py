@@ -34,6 +34,7 @@ def small(request):
     return make_small_bed(kind, fraction=fraction)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("kind", "fraction"), BEDS)
 def test_packing_fraction_is_exact(kind, fraction):
     """Sampled areas over the free area of the returned box are the fraction asked for."""
@@ -82,6 +83,7 @@ def test_no_granule_begins_between_solids_where_it_does_not_fit_at_full_size(see
     assert not ((abs(x - 4e-3) < 1.5e-3) & (y > 3.5e-3) & (y < 4.25e-3)).any()
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("kind", ["disc", "dumbbell"])
 def test_bed_is_at_rest(kind):
     """No granule feels a net force or torque, by a sum over all pairs, walls and the cylinder; and the
@@ -175,6 +177,7 @@ def test_impossible_fraction_is_refused(kind, fraction):
         make_small_bed(kind, fraction=fraction)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("periodic", ["none", "x", "xy"])
 def test_bed_is_sown_apart(periodic):
     """No two bounding circles overlap at the start, nor one and the image of another, or the cylinder."""
@@ -213,6 +216,7 @@ def test_bed_stays_at_rest_with_friction(small):
     assert displacement < 0.5 * push * duration**2
 
 
+@pytest.mark.quick
 def test_bed_packed_with_friction_jams_sooner(kind="disc"):
     """At the same packing fraction friction leaves more pressure in a bed, which is at rest too."""
     small = make_small_bed(kind)
@@ -296,6 +300,7 @@ def test_grown_bed_of_an_impossible_fraction_is_refused():
         dem.grow(shape, 8e-3, height, cylinder, 1)
 
 
+@pytest.mark.quick
 def test_a_stage_of_growth_keeps_half_of_the_velocities():
     """Of ellipses that meet nothing: they go on, and turn on, at half of the speed."""
     small = make_small_bed("ellipse", fraction=0.80)

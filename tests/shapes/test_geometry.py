@@ -22,6 +22,8 @@ from dem.jit.compilation import compiled
 from dem.shapes import KINDS
 from dem.shapes.protocol import solve_contact, support
 
+pytestmark = pytest.mark.quick
+
 NORMAL = CommonNormal()
 RATIOS = [1.0, 1.125, 1.375, 2.0, 5.0]
 

@@ -22,6 +22,8 @@ from dem.sweep.config import load, parse
 from dem.sweep.json_schema import schema
 from dem.sweep.state import SweepState
 
+pytestmark = pytest.mark.quick
+
 FILES = [
     path
     for path in [*CONFIG.glob("*.yaml"), *CONFIG.parent.glob("studies/**/*.yaml")]

@@ -116,6 +116,7 @@ def test_what_is_shown_of_a_sweep_with_failed_runs_has_no_gaps(tmp_path, monkeyp
     assert not re.search(r"\bnan\b", console.file.getvalue())
 
 
+@pytest.mark.quick
 def test_a_case_without_any_run_stops_a_sweep(tmp_path, two_fail):
     """There is nothing to show of it, however many failures the sweep allows."""
     work = done(discs([2], failures=0.9), tmp_path)
@@ -138,6 +139,7 @@ def test_runs_that_fail_stop_a_sweep_that_does_not_allow_so_many(tmp_path, two_f
     assert set(values["failure_reason"][values["seed"] == 2]) == {"seed 2 cannot be made."}
 
 
+@pytest.mark.quick
 def test_a_run_that_failed_is_tried_again_when_it_is_asked_for(tmp_path, monkeypatch, two_fail):
     """Or other values make it another run; those that did not fail are kept as they are."""
     sweep = discs([1, 2, 3], failures=0.5)
@@ -157,6 +159,7 @@ def test_a_run_that_failed_is_tried_again_when_it_is_asked_for(tmp_path, monkeyp
     assert not set(rough.block("drag").points) & set(sweep.block("drag").points)
 
 
+@pytest.mark.quick
 def test_a_run_that_failed_in_another_batch_is_tried_again(tmp_path, two_fail):
     """Where two sweeps were planned before it was made; the second takes over what did not fail."""
     store, results = Store(tmp_path / "store"), []

@@ -35,6 +35,8 @@ from dem.sweep.combine import combine_block
 from dem.sweep.estimate import summary
 from dem.sweep.state import SweepState
 
+pytestmark = pytest.mark.quick
+
 DRAWN = '''
 """A number drawn from a distribution, of the density as its mean."""
 from pathlib import Path

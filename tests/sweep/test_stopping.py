@@ -48,6 +48,7 @@ from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("shape", ["c1", "d1", "e3"])
 def test_a_run_goes_on_from_a_checkpoint_with_the_same_bits(tmp_path, monkeypatch, shape):
     """Stopped at any piece and started again, a run gives what it would have given undisturbed."""
@@ -68,6 +69,7 @@ def test_a_run_goes_on_from_a_checkpoint_with_the_same_bits(tmp_path, monkeypatc
         np.testing.assert_array_equal(whole[name], resumed[name], err_msg=name)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("writes", [True, False])
 def test_a_checkpoint_is_there_until_the_result_is(tmp_path, monkeypatch, writes):
     """What cannot be written, because the disk is full, is not lost."""
@@ -160,6 +162,7 @@ def attempts(monkeypatch):
     return attempts
 
 
+@pytest.mark.quick
 def test_a_chunk_that_is_stopped_goes_on_with_the_run_under_way(tmp_path, attempts):
     """Finished runs are kept and the one under way goes on from its checkpoint; bits are the same."""
     sweep = discs([1, 2])  # four runs, of which one and a half are done
@@ -183,6 +186,7 @@ def test_a_chunk_that_is_stopped_goes_on_with_the_run_under_way(tmp_path, attemp
     assert left == []
 
 
+@pytest.mark.quick
 def test_a_chunk_that_cannot_be_written_loses_no_run(tmp_path, attempts, monkeypatch):
     """Runs are forgotten after the file that holds them is there, and not before."""
 
@@ -198,6 +202,7 @@ def test_a_chunk_that_cannot_be_written_loses_no_run(tmp_path, attempts, monkeyp
     assert len(attempts) == 2 and work.store.file_of(chunk).is_file()
 
 
+@pytest.mark.quick
 def test_a_chunk_that_is_there_is_left_alone(tmp_path, attempts):
     """One that is damaged is made again, and one that is wanted again is."""
     work, chunk = planned(discs([1]), tmp_path)
@@ -337,6 +342,7 @@ def test_memory_of_combining_does_not_grow_with_the_runs(tmp_path):
     assert peaks[1] - peaks[0] < 45 * sum(np.asarray(value).nbytes for value in row.values())
 
 
+@pytest.mark.quick
 def test_what_killed_processes_left_is_cleared_away(tmp_path):
     """Half-written files of processes that are no more go, those of living ones stay, and those of
     other computers for a day. What anybody else left is not touched, however old it is."""
@@ -362,6 +368,7 @@ FULL = OSError(errno.ENOSPC, "No space left on device")
 HDF = RuntimeError("NetCDF: HDF error")  # all that netCDF says
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("error", "free", "words"),
     [
@@ -454,6 +461,7 @@ def test_bits_do_not_depend_on_how_often_the_kernel_returns(small_bed, monkeypat
             assert_array_equal(other[name], values, name)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("bed", BEDS)
 def test_a_simulation_goes_on_from_a_checkpoint_on_disk_with_the_same_bits(
     small_bed, tmp_path, bed
@@ -552,6 +560,7 @@ def test_a_bed_that_was_interrupted_keeps_its_contacts(threads):
         assert_allclose(run.state.position, calm.state.position, atol=1e-5)
 
 
+@pytest.mark.quick
 @posix
 def test_a_simulation_goes_on_in_a_forked_process():
     """With two threads, which stay behind: the child has its own, and the same bits."""
@@ -573,6 +582,7 @@ def test_a_simulation_goes_on_in_a_forked_process():
     assert os.waitpid(child, 0)[1] == 0
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("make", [copy.deepcopy, lambda run: pickle.loads(pickle.dumps(run))])
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_copy_of_a_simulation_goes_on_with_the_same_bits(make, threads):

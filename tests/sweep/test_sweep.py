@@ -33,6 +33,8 @@ from dem.sweep.grouping import plan_batches
 from dem.sweep.prune import prune, sweeps, usage
 from dem.sweep.state import SweepState
 
+pytestmark = pytest.mark.quick
+
 FEW = {"c1": {"kind": "disc", "diameter": 1092e-6, "granules": 30}}
 SMALL = {
     "extends": str(CONFIG / "smoke.yaml"),

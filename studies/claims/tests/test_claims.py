@@ -301,6 +301,7 @@ def test_the_package_that_ranks_influences_is_named_where_it_is_missing(monkeypa
 # Jamming
 
 
+@pytest.mark.quick
 def test_line_finds_where_pressure_begins():
     fraction = np.arange(0.74, 0.90, 0.005)
     load = (0.2 * np.maximum(fraction - 0.8137, 0.0)) ** 1.5 + 0.1 * NOISE * (fraction < 0.81)
