@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from beds import FRACTIONS, PRESSURE, STIFF, make_small_bed, section_of
+from beds import PRESSURE, STIFF, make_small_bed, section_of
 from matplotlib.path import Path
 from numpy.testing import assert_allclose, assert_array_equal
 from project import CONFIG
@@ -181,7 +181,7 @@ def test_the_pressure_is_the_force_on_the_walls_over_their_length(name):
         length = np.where(normal[:, 0] != 0.0, bed.height, bed.width).sum()
         expected = force / length / modulus
     else:
-        pairs, apart, overlap, _ = small.contacts
+        _, apart, overlap, _ = small.contacts
         work = (hertz(small, overlap) * np.hypot(*apart.T)).sum()
         (solid,) = scene.solids
         distance = np.hypot(*model.nearest(bed.position - solid.position).T)
