@@ -3,6 +3,8 @@
 import re
 
 import numpy as np
+from matplotlib.container import BarContainer, ErrorbarContainer
+from matplotlib.text import Text
 from PIL import Image
 
 from dem.cli.show import plain_console
@@ -49,3 +51,33 @@ def text_of(table, width=1000):
     with console.capture() as text:
         console.print(table)
     return text.get()
+
+
+def intervals_shown(axes):
+    """Rows (k, 4) of an axes: x, value, low and high of each error bar that stands, by x; low and high are
+    the value where it has none."""
+    rows = []
+    for container in axes.containers:
+        if isinstance(container, ErrorbarContainer):
+            line, _, (bars,) = container.lines
+            for (x, y), ends in zip(line.get_xydata(), bars.get_segments(), strict=True):
+                low, high = ends[:, 1] if len(ends) else (y, y)
+                rows.append([x, y, low, high])
+    return np.array(sorted(rows)).reshape(-1, 4)
+
+
+def bars_shown(axes):
+    """Middle and height (k, 2) of the bars of an axes, by place."""
+    rows = [
+        [patch.get_x() + 0.5 * patch.get_width(), patch.get_height()]
+        for container in axes.containers
+        if isinstance(container, BarContainer)
+        for patch in container.patches
+    ]
+    return np.array(sorted(rows)).reshape(-1, 2)
+
+
+def words_shown(figure):
+    """All words of a figure: titles, labels, ticks, legends, notes."""
+    texts = [text.get_text() for text in figure.findobj(Text)]
+    return "\n".join(" ".join(text.split()) for text in texts).replace("\N{MINUS SIGN}", "-")
