@@ -59,7 +59,6 @@ def motion(watched):
     return read_snapshots(watched / "drag.nc", DRAWN)
 
 
-@pytest.mark.quick
 def test_a_run_is_found_by_its_values(swept):
     """By axes, by labels and by paths, in the combined file and in the file of its runs."""
     words = ["shape=d1", "friction.granule=0.3", "box=wide"]

@@ -15,7 +15,7 @@ from scenes import lids, mapped
 
 import dem
 
-pytestmark = pytest.mark.quick
+quick = pytest.mark.quick
 
 SOFT = dem.Material(density=2500.0, young_modulus=1e6, restitution=0.1)
 SMOOTH_SIDES = dem.Friction(granule=0.5, wall=0.0)
@@ -57,6 +57,7 @@ def column():
     return run
 
 
+@quick
 @pytest.mark.parametrize(("kind", "fraction"), STIFF)
 def test_a_bed_at_rest_carries_what_its_boundary_puts_on_it(small_bed, kind, fraction):
     """The moments of the forces of walls and cylinder, at their points, are stress times volume; forces on
@@ -80,6 +81,7 @@ def test_a_bed_at_rest_carries_what_its_boundary_puts_on_it(small_bed, kind, fra
         assert np.abs(nx * x + ny * y - offset).max() < 0.5e-3  # they are on it
 
 
+@quick
 def test_the_stress_of_a_bed_at_rest_is_the_pressure_on_its_walls():
     """Force over area, but for the overlaps: contact points are inside the walls."""
     shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
@@ -95,6 +97,7 @@ def test_the_stress_of_a_bed_at_rest_is_the_pressure_on_its_walls():
     assert (excess > 0.0).all() and (excess < deep).all() and deep < 0.02
 
 
+@quick
 @pytest.mark.parametrize(("kind", "fraction"), STIFF)
 def test_the_forces_of_contacts_move_the_granules(small_bed, kind, fraction):
     """Springs and dashpots, normal and tangential: what granules gain in momentum over a time that is
@@ -129,6 +132,7 @@ def test_each_layer_of_a_column_carries_the_weight_above_it(column):
     assert_allclose(np.diff(stress[:4]), -2500.0 * fraction * G * 2e-3, rtol=0.2)  # rho g h
 
 
+@quick
 @pytest.mark.parametrize("closed", [False, True])
 def test_a_chain_of_discs_has_the_stress_of_its_force(closed):
     """Along the chain the force over the height of the box, across it none, through every line. Between two
@@ -158,6 +162,7 @@ def test_a_chain_of_discs_has_the_stress_of_its_force(closed):
     assert stress.coordination_number == pytest.approx(2.0 * contacts / count)
 
 
+@quick
 @settings(max_examples=20)
 @given(angle=st.floats(-3.1, 3.1))
 def test_the_stress_turns_with_the_bed(small_bed, angle):
@@ -190,6 +195,8 @@ def box_of_bins(run, along, edges):
     return area
 
 
+@quick
+@settings(max_examples=25)
 @given(cuts=st.lists(st.integers(1, 99), max_size=8, unique=True), along=st.sampled_from("xy"))
 def test_bins_share_the_stress_of_the_whole(small_bed, cuts, along):
     """The volume of each bin, without the cylinder where it is by now, times its stress: the sum is that of
@@ -205,6 +212,7 @@ def test_bins_share_the_stress_of_the_whole(small_bed, cuts, along):
     assert_allclose(total, expected, rtol=1e-3, atol=1e-4 * np.abs(total).max())
 
 
+@quick
 def test_fabric_has_trace_one_and_a_coordination_number(small_bed):
     """And the coordination number is that of `diagnose`."""
     run = shaken(small_bed("ellipse"))
@@ -217,6 +225,7 @@ def test_fabric_has_trace_one_and_a_coordination_number(small_bed):
     assert bins.anisotropy.shape == bins.coordination_number.shape == (4,)
 
 
+@quick
 def test_a_gas_has_the_pressure_of_its_energy_and_no_fabric():
     """Pressure times area is the kinetic energy in two dimensions; what does not touch has no fabric."""
     rng = np.random.default_rng(3)
@@ -240,6 +249,7 @@ def test_a_gas_has_the_pressure_of_its_energy_and_no_fabric():
     assert not empty.contact.any() and np.isnan(empty.coordination_number).all()
 
 
+@quick
 def test_frames_know_no_tangential_forces():
     """They are NaN with friction, and known to be zero without."""
     start = dem.State([[0.0, 0.0], [1.99e-3, 0.0]])
@@ -251,6 +261,7 @@ def test_frames_know_no_tangential_forces():
         assert (contacts.tangential_force == 0.0).all() == known
 
 
+@quick
 def test_the_edges_of_bins_close_a_wedge():
     """A wedge without a lid has no area; a bin of it is a trapezium."""
     side = np.sqrt(0.5)
@@ -287,6 +298,7 @@ def endless():
     return dem.Simulation(scene, replace(bed.state, velocity=velocity))
 
 
+@quick
 @settings(max_examples=10)
 @given(laps=st.lists(st.integers(-3, 3), min_size=50, max_size=50), shift=st.floats(-9e-3, 9e-3))
 def test_laps_and_the_origin_do_not_change_the_stress(endless, laps, shift):

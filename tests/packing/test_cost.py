@@ -12,8 +12,6 @@ from dem.sweep.config import parse
 from dem.sweep.estimate import summary, time_of
 from dem.sweep.state import SweepState
 
-pytestmark = pytest.mark.quick
-
 
 def sweep_of(granules, **changes):
     """A sweep of two beds of discs in a box in which there is room for them."""
@@ -27,6 +25,7 @@ def sweep_of(granules, **changes):
     return SweepState(parse(values | changes))
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("count", "fraction", "slow"),
     [(100_000, 0.84, True), (100_000, 0.86, False), (100_000, 0.82, False), (400, 0.84, False)],
@@ -52,6 +51,7 @@ def test_beds_take_as_many_iterations_as_is_expected():
     assert 1 / 3 < reports[-1] / expected_iterations(1100, 0.86) < 3
 
 
+@pytest.mark.quick
 def test_a_dry_run_counts_beds_and_no_more_processes_than_runs(tmp_path, monkeypatch):
     """A large bed takes its time, once for all runs that share it; a second process has no run."""
     monkeypatch.chdir(tmp_path)
