@@ -11,7 +11,6 @@ from beds import PRESSURE, STIFF, make_small_bed, section_of
 from matplotlib.path import Path
 from numpy.testing import assert_allclose, assert_array_equal
 from project import CONFIG
-from reference import parting
 from sweeps import smoke
 from twin import Twin
 
@@ -340,26 +339,6 @@ def test_dumbbells_never_interlock(seed):
     arm = scene.shape.radius[:, None] * axis
     ends = list(zip(bed.position + arm, bed.position - arm, strict=True))
     assert not any(crosses(*ends[i], *ends[j]) for i in range(len(ends)) for j in range(i))
-
-
-def test_overlaps_of_ellipses_are_as_reported():
-    """The greatest overlap and the number of contacts are those of sampled outlines."""
-    bed, scene, _, _ = packed("ellipse")
-    shape, overlaps = scene.shape, []
-    axes = np.cos(bed.angle), np.sin(bed.angle), shape.semi_major, shape.semi_minor
-    granules = list(zip(*axes, strict=True))
-    for i, ellipse in enumerate(granules):
-        for j in range(i):
-            d = bed.position[j] - bed.position[i]
-            if np.hypot(*d) < ellipse[2] + granules[j][2]:
-                depth, _ = parting(d, ellipse, granules[j], 300)
-                smaller = min(ellipse[2] * ellipse[3], granules[j][2] * granules[j][3])
-                overlaps.append(depth / np.sqrt(smaller))
-    overlaps = np.array(overlaps)
-    touching = (overlaps > 1e-6).sum()
-    assert abs(touching - 0.5 * bed.coordination_number * len(granules)) <= 2
-    assert touching > len(granules)
-    assert overlaps.max() <= bed.max_overlap * (1.0 + 1e-4)
 
 
 # Ways of packing
