@@ -167,6 +167,18 @@ def test_a_film_of_any_scene_shows_it_large_and_its_words_apart(width, height):
         assert all(a.x1 < b.x0 for a, b in pairwise(words) if b.width)
 
 
+def test_without_an_encoder_a_film_is_refused(results, tmp_path, monkeypatch):
+    """And what can be done is said; nothing is written."""
+
+    def none():
+        raise RuntimeError("No ffmpeg exe could be found.")
+
+    monkeypatch.setattr(film, "get_ffmpeg_exe", none)
+    with pytest.raises(dem.InputError, match="no encoder of films on this computer; install ff"):
+        dem.film(results["walls"], tmp_path / "discs.mp4")
+    assert not list(tmp_path.iterdir())
+
+
 def test_forces_are_drawn_against_time(results):
     """A step per interval, in the order of the walls."""
     result = results["both"]

@@ -258,6 +258,20 @@ def test_a_bed_that_is_stopped_goes_on_to_the_same_bits(tmp_path, name, pieces):
         make_bed(run_of(name, seed=2), path)
 
 
+def test_what_was_reached_is_kept_of_a_bed_that_does_not_come_to_rest(tmp_path, monkeypatch):
+    """The same call goes on from there, with as many iterations again; here there are few, to be quick."""
+    monkeypatch.setattr("dem.packing.random.most_iterations", lambda *bed: 500)
+    calls = 0
+    while calls < 40:
+        try:
+            bed = make_bed(run_of("large"), tmp_path / "bed.npz")
+            break
+        except dem.PackingError as error:
+            assert "not at rest after 500 iterations: net force" in str(error)
+            calls += 1
+    assert calls > 1 and bed.net_force < 1e-6
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_an_impossible_fraction_is_refused(kind):
     """In one sentence that names it."""
