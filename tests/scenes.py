@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 import dem
-from dem import Scene, State
+from dem import State
 
-STEPS, FRAMES, TIME_STEP = 200, 4, 1e-6  # s; a collision takes some 50 steps
+STEPS, FRAMES, TIME_STEP = 100, 4, 1e-6  # s; a collision takes some 50 steps
 
 
 SOFT = {"density": 2.5e3, "young_modulus": 1e8, "poisson_ratio": 0.3}
@@ -18,7 +18,7 @@ WIDTH, HEIGHT = 6e-3, 5e-3  # m
 
 def path(*velocities, spin=None):
     """A path that turns at four times of the run."""
-    time = TIME_STEP * np.array([30.0, 80.0, 81.0, 150.0])
+    time = TIME_STEP * np.array([20.0, 50.0, 51.0, 80.0])
     return dem.PrescribedMotion(time, np.array(velocities), spin)
 
 
@@ -160,7 +160,8 @@ def scene_of(name):
         shape, state = granules(lambda r: dem.Dumbbell(0.55 * r))
         turning = path(*TO_AND_FRO, spin=[0.0, 900.0, -500.0, 0.0])
         cylinder = dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), turning)
-        return dem.Scene(shape, damped, rough, WALLS, cylinder), state
+        held = [dem.Held([9, 13, 14], GUIDED)]
+        return dem.Scene(shape, damped, rough, WALLS, cylinder, held=held), state
     if name == "clumps":
         forms = [
             [(0, 0, 1)],
@@ -179,6 +180,9 @@ def scene_of(name):
         return dem.Scene(shape, damped, None, WALLS, cylinder), state
     shape, state = granules(lambda r: dem.Superellipse(0.9 * r, 0.8 * r, 0.3 * r, 3.0))
     return dem.Scene(shape, damped, rough, WALLS, cylinder), state
+
+
+SHAPES = "box of discs", "dumbbells", "clumps", "ellipses", "superellipses"
 
 
 SCENES = (
@@ -220,13 +224,18 @@ def mapped(scene, state, matrix):
     hand = np.linalg.det(matrix)
     walls = np.column_stack([scene.planes[:, :2] @ matrix.T, scene.planes[:, 2]])
     solids = [
-        replace(solid, position=matrix @ solid.position, velocity=matrix @ solid.velocity)
+        replace(
+            solid,
+            position=matrix @ solid.position,
+            velocity=matrix @ solid.velocity,
+            spin=hand * solid.spin,
+        )
         for solid in scene.solids
     ]
-    new = Scene(
-        scene.shape, scene.material, scene.friction, walls, solids, thickness=scene.thickness
-    )
-    return new, map_state(state, matrix, hand)
+    shape = scene.shape
+    if isinstance(shape, dem.Clump):  # which a mirror changes
+        shape = shape._replace(discs=shape.discs * [1.0, hand, 1.0])
+    return replace(scene, shape=shape, walls=walls, solids=solids), map_state(state, matrix, hand)
 
 
 def map_state(state, matrix, hand):

@@ -44,6 +44,8 @@ DUMBBELLS, ELLIPSES = TWIN.format("dumbbells"), TWIN.format("ellipses")
 LOCAL, CHORD = TURNED, TWIN.format("ellipses by the chord")
 SUPER, ONE_THREAD, TWO_THREADS = TWIN.format("superellipses"), LARGE.format(1), LARGE.format(2)
 RUN = "tests/dynamics/test_twin.py::test_a_run_of_a_configuration_is_that_of_the_model"
+THREADS = "tests/dynamics/test_continuation.py::test_the_number_of_threads_changes_no_bit"
+SAVED = "tests/dynamics/test_continuation.py::test_a_run_goes_on_with_the_same_bits"
 HELD = "tests/dynamics/test_step.py::test_the_time_step_is_held_where_the_bound_goes_up_and_down"
 ROUNDS = "tests/sweep/test_replicates.py::test_{}"
 BED, SWEEP, STORE = (
@@ -94,18 +96,18 @@ MUTANTS = (
     Mutant("dynamics/neighbor_list.py", "missing term", "mass * both if both > 0.0 else 1.0", "1.0", SMOOTH),
     Mutant("dynamics/diagnostics.py", "missing term", "squared += 2.0 * skin * driven_acceleration", "squared += 0.0 * driven_acceleration", "tests/test_motion.py::test_the_work_of_a_driven_boundary_is_what_it_loses"),
     Mutant("dynamics/contact_history.py", "memory lost", "new[p] = old[source[p]]", "new[p] = 0.0", BOX),
-    Mutant("dynamics/neighbor_list.py", "missing term", "lowest[home] = min(lowest[home], other)", "lowest[home] = home", "tests/dynamics/test_neighbors.py"),
+    Mutant("dynamics/neighbor_list.py", "missing term", "lowest[home] = min(lowest[home], other)", "lowest[home] = home", THREADS),
     Mutant("dynamics/cell_list.py", "missing term", "reach = radius[i] + radius[j] + skin", "reach = radius[i] + radius[j]", BOX),
     Mutant("dynamics/contact_history.py", "comparison", "old_partner[q] < j)", "old_partner[q] <= j)", BOX),
     Mutant("dynamics/stepping.py", "comparison", "if steps - candidate_since >= QUIET:", "if candidate_dt < math.inf:", HELD),
     Mutant("dynamics/stepping.py", "missing call", "world = rebuild_neighbor_list(world, table)\n            budget", "budget", BOX),
     Mutant("dynamics/stepping.py", "not cleared", "= before[b, c] - seen[b, c]", "= before[b, c]", RUN),
-    Mutant("dynamics/critical_step.py", "constant", "* 2.0 / max(rate + root", "* 4.0 / max(rate + root", "tests/dynamics/test_simulate.py"),
+    Mutant("dynamics/critical_step.py", "constant", "* 2.0 / max(rate + root", "* 4.0 / max(rate + root", "tests/dynamics/test_step.py"),
     Mutant("dynamics/energy.py", "constant", "total += 0.5 * squared", "total += squared", RUN),
     Mutant("laws/hertz.py", "constant", "return 0.4 * stiffness", "return 0.5 * stiffness", "tests/dynamics/test_energy.py"),
     Mutant("dynamics/stress.py", "sign", "moving -= _outer", "moving += _outer", "tests/observables/test_stress.py"),
     Mutant("dynamics/simulation.py", "order", "back = np.argsort(self.engine.order)", "back = self.engine.order", ONE_THREAD),
-    Mutant("dynamics/checkpoint.py", "not kept", '"world.shape.", "world.lanes.motion"', '"world.pairs.tangential_force", "world.lanes.motion"', STORE),
+    Mutant("dynamics/checkpoint.py", "not kept", '"world.shape.", "world.lanes.motion"', '"world.pairs.tangential_force", "world.lanes.motion"', SAVED),
     # shapes
     Mutant("shapes/dumbbell.py", "sign", "- oy * (constituent_force", "+ oy * (constituent_force", DUMBBELLS),
     Mutant("shapes/ellipse.py", "constant", "else rho1 * rho2 / (rho1 + rho2)", "else 0.5 * rho1 * rho2 / (rho1 + rho2)", LOCAL),

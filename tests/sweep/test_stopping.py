@@ -1,24 +1,14 @@
 """Runs, chunks and files that are stopped in the middle, and gone on with."""
 
-import copy
 import errno
-import hashlib
-import math
 import os
-import pickle
-import signal
 import socket
 import time
 from contextlib import suppress
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from beds import KINDS
-from numpy.testing import assert_allclose, assert_array_equal
-from project import posix
-from scenes import ANCHOR
 from sweeps import (
     CLOCKS,
     Killed,
@@ -33,11 +23,9 @@ from sweeps import (
 )
 from typer.testing import CliRunner
 
-import dem
 from dem.base.errors import InputError
 from dem.base.files import atomic
 from dem.cli.app import app
-from dem.dynamics import engine
 from dem.experiment.bed import make_bed
 from dem.experiment.kinds import drag
 from dem.experiment.run import Replicate
@@ -397,202 +385,3 @@ def test_a_file_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
     with atomic(file) as part:
         part.write_text("whole")
     assert named == [(5, False)] and file.read_text() == "whole"
-
-
-# A simulation that is interrupted between or inside its intervals
-
-
-def crowd():
-    """2,303 discs in three chunks, in motion above a floor and below a wall that a force moves, with
-    held groups, around a cylinder on a path."""
-    side, pitch = 48, 2.02e-3
-    grid = np.stack(np.meshgrid(np.arange(side), np.arange(side)), -1).reshape(-1, 2)
-    hole = len(grid) // 2 + side // 2
-    axis = tuple(pitch * (grid[hole] + 0.5))
-    grid = np.delete(grid, hole, axis=0)
-    n = len(grid)
-    state = dem.State(pitch * (grid + 0.5), np.random.default_rng(1).normal(size=(n, 2)))
-    time = np.linspace(0.0, 1e-3, 5)
-    path = dem.PrescribedMotion(time, np.column_stack([0.1 * np.sin(1e4 * time), np.ones(5)]))
-    floor, top = dem.box(side * pitch, side * pitch)[2:]
-    scene = dem.Scene(
-        dem.Disc(np.full(n, 1e-3)),
-        dem.Material(restitution=0.7),
-        friction=dem.Friction(),
-        walls=[floor, dem.Wall(top, dem.Drive((None, -1.0), 1e-3))],
-        solids=dem.Cylinder(1e-3, axis, path),
-        held=[dem.Held(grid[:, 1] == 0, (0.1, 0.0)), dem.Held([n - 1], ANCHOR)],
-        gravity=(0.0, -1.0),
-        periodic=(side * pitch, None),
-    )
-    return scene, state
-
-
-def bits(run, record):
-    """All that a simulation holds and has measured."""
-    return {**run.checkpoint(), **record._asdict()}
-
-
-BEDS = [*KINDS, "a crowd", "a crowd of two threads", "smooth"]
-
-
-def moving(small_bed, bed):
-    """Scene, state, threads and a time (s) of a bed by its name."""
-    if "crowd" in bed:
-        return *crowd(), 1 + (bed != "a crowd"), 1e-5
-    small = small_bed("disc" if bed == "smooth" else bed)
-    smooth = {"friction": None} if bed == "smooth" else {}
-    return small.scene(**smooth), small.state, 1, 3e-5
-
-
-@pytest.mark.parametrize("bed", BEDS)
-def test_bits_do_not_depend_on_how_often_the_kernel_returns(small_bed, monkeypatch, bed):
-    """After every step, after every seventh, or never: also with motions, threads and a ledger."""
-    monkeypatch.setattr(engine, "BRIEF", 0.0)
-    monkeypatch.setattr(engine, "LONG", math.inf)
-    scene, state, threads, duration = moving(small_bed, bed)
-    results = []
-    for budget in (2**60, 1, 7):
-        run = dem.Simulation(scene, state, threads=threads)
-        run.engine.budget = budget
-        results.append(bits(run, run.record(duration / 3, 3)))
-    for other in results[1:]:
-        for name, values in results[0].items():
-            assert_array_equal(other[name], values, name)
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize("bed", BEDS)
-def test_a_simulation_goes_on_from_a_checkpoint_on_disk_with_the_same_bits(
-    small_bed, tmp_path, bed
-):
-    """Loaded into another one, which lists other pairs."""
-    scene, state, threads, duration = moving(small_bed, bed)
-    whole, second = (dem.Simulation(scene, state, threads=threads) for _ in range(2))
-    whole.advance(13 * duration)
-    if bed in KINDS:
-        partners = (run.world.pairs.partner for run in (whole, second))
-        assert not np.array_equal(*partners)
-    np.savez(tmp_path / "saved.npz", **whole.checkpoint())
-    with np.load(tmp_path / "saved.npz") as saved:
-        second.restore(saved)
-    one, other = (bits(run, run.record(duration / 6, 4)) for run in (whole, second))
-    for name, values in one.items():
-        assert_array_equal(other[name], values, name)
-    assert np.abs(whole.state.position - state.position).max() > 1e-6
-
-
-class Alarm:
-    """A Ctrl-C after some time (s)."""
-
-    def __init__(self, delay):
-        self._delay = delay
-
-    def __enter__(self):
-        self._previous = signal.signal(signal.SIGALRM, signal.default_int_handler)
-        signal.setitimer(signal.ITIMER_REAL, self._delay)
-
-    def __exit__(self, *_):
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, self._previous)
-
-
-ENDLESS = {
-    "advance": lambda run: run.advance(10.0),
-    "record": lambda run: run.record(1e-9, 10_000_000),
-    "one interval": lambda run: run.record(10.0, 1),
-}
-
-
-@posix
-@pytest.mark.parametrize("call", ENDLESS)
-@pytest.mark.parametrize("threads", [1, 2])
-def test_an_interrupt_is_answered_and_leaves_what_was_simulated(call, threads):
-    """Time and state agree to the last step, nothing moves on, and the run can go on."""
-    scene, state = crowd()
-    n = scene.granules
-    position = np.column_stack([3e-3 * np.arange(n), np.zeros(n)])
-    path = dem.PrescribedMotion([0.0, 1.0], [[0.0, 1.0], [0.0, 1.0]])
-    scene = replace(
-        scene,
-        walls=scene.planes * [1.0, 1.0, 0.0] + [0.0, 0.0, 1e3],
-        held=[dem.Held([0], (1e-3, 0.0)), dem.Held([n - 1], ANCHOR)],
-        solids=dem.Cylinder(1e-3, (0.0, 1.0), path),
-        periodic=(3e-3 * n, None),
-    )
-    run = dem.Simulation(scene, dem.State(position), threads=threads, time_step=1e-9)
-    run.advance(1e-7)
-    began = time.monotonic()
-    with Alarm(0.5), pytest.raises(KeyboardInterrupt):
-        ENDLESS[call](run)
-    assert time.monotonic() - began < 60.0  # s, on a busy computer; the run takes hours
-    at, steps, state = run.time, run.steps, run.state
-    time.sleep(0.3)
-    assert (run.time, run.steps) == (at, steps) and steps > 100
-    assert at == pytest.approx(1e-9 * steps, rel=1e-12)
-    for name, values in vars(state).items():
-        assert_array_equal(getattr(run.state, name), values)
-    assert_allclose(state.velocity[1:-1, 1], -at, rtol=1e-9)  # at a full step
-    assert_allclose(state.position[1:-1, 1], -0.5 * at**2, rtol=1e-6)
-    assert_allclose(state.position[0, 0], 1e-3 * at, rtol=1e-9)
-    assert run.world.boundaries.motion[2, 1] == pytest.approx(1.0 + at, rel=1e-10)
-    run.advance(1e-7)
-    assert run.time == pytest.approx(at + 1e-7, rel=1e-12) and run.steps == steps + 100
-
-
-@posix
-@pytest.mark.parametrize("threads", [1, 2])
-def test_a_bed_that_was_interrupted_keeps_its_contacts(threads):
-    """However often and wherever: contacts, springs and energies stay, and the bed goes on."""
-    scene, state = crowd()
-    calm = dem.Simulation(scene, state)
-    run = dem.Simulation(scene, state, threads=threads)
-    moments = np.random.default_rng(1).uniform(1e-3, 0.2, 20)
-    for moment in moments:
-        with Alarm(moment), suppress(KeyboardInterrupt):
-            while run.time < 1e-4:
-                run.advance(1e-4 - run.time)
-        calm.advance(run.time - calm.time)
-        assert len(run.contacts().granule) == pytest.approx(len(calm.contacts().granule), rel=0.05)
-        result, expected = run.diagnose(), calm.diagnose()
-        assert result.max_overlap == pytest.approx(expected.max_overlap, rel=0.05)
-        assert result.kinetic_energy == pytest.approx(expected.kinetic_energy, rel=1e-3)
-        assert_allclose(run.state.position, calm.state.position, atol=1e-5)
-
-
-@pytest.mark.quick
-@posix
-def test_a_simulation_goes_on_in_a_forked_process():
-    """With two threads, which stay behind: the child has its own, and the same bits."""
-    scene, state = crowd()
-    run = dem.Simulation(scene, state, threads=2)
-    run.advance(1e-6)
-    read, write = os.pipe()
-    child = os.fork()
-    if not child:
-        with suppress(BaseException):
-            signal.alarm(60)
-            run.advance(1e-6)
-            os.write(write, hashlib.sha256(run.state.position.tobytes()).digest())
-        os._exit(0)
-    os.close(write)
-    run.advance(1e-6)
-    with os.fdopen(read, "rb") as pipe:
-        assert pipe.read() == hashlib.sha256(run.state.position.tobytes()).digest()
-    assert os.waitpid(child, 0)[1] == 0
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize("make", [copy.deepcopy, lambda run: pickle.loads(pickle.dumps(run))])
-@pytest.mark.parametrize("threads", [1, 2])
-def test_a_copy_of_a_simulation_goes_on_with_the_same_bits(make, threads):
-    """By copy or pickle, and alone: what one does the other does not see."""
-    scene, state = crowd()
-    run = dem.Simulation(scene, state, threads=threads)
-    run.record(1e-5, 1)
-    other = make(run)
-    position = other.state.position
-    expected = bits(run, run.record(1e-5, 2))
-    assert_array_equal(other.state.position, position)
-    for name, values in bits(other, other.record(1e-5, 2)).items():
-        assert_array_equal(values, expected[name], name)
