@@ -7,7 +7,7 @@ import numpy as np
 import dem
 from dem import State
 
-STEPS, FRAMES, TIME_STEP = 100, 4, 1e-6  # s; a collision takes some 50 steps
+STEPS, FRAMES, TIME_STEP = 80, 4, 1e-6  # s; a collision takes some 50 steps
 
 
 SOFT = {"density": 2.5e3, "young_modulus": 1e8, "poisson_ratio": 0.3}
@@ -18,7 +18,7 @@ WIDTH, HEIGHT = 6e-3, 5e-3  # m
 
 def path(*velocities, spin=None):
     """A path that turns at four times of the run."""
-    time = TIME_STEP * np.array([20.0, 50.0, 51.0, 80.0])
+    time = TIME_STEP * np.array([20.0, 40.0, 41.0, 60.0])
     return dem.PrescribedMotion(time, np.array(velocities), spin)
 
 

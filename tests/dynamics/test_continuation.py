@@ -108,6 +108,15 @@ COPIES = "as a result that is continued", "copied", "pickled", "forked"
 BEDS = *SCENES, "a crowd", "a crowd of two threads"
 
 
+QUICK = {
+    "discs",
+    "dumbbells",
+    "discs in plane strain",
+    "ellipses of local radius around solids",
+    "a crowd of two threads",
+}
+
+
 def maker(bed):
     """Function that makes a simulation of the bed, or the result of one."""
     threads = {"threads": 2} if bed == "a crowd of two threads" else {}
@@ -122,8 +131,9 @@ def undisturbed(bed):
     return seen(finished(maker(bed)(dem.Simulation)), LASTS / 8)
 
 
-@pytest.mark.quick
-@pytest.mark.parametrize("bed", BEDS)
+@pytest.mark.parametrize(
+    "bed", [pytest.param(bed, marks=[pytest.mark.quick] * (bed in QUICK)) for bed in BEDS]
+)
 @pytest.mark.parametrize("way", WAYS)
 def test_a_run_goes_on_with_the_same_bits(request, bed, way):
     """Motion, forces, contacts with their springs, boundaries and the choice of the time step."""

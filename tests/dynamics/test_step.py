@@ -64,8 +64,7 @@ def test_restitution_at_the_default_step(partner, restitution):
     assert np.abs(error).max() < 1e-2
 
 
-@pytest.mark.quick
-@pytest.mark.parametrize("young_modulus", [1e8, 1e10])
+@pytest.mark.parametrize("young_modulus", [pytest.param(1e8, marks=pytest.mark.quick), 1e10])
 def test_an_elastic_gas_keeps_its_energy(young_modulus):
     """Over thousands of collisions of a hundred discs of one speed, at the default step."""
     rng, side = np.random.default_rng(1), 30e-3

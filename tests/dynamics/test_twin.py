@@ -41,7 +41,7 @@ def test_a_run_is_that_of_the_model(name):
 def test_a_run_without_friction_at_one_kind_of_contact_is_that_of_the_model(smooth):
     scene, state = scene_of("box of discs")
     friction = replace(scene.friction, **{smooth: 0.0})
-    assert_run_is_that_of_the_model(replace(scene, friction=friction), state, steps=40)
+    assert_run_is_that_of_the_model(replace(scene, friction=friction), state, steps=20)
 
 
 def scatter(rng):
@@ -80,14 +80,14 @@ def test_every_contact_of_scattered_discs_is_found(seed):
             scene, state = scatter(rng)
             dem.Simulation(scene, state, TIME_STEP, allow_unstable=True, **options).diagnose()
             break
-    assert_run_is_that_of_the_model(scene, state, steps=8, **options)
+    assert_run_is_that_of_the_model(scene, state, steps=4, **options)
 
 
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_large_bed_is_that_of_the_model(threads):
     """Beds of more than 1,024 granules are shared out to threads, and reordered."""
     shape, state = granules(dem.Disc, 40, 28)
-    steps, width, height = 20, 8 * WIDTH, 7 * HEIGHT
+    steps, width, height = 12, 8 * WIDTH, 7 * HEIGHT
     scene = dem.Scene(
         shape, dem.Material(restitution=0.6, **SOFT), dem.Friction(0.3, 0.5, 0.2),
         dem.box(width, height)[2:], dem.Cylinder(1e-3, (24e-3, 17.5e-3), FREE, spin=500.0),
@@ -101,12 +101,12 @@ def test_a_run_of_a_configuration_is_that_of_the_model():
     """The values of a file become the scene that they say, and its forces the columns of drag.nc."""
     material = {"young_modulus": 5e9, "poisson_ratio": 0.3, "restitution": 0.6, "thickness": 1.3e-3}
     friction = {"granule": 0.3, "wall": 0.5, "cylinder": 0.2}
-    dt, bins, every, steps = 5e-8, 40, 10, 5  # s; steps a bin
+    dt, bins, every, steps = 5e-8, 20, 5, 5  # s; steps a bin
     values = {
         "extends": str(CONFIG / "smoke.yaml"), "shape": "c1", "density": 2e3, "seed": 4,
         "material": material, "friction": friction, "numerics": {"time_step": dt},
         "cylinder": {"stroke": 2.0 * bins * steps * dt},
-        "record": {"bins": bins, "snapshots": 5, "window": [0.0, 1e-5]},
+        "record": {"bins": bins, "snapshots": 5, "window": [0.0, 4e-6]},
     }  # fmt: skip
     run = dem.run_experiment(values)
 
