@@ -243,7 +243,7 @@ def damping_ratio(restitution):
 
 def mean_root(overlap, change):
     """delta^(1/4) (m^0.25), of which a dashpot near touch sees the mean over the step; change (m): what the
-    overlap changes in half of it. For delta beyond that the mean is a series, which tests/dynamics/test_step.py compares.
+    overlap changes in half of it. For delta beyond that the mean is a series.
     """
     one = 1.0 + np.clip(overlap / np.where(change > 0.0, change, 1.0), -1.0, None)
     ratio = np.where(overlap > change, change / np.where(overlap > 0.0, overlap, 1.0), 0.0)

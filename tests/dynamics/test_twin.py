@@ -45,12 +45,14 @@ def test_a_run_without_friction_at_one_kind_of_contact_is_that_of_the_model(smoo
 
 
 def scatter(rng):
-    """Discs of sizes up to 1:20, in heaps or far apart, with solids and walls at their ends; or an error."""
+    """Discs of sizes up to 1:20, in heaps and far apart, with solids at their ends or a wall; or an error."""
     scene, _ = scene_of("discs around solids")
-    sizes, position = [], np.zeros((0, 2))
+    sizes, position = [0.75e-3], np.zeros((1, 2))
     spread = 3e-3 * rng.choice([1.0, 10.0, 1e3]) * rng.choice([[1.0, 1.0], [1.0, 0.0], [0.1, 1.0]])
-    for size in rng.choice([0.04e-3, 0.25e-3, 0.75e-3], 60):  # none deep in another
-        place = rng.normal(size=2) * spread * rng.choice([0.1, 1.0])
+    for size in rng.choice([0.04e-3, 0.25e-3, 0.75e-3], 100):  # none deep in another
+        k, out, place = rng.integers(len(sizes)), rng.normal(size=2), rng.normal(size=2) * spread
+        if rng.random() < 0.8:
+            place = position[k] + (sizes[k] + 0.98 * size) * out / np.hypot(*out)
         reach = size + np.array(sizes)
         if (np.hypot(*(position - place).T) > reach - 0.05 * np.minimum(size, sizes)).all():
             sizes, position = [*sizes, size], np.vstack([position, place])
@@ -64,9 +66,11 @@ def scatter(rng):
             scene.solids, end, normal, rng.uniform(0.5, 1.0, 4), strict=True
         )
     ]
-    reach = [solid.position @ normal.T + 1.01 * solid.radius for solid in bodies]
-    planes = normal, np.vstack([position @ normal.T + 0.9 * sizes[:, None], *reach]).max(axis=0)
-    scene = replace(scene, shape=dem.Disc(sizes), walls=np.column_stack(planes), solids=bodies)
+    wall = [*normal[0], 1e3]
+    if rng.random() < 0.3:  # which is where solids would be
+        bodies = [replace(body, position=body.position - 1e3 * normal[0]) for body in bodies]
+        wall[2] = (position @ normal[0] + 0.98 * sizes).max()
+    scene = replace(scene, shape=dem.Disc(sizes), walls=[wall], solids=bodies)
     return scene, dem.State(position, *rng.normal(size=(1, *position.shape)), None, sizes / 1e-3)
 
 
