@@ -41,3 +41,23 @@ SHAPE, LIBRARY, SHORT_LINE = re.findall(r"```python\n(.*?)```", PAGE, re.S)
 # rotation.py, rotation.yaml, rest.py and rest.yaml
 EXPERIMENT = (ROOT / "docs/howto/experiment.md").read_text()
 FILES = dict(re.findall(r"```(?:python|yaml)\n# (\S+)\n(.*?)```", EXPERIMENT, re.S))
+
+
+# An experiment that takes no time and reads no bed, and a sweep of it beside its file.
+PRODUCT = """
+SECTIONS = {"cylinder": False, "record": False}
+VARIABLES = {"product": ((), "1", "seed times a factor")}
+FACTOR = 2
+
+
+def run(replicate, bed=None, progress=None):
+    return {"product": FACTOR * replicate.seed}
+"""
+PRODUCTS = f"""
+extends: {CONFIG}/smoke.yaml
+results: results/product
+experiment: product.py
+failures: 0.5
+batch: 1
+sweep: {{shape: c1, density: 3900, seed: [1, 2, 3]}}
+"""
