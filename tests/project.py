@@ -37,6 +37,10 @@ PAGE = (ROOT / "docs/howto/shape.md").read_text()
 
 SHAPE, LIBRARY, SHORT_LINE = re.findall(r"```python\n(.*?)```", PAGE, re.S)
 
+(LAW,) = re.findall(
+    r"```python\n# cones.py\n(.*?)```", (ROOT / "docs/howto/law.md").read_text(), re.S
+)
+
 
 # rotation.py, rotation.yaml, rest.py and rest.yaml
 EXPERIMENT = (ROOT / "docs/howto/experiment.md").read_text()

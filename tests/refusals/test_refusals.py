@@ -63,7 +63,9 @@ def test_a_value_of_a_file_that_cannot_be_is_refused_with_its_key(monkeypatch, n
 
 
 @pytest.mark.parametrize(("name", "words"), rows("COMMANDS"))
-def test_a_command_that_cannot_be_ends_with_2_and_writes_nothing(tmp_path, monkeypatch, name, words):
+def test_a_command_that_cannot_be_ends_with_2_and_writes_nothing(
+    tmp_path, monkeypatch, name, words
+):
     monkeypatch.chdir(ROOT)
     command = name.replace("OUT", str(tmp_path / "out.nc")).split()
     if any(word.startswith("studies/") and not Path(word).exists() for word in command):

@@ -1,0 +1,385 @@
+"""Files of a user: what a run is known by, and files that change, or fail, while a process lives."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import nullcontext, suppress
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pictures import text_of
+from project import CONFIG, FILES, LAW, PRODUCT, PRODUCTS, SHAPE, posix
+from sweeps import contents
+
+import dem
+from dem.base.source_hash import ROOT, cache_folder
+from dem.experiment.config import of_values
+from dem.report.info import summary
+from dem.report.status import status
+from dem.sweep.config import load, parse
+from dem.sweep.state import SweepState
+from dem.sweep.store import Store
+
+quick = pytest.mark.quick
+
+
+def write(folder: Path, **files: str) -> Path:
+    """Modules in a folder by their names, and a sweep beside them, whose file it returns."""
+    for name, text in files.items():
+        path = folder / ("sweep.yaml" if name == "sweep" else f"{name.replace('.', '/')}.py")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return folder / "sweep.yaml"
+
+
+def first_run(file: Path):
+    return next(load(file).block("drag").unique())
+
+
+PEBBLES = "{shapes: {p: {kind: pebbles.Pebble, diameter: 1e-3, granules: 60, aspect_ratio: 1.0}}}"
+SMOKE = f"extends: {CONFIG}/smoke.yaml\nresults: results/mine\n"
+OF_DISCS = SMOKE + "sweep: {shape: c1, density: 3900, seed: 1}\n"
+OF_PEBBLES = SMOKE + f"sweep: {{shape: p, density: 3900, seed: 1}}\n{PEBBLES[1:-1]}\n"
+KINDS = {  # of files of a user: the name of one, its text, and a sweep that names it
+    "experiment": ("product", PRODUCT, PRODUCTS),
+    "observable": (
+        "rotation",
+        FILES["rotation.py"],
+        f"{OF_DISCS}record: {{observables: [drag, rotation.py]}}",
+    ),
+    "shape": ("pebbles", SHAPE, OF_PEBBLES),
+    "law": ("cones", LAW, f"{OF_DISCS}contact: {{law: cones.Cone}}"),
+}
+IMPORTS = """
+import one
+import json, two as other
+from three import F
+from four import *
+import five.six
+from seven import eight, A
+from nine.ten import F
+import eleven.twelve
+from thirteen import fourteen
+OWN = 2.0
+try:
+    import absent
+except ImportError:
+    import fifteen
+
+def late():
+    from sixteen import F
+"""
+BESIDE = {  # eleven and thirteen have no __init__.py
+    "eight": "from . import near\nfrom .close import F\n",
+    "sixteen": "import further\n",
+}
+IMPORTED = (
+    "one two three four five.__init__ five.six seven.__init__ seven.eight seven.near seven.close "
+    "nine.__init__ nine.ten eleven.twelve thirteen.fourteen fifteen sixteen further"
+)
+
+
+@pytest.mark.parametrize("kind", [pytest.param("experiment", marks=quick), *list(KINDS)[1:]])
+def test_a_run_is_known_by_each_file_that_its_own_imports(tmp_path, kind):
+    """In any form, directly or not, and by no other, nor by the folder, comments and docstrings."""
+    name, text, sweep = KINDS[kind]
+    modules = [*IMPORTED.split(), "unused", "five.unused"]
+    files = {module: BESIDE.get(module.split(".")[-1], "") + "F = A = 2.0\n" for module in modules}
+    files[name] = f"{IMPORTS}{text}"
+    reference = first_run(write(tmp_path / "first", sweep=sweep, **files)).id
+    changed = set()
+    for edited, old in files.items():
+        file = write(tmp_path / edited, sweep=sweep, **files | {edited: old.replace("2.0", "3.0")})
+        if first_run(file).id != reference:
+            changed.add(edited)
+    assert changed == {name, *IMPORTED.split()}
+    words = {edited: f"'''Words.'''\n{old}  # a comment\n" for edited, old in files.items()}
+    assert first_run(write(tmp_path / "words", sweep=sweep, **words)).id == reference
+
+
+def products(file, executor=None) -> list[float]:
+    """What a sweep gives; the dataset stays open, as in a notebook."""
+    return dem.run_sweep(file, executor)["product"].values.ravel().tolist()
+
+
+HELPED = PRODUCT.replace("FACTOR = 2", "from factors import FACTOR")
+
+
+@pytest.fixture
+def file(tmp_path, monkeypatch):
+    """A sweep of an experiment that takes no time, and imports a file beside it."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", sys.path.copy())  # that workers begin with
+    return write(tmp_path / "mine", product=HELPED, factors="FACTOR = 2\n", sweep=PRODUCTS)
+
+
+OLD = r"{}.* has changed since this process read it; start Python, or the workers, again\.$"
+EDITS = {  # files that are written
+    "the file": {"product": HELPED.replace("FACTOR *", "3 *")},
+    "a helper": {"factors": "FACTOR = 5\n"},
+    "a new helper": {"factors": "from more import FACTOR\n", "more": "FACTOR = 7\n"},
+}
+
+
+@pytest.mark.parametrize("edit", EDITS)
+@pytest.mark.parametrize("in_workers", [pytest.param(False, marks=quick), True])
+def test_a_process_that_lives_on_returns_no_numbers_of_old_code(file, edit, in_workers):
+    """An edited file is one sentence; a comment is no edit, and the old file is good again."""
+    with ProcessPoolExecutor(1, get_context("spawn")) if in_workers else nullcontext() as pool:
+        assert products(file, pool) == [2, 4, 6]
+        write(file.parent, **EDITS[edit])
+        words = "workers that live on, again" if in_workers else OLD.format(r"product\.py")
+        with pytest.raises(dem.InputError, match=words):
+            products(file, pool)
+        write(file.parent, product=f"{HELPED}# a comment\n", factors="FACTOR = 2\n")
+        assert products(file, pool) == [2, 4, 6]
+
+
+@quick
+def test_a_file_that_could_not_be_imported_is_imported_once_it_is_mended(file):
+    write(file.parent, factors="FACTOR = 2 / 0\n")
+    with pytest.raises(dem.InputError, match=r"product\.py: it cannot be imported \(ZeroDivision"):
+        products(file)
+    write(file.parent, factors="FACTOR = 2\n")
+    assert products(file) == [2, 4, 6]
+
+
+@quick
+def test_an_edited_file_that_was_only_planned_is_run_as_it_is_now(file):
+    (values, *_) = dem.load_sweep(file)
+    write(file.parent, factors="FACTOR = 3\n", sweep=PRODUCTS.replace("[1, 2, 3]", "[5]"))
+    assert float(dem.run_experiment(values)["product"]) == 3
+    assert products(file) == [15]
+
+
+@quick
+def test_files_of_one_name_in_two_folders_are_two(file, tmp_path):
+    """Also where only a helper has the name of another."""
+    files = {2: file}
+    for factor, name in (3, "product"), (4, "other"):
+        texts = {name: HELPED, "factors": f"FACTOR = {factor}\n"}
+        sweep = PRODUCTS.replace("product.py", f"{name}.py")
+        files[factor] = write(tmp_path / name, sweep=sweep, **texts)
+    for factor, path in [*files.items()] * 2:
+        (values, *_) = dem.load_sweep(path)
+        assert float(dem.run_experiment(values)["product"]) == factor
+
+
+@quick
+def test_a_file_with_the_name_of_an_installed_module_is_refused(file):
+    write(file.parent, json=HELPED, sweep=PRODUCTS.replace("product", "json"))
+    words = r"json\.py: Python has another module named json, which is installed"
+    with pytest.raises(dem.InputError, match=words):
+        dem.run_sweep(file)
+
+
+@quick
+def test_an_edited_shape_is_one_sentence_and_nothing_is_written(file):
+    """Numba would not tell the old class from the new one; the old file is good again."""
+    text = SHAPE.replace("Pebble", "EditedPebble")
+    sweep = OF_PEBBLES.replace("pebbles.Pebble", "edited_pebbles.EditedPebble")
+    write(file.parent, edited_pebbles=text, sweep=sweep)
+    first = first_run(file).kind.shape
+    write(file.parent, edited_pebbles=text.replace("0.08", "0.07"))
+    with pytest.raises(dem.InputError, match=OLD.format(r"edited_pebbles\.py")):
+        dem.run_sweep(file)
+    assert not Path("results").exists()
+    write(file.parent, edited_pebbles=f"{text}# a comment\n")
+    assert first_run(file).kind.shape is first
+
+
+RAISED = "raise dem.InputError('bulge is 1.0; it must lie in 0 to 0.12.')"
+BAD_SHAPES = {  # what is put for what is there: the end of the sentence that names shape and class
+    "no shape": ("@smooth(support)\n", "", "BadPebble0 is no shape; decorate it with smooth"),
+    "a size": ("unit = cls", f"{RAISED}\n        unit = cls", "bulge is 1.0; it must lie in 0 to"),
+    "larger granules": ("(0.5 *", "(0.5005 *", "BadPebble2.of_size gives a granule of "),
+}
+
+
+@quick
+@pytest.mark.parametrize("fault", BAD_SHAPES)
+def test_what_is_wrong_with_granules_is_said_before_any_bed_is_packed(file, fault):
+    """Such as a size that a class does not take; others would make a bed of another packing fraction."""
+    number = list(BAD_SHAPES).index(fault)
+    old, new, words = BAD_SHAPES[fault]
+    text = f"import dem\n{SHAPE.replace(old, new)}".replace("Pebble", f"BadPebble{number}")
+    name = f"bad_pebbles{number}"
+    sweep = OF_PEBBLES.replace("pebbles.Pebble", f"{name}.BadPebble{number}")
+    write(file.parent, sweep=sweep, **{name: text})
+    with pytest.raises(dem.InputError) as error:
+        dem.run_experiment(next(dem.load_sweep(file)))
+    sentence = str(error.value)
+    assert sentence.startswith(f"shapes.p ({name}.BadPebble{number}): ") and words in sentence
+
+
+WRONG = {  # what is put instead of the result: why the run failed
+    "1 / 0": "product.py, line LINE: ZeroDivisionError: division by zero",
+    "replicate.grains": "product.py, line LINE: AttributeError: 'Replicate' object has no attribute 'grains'",
+    "dem.Friction(-1.0).granule": "product.py, line LINE: InputError: Friction.granule is -1.0; it must be",
+    "exit(3)": "product.py, line LINE: SystemExit: 3",
+    "failing()": "helping.py, line 2: KeyError: 'a'",
+    "'four'": "the variable product is 'four'; it must be a number.",
+    "[1.0, 2.0]": "the variable product is an array of float64 with shape (2,); it must be a number.",
+    "1} and {'other': 1": "the variable other must be both in VARIABLES and in what product.py gives.",
+    "1} and None or {0": "the variable product must be both in VARIABLES and in what product.py gives.",
+    "1, 'other': set()": "the variable other must be both in VARIABLES and in what product.py gives.",
+}
+
+
+@quick
+def test_an_error_in_an_experiment_of_ones_own_fails_its_run_only(file):
+    """With the line of the file that is wrong, in the files and in the terminal."""
+    start = "import dem\nfrom helping import failing\n" + PRODUCT.partition("    return")[0]
+    lines = [
+        f"    if replicate.seed == {k}: return {{'product': {w}}}" for k, w in enumerate(WRONG)
+    ]
+    text = "\n".join([start.rstrip(), *lines, "    return {'product': 7}\n"])
+    sweep = PRODUCTS.replace("[1, 2, 3]", "0 to 10").replace("0.5", "0.95")
+    write(file.parent, product=text, helping="def failing():\n    return {}['a']\n", sweep=sweep)
+    data = dem.run_sweep(file)
+    failed = data["failure"].values.ravel().astype(bool)
+    assert failed.tolist() == 10 * [True] + [False] and data["product"].values.ravel()[10] == 7
+    rows = [contents(path) for path in Path("results/store/batches").glob("*.nc")]
+    reasons = {int(row["seed"][0]): str(row["failure_reason"][0]) for row in rows}
+    first = start.rstrip().count("\n") + 2
+    for k, reason in enumerate(WRONG.values()):
+        assert reasons[k].startswith(reason.replace("LINE", str(first + k))), reasons[k]
+    assert "10 of 11 runs failed (" in text_of(summary(Path("results/product/product.nc")))
+    assert f"1 failed: {reasons[0]}" in text_of(status(SweepState.of(file)))
+
+
+OBSERVABLE = """
+VARIABLES = {"turn": ((), "rad", "a number")}
+
+
+def measure(run):
+    seed = run.replicate.seed
+    return {"turn": run.missing} if seed == 2 else None if seed == 3 else {"turn": 1.0}
+"""
+
+
+@quick
+def test_an_error_in_an_observable_of_ones_own_fails_its_run_only(file):
+    sweep = OF_DISCS.replace("seed: 1", "seed: [1, 2, 3]") + "failures: 0.9\n"
+    sweep += "record: {observables: [drag, turn.py]}\n"
+    failure = dem.run_sweep(write(file.parent, turn=OBSERVABLE, sweep=sweep))["failure"]
+    assert failure.values.ravel().astype(bool).tolist() == [False, True, True]
+    assert "turn.py, line 7: AttributeError: 'RunData' object has no" in failure.comment
+    assert "drag.py, line " in failure.comment and "NoneType" in failure.comment
+
+
+NEAR = '''
+"""Which contacts carry most, and how granules are turned."""
+
+import numpy as np
+
+SIZES = {"contact": 900, "sector": 4}
+AXIS = {"sector": (("sector",), "rad", "middle of the sector")}
+VARIABLES = {
+    "contact_force": (("snapshot", "contact"), "N", "normal force of a contact"),
+    "contact_number": (("snapshot",), "1", "number of contacts"),
+    "sector_granules": (("sector",), "1", "granules that are turned into a sector"),
+}
+
+
+def axes(configuration):
+    return {"sector": (np.arange(4) + 0.5) * np.pi / 2}
+
+
+def look(simulation):
+    force = simulation.contacts().force
+    return {"contact_force": force, "contact_number": len(force)}
+
+
+def measure(run):
+    turned = run.snapshots.angle[-1] % (2 * np.pi)
+    return {"sector_granules": np.histogram(turned, 4, (0, 2 * np.pi))[0]}
+'''
+
+
+@quick
+def test_an_observable_gives_grids_and_lists_of_any_length(file):
+    """Rows end in NaN; a list that is longer than it may be is refused and not cut."""
+    write(file.parent, near900=NEAR, near3=NEAR.replace("900", "3"))
+    values = {"extends": f"{CONFIG}/smoke.yaml", "shape": "c1", "beside": str(file.parent)}
+    words = (
+        r"contact_force is an array of float64 with shape \(\d+,\); it must be numbers, at most 3"
+    )
+    with pytest.raises(dem.RunError, match=words):
+        dem.run_experiment(values | {"record": {"observables": ["drag", "near3.py"]}})
+    result = dem.run_experiment(values | {"record": {"observables": ["drag", "near900.py"]}})
+    assert (result["contact_force"].count("contact") == result["contact_number"]).all()
+    assert len(np.unique(result["contact_number"])) > 1
+    assert result["sector"].attrs["units"] == "rad"
+    assert result["sector_granules"].sum() == result["granules"]
+
+
+@quick
+def test_values_of_ones_own_are_read_where_the_file_is_away(file):
+    """As the values of runs are, which name no folder; and they are part of what a run is known by."""
+    sweep = f"{SMOKE}experiment: rest.py\nrest: {{layers: 2}}\n"
+    sweep += "sweep: {shape: c1, density: 3900, seed: 1, rest.margin: [0, 1e-3]}\n"
+    write(file.parent, rest=FILES["rest.py"], sweep=sweep)
+    one, two = load(file).block("drag").unique()
+    assert one.id != two.id
+    away = {name: value for name, value in two.values().items() if name != "beside"}
+    assert of_values(away).configuration.rest.margin == two.configuration.rest.margin == 1e-3
+    assert of_values(away | {"beside": str(file.parent)}).id == two.id
+
+
+@quick
+def test_beside_names_another_folder(tmp_path):
+    write(tmp_path / "shapes", pebbles=SHAPE)
+    path = write(tmp_path / "sweeps", sweep=f"{OF_PEBBLES}beside: ../shapes\n")
+    assert load(path).beside == str(tmp_path / "shapes")
+    assert parse(load(path).dump()).beside == str(tmp_path / "shapes")
+
+
+@quick
+def test_a_plan_finds_shapes_that_were_moved_since(tmp_path, monkeypatch):
+    """A sweep that was stopped, and started again in another place."""
+    monkeypatch.chdir(tmp_path)
+    store, places = Store(tmp_path / "store"), []
+    for name in ("one", "two"):
+        file = write(tmp_path / name, pebbles=SHAPE, sweep=OF_PEBBLES)
+        work = SweepState(load(file), store)
+        places.append({chunk.id for chunk in work.batches("drag")})
+        work.begin("drag")
+        for chunk in places[-1]:
+            (replicate,) = store.replicates(chunk)
+            assert replicate.configuration.beside == str(tmp_path / name)
+        shutil.rmtree(tmp_path / name)
+    assert places[0] == places[1]
+
+
+@posix
+@pytest.mark.parametrize("compiles", [False, True])
+def test_workers_end_with_the_process_that_started_them(tmp_path, compiles):
+    """However it ends: they would keep memory, and a pipe that somebody reads."""
+    write(tmp_path, sweep=OF_DISCS.replace("seed: 1", "seed: 1 to 400"))
+    cache = tmp_path / "cache" if compiles else cache_folder()
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(cache), "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(
+        [sys.executable, "-m", "dem", "sweep", "sweep.yaml", "-j2"],
+        cwd=tmp_path,
+        env=environment,
+        start_new_session=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+    ) as process:
+        try:
+            ended = time.monotonic() + 120.0
+            while not any((tmp_path / "results/store/runs").rglob("*.lock")):
+                assert process.poll() is None and time.monotonic() < ended
+                time.sleep(0.05)
+            process.kill()
+            process.communicate(timeout=30.0)  # until nobody has the pipe
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
