@@ -8,8 +8,7 @@ import shutil
 
 import pytest
 from project import needs_study, posix
-from sweeps import planned
-from workflows import SMOKE, edited, snakemake
+from workflows import SMOKE, edited, planned, snakemake
 
 pytestmark = [posix, needs_study("accuracy", "stability", "claims", "benchmark")]
 TARGETS = ("all", "accuracy", "stability", "claims", "benchmark")

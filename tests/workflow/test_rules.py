@@ -3,7 +3,7 @@
 import ast
 import os
 import sys
-from importlib import import_module
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -13,7 +13,7 @@ from snakemake.iocontainers import Wildcards
 from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
 
 from dem.base.source_hash import run_codes
-from studies import FOLDERS, package_of
+from studies import FOLDERS
 from studies.catalogue import figures, reported
 
 pytestmark = [posix, pytest.mark.quick, needs_study("claims", "benchmark")]
@@ -44,46 +44,44 @@ def code(rule, **wildcards):
     return set(rule.params.code(Wildcards(fromdict=wildcards)))
 
 
-def imported(file: Path, seen=()):
-    """A file and all of the project that it imports, directly or not, in its own words."""
-    found = {file, *seen}
+@cache
+def named(file: Path):
+    """The files of the project that a file imports."""
+    names = set()
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-        names = []
         if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
+            names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
-            names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
-        for name in names:
-            place = ROOT.joinpath(*name.split("."))
-            for path in (place.with_suffix(".py"), place / "__init__.py"):
-                if path.is_file() and path not in found:
-                    found |= imported(path, found)
-    return found
+            names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+    places = [ROOT.joinpath(*name.split(".")) for name in names]
+    paths = {path for place in places for path in (place.with_suffix(".py"), place / "__init__.py")}
+    return set(filter(Path.is_file, paths))
 
 
-# Rooms that make numbers of pages and pictures; the other ones make runs, or read, check and write.
-MAKING = "dem/analysis", "dem/figures", "studies"
+# Rooms that make the numbers of pages and pictures; the rooms below make runs, or read, check and write.
+ROOMS = [ROOT / room for room in ("dem/analysis", "dem/figures", "studies")]
+LISTS = "catalogue.py", "__init__.py", "__main__.py"  # of what there is
 
 
-def of_numbers(files):
-    """Those of the rooms that make numbers, but for lists of what there is."""
-    rooms = [ROOT / room for room in MAKING]
-    listing = {"catalogue.py", "__init__.py", "__main__.py"}
-    return {
-        file
-        for file in files
-        if file.name not in listing and any(file.is_relative_to(room) for room in rooms)
-    }
+def needed(file: Path):
+    """A file of these rooms, and all of them that it imports, directly or not."""
+    found, queue = set(), [file]
+    while queue:
+        path = queue.pop()
+        if path not in found and any(path.is_relative_to(room) for room in ROOMS):
+            found.add(path)
+            queue += named(path)
+    return {path for path in found if path.name not in LISTS}
 
 
 @pytest.mark.parametrize("name", figures())
 def test_a_figure_depends_on_all_that_makes_its_numbers(rules, name):
     """On each file of these rooms that its own imports, and on no other figure."""
     file = ROOT / f"{figures()[name].module.replace('.', '/')}.py"
-    files, needed = code(rules["figure"], figure=name, folder="results"), of_numbers(imported(file))
-    assert needed <= files
+    files = code(rules["figure"], figure=name, folder="results")
+    assert needed(file) <= files
     drawn = {ROOT / f"{figure.module.replace('.', '/')}.py" for figure in figures().values()}
-    assert files & drawn <= needed | {ROOT / "dem/figures/sweep.py"}
+    assert files & drawn <= needed(file) | {ROOT / "dem/figures/sweep.py"}
 
 
 @pytest.mark.parametrize("study", reported())
@@ -91,13 +89,13 @@ def test_results_and_table_of_a_study_depend_on_all_that_makes_their_numbers(rul
     """What a study measures by itself depends on the code of runs too."""
     for rule, name in ("results", "results.py"), ("table", "findings.py"):
         files, runs = code(rules[rule], study=study), set(run_codes())
-        assert of_numbers(imported(FOLDERS[study] / name)) <= files
+        assert needed(FOLDERS[study] / name) <= files
         assert runs <= files if rule == "results" and measures(study) else runs.isdisjoint(files)
 
 
 def measures(study):
     """Whether a study declares that it simulates or measures by itself."""
-    return getattr(import_module(f"{package_of(study)}.results"), "MEASURES", False)
+    return "\nMEASURES = True\n" in (FOLDERS[study] / "results.py").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("study", reported())

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 from pictures import assert_alone, assert_not_blank
 from project import posix
-from sweeps import contents, differing, planned
+from sweeps import contents, differing
 from typer.testing import CliRunner
-from workflows import SMOKE, edited, environment, snakemake
+from workflows import SMOKE, edited, environment, planned, snakemake
 
 import dem
 from dem.cli.app import app
