@@ -53,16 +53,19 @@ def behind(tree):
             yield imported
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute):
-            owner, name = ast.unparse(node.value), node.attr
+            name = node.attr
             if name in ("engine", "world"):
                 yield f".{name}"
             private = name.startswith("_") and not name.startswith("__") and name not in OF_TUPLES
-            if private and owner.partition(".")[0] not in ("self", "os"):
+            if private and (owner := ast.unparse(node.value)).partition(".")[0] not in (
+                "self",
+                "os",
+            ):
                 yield f"{owner}.{name}"
         elif isinstance(node, ast.Name) and node.id == "SimpleNamespace":
             yield "SimpleNamespace"
         elif isinstance(node, ast.Call):
-            call = ast.unparse(node.func)
+            call = ast.unparse(node.func) if isinstance(node.func, ast.Attribute | ast.Name) else ""
             if call.endswith(("engine.run", "Schedule")):
                 yield call
             is_patch = "patch" in call.lower() and call.rpartition(".")[2] in PATCHES

@@ -264,7 +264,6 @@ def measure(run):
 """
 
 
-@quick
 def test_an_error_in_an_observable_of_ones_own_fails_its_run_only(file):
     sweep = OF_DISCS.replace("seed: 1", "seed: [1, 2, 3]") + "failures: 0.9\n"
     sweep += "record: {observables: [drag, turn.py]}\n"
@@ -303,7 +302,6 @@ def measure(run):
 '''
 
 
-@quick
 def test_an_observable_gives_grids_and_lists_of_any_length(file):
     """Rows end in NaN; a list that is longer than it may be is refused and not cut."""
     write(file.parent, near900=NEAR, near3=NEAR.replace("900", "3"))

@@ -41,7 +41,6 @@ def test_a_person_has_at_most_ten_verbs_to_learn():
     assert len(get_command(app).commands) <= 10
 
 
-@quick
 def test_a_failed_run_says_what_where_and_when(tmp_path):
     """A run that overlaps too much stops with status 1, naming granule, step and time."""
     result = called(*simulate(tmp_path / "run.nc", "numerics.max_overlap=0.08"))
