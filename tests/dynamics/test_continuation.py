@@ -104,7 +104,6 @@ WAYS = {
     "pickled": partial(copied, how=lambda run: pickle.loads(pickle.dumps(run))),
     "forked": forked,
 }
-COPIES = "as a result that is continued", "copied", "pickled", "forked"
 BEDS = *SCENES, "a crowd", "a crowd of two threads"
 
 
@@ -135,10 +134,8 @@ def undisturbed(bed):
     "bed", [pytest.param(bed, marks=[pytest.mark.quick] * (bed in QUICK)) for bed in BEDS]
 )
 @pytest.mark.parametrize("way", WAYS)
-def test_a_run_goes_on_with_the_same_bits(request, bed, way):
+def test_a_run_goes_on_with_the_same_bits(bed, way):
     """Motion, forces, contacts with their springs, boundaries and the choice of the time step."""
-    if bed == "linear discs" and way in COPIES:
-        request.applymarker(pytest.mark.xfail(strict=True, reason="dem.Linear() is not copied"))
     way = WAYS[way]
     assert_bits_are_the_same(undisturbed(bed), seen(way(maker(bed)), LASTS / 8))
 
