@@ -122,6 +122,8 @@ def code_of(*names, runs=False):
     return code_hash(codes(files, HERE) | (run_codes() if runs else {}))
 
 
+NUMBERS = "dem/analysis", "dem/base/statistics.py"  # what makes the numbers of figures, tables and reports of runs
+
 # Files that all figures share, and sweep.py, whose headings some have.
 SHARED = {*files_of(["dem/figures"], HERE)} - {HERE / f"dem/figures/{name}.py" for name in FIGURES if name != "sweep"}
 

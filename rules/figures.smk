@@ -24,7 +24,7 @@ rule figure:
         ),
         png="{folder}/figures/{figure}.png",
     params:
-        code=lambda w: code_of(f"{KNOWN_FIGURES[w.figure].module.replace('.', '/')}.py") + code_of(*SHARED, "dem/analysis"),
+        code=lambda w: code_of(f"{KNOWN_FIGURES[w.figure].module.replace('.', '/')}.py") + code_of(*SHARED, *NUMBERS),
         caption=lambda w: KNOWN_FIGURES[w.figure].caption,
     log:
         "{folder}/logs/figures/{figure}.log",

@@ -20,7 +20,7 @@ rule results:
     output:
         f"{RESULTS}/{{study}}.nc",
     params:
-        code=lambda w: code_of(FOLDERS[w.study] / "results.py", "dem/analysis", runs="MEASURES" in REPORTED[w.study]),
+        code=lambda w: code_of(FOLDERS[w.study] / "results.py", *NUMBERS, runs="MEASURES" in REPORTED[w.study]),
         sweep=lambda w: study(w.study).text(None, *(() if has_sweep(w.study) else NOT_READ)),
         config=lambda w: config_of(study(w.study)),
     threads: lambda w: workflow.cores if "MEASURES" in REPORTED[w.study] else 1
@@ -39,7 +39,7 @@ rule table:
     output:
         report(f"{RESULTS}/{{study}}.txt", category="Tables", labels={"table": "{study}"}),
     params:
-        code=lambda w: code_of(FOLDERS[w.study] / "findings.py", "dem/analysis", "dem/report"),
+        code=lambda w: code_of(FOLDERS[w.study] / "findings.py", *NUMBERS, "dem/report"),
     log:
         f"{RESULTS}/logs/{{study}}/table.log",
     shell:

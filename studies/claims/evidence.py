@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from dem.analysis.drag import summarise, within
-from studies.claims import MEASURES
+from studies.claims import IRREGULARITY
 from studies.claims.compare import Comparison
 from studies.claims.irregularity import in_window
 
@@ -138,7 +138,7 @@ def from_sweep(dataset: xr.Dataset, flow: xr.Dataset | None = None, margin=MARGI
     runs = xr.Dataset({"drag": summarise(dataset)["run_mean"], "curve": curve})
     runs.attrs |= {name: dataset.attrs[name] for name in ("window_start", "window_stop")}
     if flow is not None:
-        runs |= {name: in_window(flow, name) for name in MEASURES}
+        runs |= {name: in_window(flow, name) for name in IRREGULARITY}
     return Evidence(runs, margin=margin)
 
 

@@ -14,7 +14,7 @@ from dem.io.dataset import FAILURES
 from dem.sweep.design import Choice, Design, Range
 from dem.sweep.expand import Block
 from dem.sweep.precision import GridPoint
-from studies.claims import MEASURES
+from studies.claims import IRREGULARITY
 from studies.common.results import along, columns, runs
 
 TITLE = "which claims hold"
@@ -113,7 +113,7 @@ def make(state, jobs: int, progress) -> tuple[dict, dict]:
     beds = [name for name in sweep.blocks if name.partition("_")[0] == "jamming"]
     others = [name for name in sweep.blocks if name not in beds]
     of_beds = runs(state, ("jam_fraction", "jam_slope", "failure"), beds)
-    names = "drag", *MEASURES, *ALONG, "spent", "failure"
+    names = "drag", *IRREGULARITY, *ALONG, "spent", "failure"
     of_runs = runs(state, names, others, progress)
     first = next(iter(sweep.cases.values()))
     return {
@@ -153,7 +153,7 @@ def row_of_run(
         "spent": values["spent"],
         "factor": in_design(block, point, factors),
         "curve": coarse(values["drag"]),
-        **{name: finite_mean(values[name][inside]) for name in MEASURES},
+        **{name: finite_mean(values[name][inside]) for name in IRREGULARITY},
         **{name: values[name] for name in ALONG},
     }
 

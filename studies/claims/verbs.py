@@ -39,7 +39,7 @@ def test(
 def _read(path: Path, margin: float):
     """Runs in claims.nc, or in drag.nc with the flow.nc beside it; raises InputError."""
     from dem.io.lazily import open_lazily, require, require_drag
-    from studies.claims import MEASURES
+    from studies.claims import IRREGULARITY
     from studies.claims.evidence import from_study, from_sweep
     from studies.claims.results import VARIABLES
 
@@ -60,7 +60,7 @@ def _read(path: Path, margin: float):
             if all(
                 drag.indexes[name].equals(dataset.indexes.get(name)) for name in ("case", "seed")
             ):
-                require(dataset, beside, {}, MEASURES, window)
+                require(dataset, beside, {}, IRREGULARITY, window)
                 flow = dataset.load()
     return from_sweep(drag, flow, margin)
 

@@ -4,6 +4,7 @@ import ast
 import os
 import sys
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ from snakemake.iocontainers import Wildcards
 from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
 
 from dem.base.source_hash import run_codes
-from studies import FOLDERS
+from studies import FOLDERS, package_of
 from studies.catalogue import figures, reported
 
 pytestmark = [posix, pytest.mark.quick, needs_study("claims", "benchmark")]
@@ -59,7 +60,9 @@ def named(file: Path):
 
 
 # Rooms that make the numbers of pages and pictures; the rooms below make runs, or read, check and write.
-ROOMS = [ROOT / room for room in ("dem/analysis", "dem/figures", "studies")]
+ROOMS = [
+    ROOT / room for room in ("dem/analysis", "dem/base/statistics.py", "dem/figures", "studies")
+]
 LISTS = "catalogue.py", "__init__.py", "__main__.py"  # of what there is
 
 
@@ -102,6 +105,9 @@ def measures(study):
 def test_what_measures_takes_all_cores_and_what_reads_takes_one(rules, study):
     cores = rules["results"].resources["_cores"].evaluate(Wildcards(fromdict={"study": study}))
     assert cores.value == (CORES if measures(study) else 1)
+    # whose file names this process, and not only those of its runs, as its origin
+    results = import_module(f"{package_of(study)}.results")
+    assert getattr(results, "MEASURES", False) is measures(study)
 
 
 def test_a_batch_takes_the_threads_of_its_runs(rules):

@@ -7,7 +7,7 @@ from dem.analysis.drag import find, table1
 from dem.base.statistics import half_interval
 from dem.experiment.observables.flow import lag_of
 from dem.figures import style
-from studies.claims import MEASURES
+from studies.claims import IRREGULARITY
 from studies.claims.irregularity import SHAPES, compared
 
 FILE = "flow"
@@ -30,7 +30,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     cases = [find(dataset, shape) for shape in SHAPES]
     figure, grid = style.panels(4, 2, 0.0, 3.6, sharex=True)
     x = 1e3 * selection["snapshot_displacement"].values
-    for axes, name in zip(grid, MEASURES, strict=True):
+    for axes, name in zip(grid, IRREGULARITY, strict=True):
         for number, case in enumerate(selection["case"].values):
             runs = selection[name].sel(case=case)
             mean, half = runs.mean("seed"), half_interval(runs).fillna(0.0).values
@@ -44,7 +44,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         title = (
             f"ratio of e3 to c1: {comparison.ratio:.2f} ± {comparison.half:.2f}"
             if comparison
-            else MEASURES[name]
+            else IRREGULARITY[name]
         )
         axes.set_title(title, loc="left")
         axes.set_xlabel("Displacement of the cylinder (mm)")
