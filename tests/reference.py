@@ -1,4 +1,4 @@
-"""Contacts of ellipses from sampled outlines: slow and obvious."""
+"""Contacts of ellipses from sampled outlines, and distances from polygons: slow and obvious."""
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -35,3 +35,13 @@ def parting(d, first, second, points=2000):
     minimum = minimize_scalar(depth, bounds=bounds, args=fine, method="bounded",
                             options={"xatol": 1e-9})  # fmt: skip
     return minimum.fun, minimum.x
+
+
+def outside(points, corners):
+    """Distances (n,) from a convex polygon (k, 2) to points (n, 2), zero inside."""
+    edges = np.roll(corners, -1, axis=0) - corners
+    offset = points[:, None] - corners
+    along = (offset * edges).sum(axis=-1) / (edges**2).sum(axis=-1)
+    distance = np.linalg.norm(offset - np.clip(along, 0.0, 1.0)[..., None] * edges, axis=-1)
+    inside = (edges[:, 0] * offset[..., 1] > edges[:, 1] * offset[..., 0]).all(axis=1)
+    return np.where(inside, 0.0, distance.min(axis=1))
