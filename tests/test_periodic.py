@@ -7,33 +7,26 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lists import FORMS, owned, parts, solid
 from numpy.testing import assert_allclose, assert_array_equal
+from reference import outside
 from scenes import lids
 
 import dem
-from dem.dynamics.assembly import assemble, granule_table, order_of
-from dem.dynamics.cell_list import near_pairs, near_surface
-from dem.dynamics.contact_output import list_contacts
-from dem.dynamics.energy import balance
-from dem.dynamics.forces import forces
-from dem.dynamics.neighbor_list import rebuild_neighbor_list
-from dem.experiment.config import of_values, parse
 from dem.experiment.observables import flow as measures
-from dem.figures.bed import shifts
-from dem.packing.compaction import Press
-from dem.packing.random import SOFT as UNIT
-from dem.packing.random import Room
 
-PITCH = 1e-3  # m
+pytestmark = pytest.mark.quick
+
+PITCH, STEP = 1e-3, 2e-7  # m, s
 SOFT = dem.Material(2500.0, 1e8, 0.3, 0.7)
-STEP = 2e-7  # s
-
-
 CYLINDER = dem.Cylinder(2.0 * PITCH, (0.2e-3, 5.8e-3))
 AWAY = dem.Cylinder(1e-9, (0.0, 0.6e-3))  # m: it meets nothing
 # As good as elastic and smooth, with the kernels of all others.
 ELASTIC, SMOOTH = replace(SOFT, restitution=1.0 - 1e-12), dem.Friction(1e-15, 1e-15, 1e-15)
+WEDGE = dem.Solid(
+    dem.Polygon(PITCH * np.array([[-0.8, -0.6], [0.9, -0.5], [0.1, 0.9]]), 0.5 * PITCH),
+    (3.5e-3, 2.6e-3),
+    0.4,
+)
 
 
 @cache
@@ -44,48 +37,59 @@ def packed(periodic="xy", cylinder=CYLINDER):
     return shape, dem.pack(shape, side, side, cylinder, 1, periodic)
 
 
-def crowd(kind=dem.Disc):
-    """Granules on a grid that press on each other across the sides, shaken, around a cylinder, in a box
-    that repeats itself along x and y."""
+def grid(side):
+    """Points (side^2, 2) in m of a square grid."""
+    return PITCH * np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2)
+
+
+def crowd():
+    """Discs on a grid that press on each other across the sides, shaken, around a cylinder and a wedge,
+    in a box that repeats itself along x and y."""
     rng, side = np.random.default_rng(1), 7
-    position = PITCH * np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2)
-    periodic = 2 * (side * PITCH,)
-    distance = np.hypot(*least_image(position - CYLINDER.position, periodic).T)
-    position = position[distance > CYLINDER.radius + 0.4 * PITCH]
-    n = len(position)
     scene = dem.Scene(
-        kind.of_size(rng.uniform(1.0, 1.1, n) * PITCH),
-        SOFT,
-        dem.Friction(),
-        solids=CYLINDER,
-        thickness=PITCH,
-        periodic=periodic,
-    )
-    angle, spin = rng.uniform(0.0, np.pi, n), 500.0 * rng.normal(size=n)
-    return scene, dem.State(position, 0.5 * rng.normal(size=(n, 2)), angle, spin)
+        dem.Disc(np.full(side**2, 0.5 * PITCH)), SOFT, dem.Friction(), solids=[CYLINDER, WEDGE],
+        thickness=PITCH, periodic=2 * (side * PITCH,),
+    )  # fmt: skip
+    apart = gaps(scene, grid(side), [CYLINDER.position, WEDGE.position])[2]
+    position = grid(side)[np.min(apart, axis=0) > -0.1 * PITCH]
+    n = len(position)
+    shape = dem.Disc.of_size(rng.uniform(1.0, 1.1, n) * PITCH)
+    state = dem.State(position, 0.5 * rng.normal(size=(n, 2)), None, 500.0 * rng.normal(size=n))
+    return replace(scene, shape=shape, species=None), state
 
 
-def gas(side=6, periodic=(True, True), **scene):
-    """Discs that fly fast, far from each other, and a cylinder on a corner, in a box that repeats
-    itself along some sides and has walls at the others."""
+def elsewhere(scene, shift=(0.0, 0.0), velocity=(0.0, 0.0)):
+    """The scene with solids at other places (m), of a velocity (m/s)."""
+    solids = [
+        replace(solid, position=tuple(np.add(solid.position, shift)), velocity=tuple(velocity))
+        for solid in scene.solids
+    ]
+    return replace(scene, solids=solids)
+
+
+def gas(side=6, periodic=(True, True), velocity=(0.3, 0.2), **scene):
+    """Discs that fly fast, far from each other, and solids that move at a velocity (m/s), in a box that
+    repeats itself along some sides and has walls at the others: a cylinder on a corner, and a small
+    wedge where there are no walls."""
     rng = np.random.default_rng(1)
     n, period = side * side, side * PITCH
-    grid = np.stack(np.meshgrid(*2 * [np.arange(side)]), -1).reshape(-1, 2) + 0.5
     walls = dem.box(period, period)[np.repeat(~np.array(periodic), 2)]
+    axis = tuple(0.0 if repeats else PITCH for repeats in periodic)
+    solids = [dem.Cylinder(0.4 * PITCH, axis, velocity)]
+    if all(periodic):
+        outline = dem.Polygon(0.1 * WEDGE.outline.corners, 0.15 * PITCH)
+        solids.append(dem.Solid(outline, (PITCH, PITCH), 0.4, velocity))
     defaults = {
         "material": SOFT,
         "friction": dem.Friction(),
         "thickness": PITCH,
         "walls": lids(walls),
-        "solids": dem.Cylinder(
-            0.4 * PITCH, tuple(0.0 if repeats else PITCH for repeats in periodic), (0.3, 0.2)
-        ),
+        "solids": solids,
         "periodic": [period if repeats else None for repeats in periodic],
     }
     shape = dem.Disc(rng.uniform(0.25, 0.4, n) * PITCH)
-    state = dem.State(
-        PITCH * grid, 3.0 * rng.normal(size=(n, 2)), angular_velocity=900.0 * rng.normal(size=n)
-    )
+    speeds, spin = 3.0 * rng.normal(size=(n, 2)), 900.0 * rng.normal(size=n)
+    state = dem.State(grid(side) + 0.5 * PITCH, speeds, angular_velocity=spin)
     return dem.Scene(shape, **defaults | scene), state
 
 
@@ -102,114 +106,96 @@ def least_image(separation, periodic):
     return separation - whole * np.rint(separation / period)
 
 
-def deep(run):
-    """Pairs of discs that overlap, and discs that overlap with the cylinder, found by brute force."""
-    scene, state = run.scene, run.state
-    radius, periodic = scene.shape.radius, scene.periodic
-    separation = least_image(state.position[:, None] - state.position, periodic)
-    gap = np.hypot(*np.moveaxis(separation, -1, 0)) - radius[:, None] - radius
-    pairs = {tuple(map(int, pair)) for pair in np.argwhere(np.triu(gap < 0.0, 1))}
-    (axis,) = run.world.boundaries.motion[len(scene.walls) :, :2]
-    separation = least_image(state.position - axis, periodic)
-    gap = np.hypot(*separation.T) - radius - scene.solids[0].radius
-    return pairs, set(np.flatnonzero(gap < 0.0).tolist())
+def gaps(scene, position, solids):
+    """Vectors (n, n, 2) from discs to the nearest images of others, gaps (n, n) between them, and gaps
+    (k, n) from solids at places (k, 2), all in m."""
+    radius, away = scene.shape.radius, least_image(position - position[:, None], scene.periodic)
+    from_solids = []
+    for solid, place in zip(scene.solids, solids, strict=True):
+        offset = least_image(position - place, scene.periodic)
+        c, s = np.cos(solid.angle), np.sin(solid.angle)
+        if isinstance(solid.outline, dem.Polygon):
+            gap = outside(offset @ [[c, -s], [s, c]], solid.outline.corners) - solid.outline.radius
+        else:
+            gap = np.hypot(*offset.T) - solid.radius
+        from_solids.append(gap - radius)
+    return away, np.hypot(*np.moveaxis(away, -1, 0)) - radius[:, None] - radius, from_solids
 
 
-def contacts_of(run):
-    """The same of the contacts that the simulation has."""
-    contacts = run.contacts()
-    pairs = np.sort(np.column_stack([contacts.granule, contacts.partner]), axis=1)
-    between, cylinder = contacts.partner >= 0, contacts.partner == -1
-    return set(map(tuple, pairs[between].tolist())), set(contacts.granule[cylinder].tolist())
+def listed(contacts, solids):
+    """Pairs of numbers of a list of contacts but those of walls, the greater first."""
+    pairs = np.sort(np.column_stack([contacts.granule, contacts.partner]), axis=1)[:, ::-1]
+    return sorted(map(tuple, pairs[pairs[:, 1] >= -solids].tolist()))
 
 
-@st.composite
-def repeated(draw):
-    """Parts at random places, and periods of a few of them to many."""
-    rows, radius, skin = draw(parts())
-    least = 2.0 * (2.0 * radius.max() + 2.0 * skin)
-    period = st.none() | st.sampled_from([1.0, 1.4, 2.0, 3.1, 11.0, 1e3]).map(lambda f: f * least)
-    return rows, radius, skin, (draw(period), draw(period))
+def touching(between, solids):
+    """The same of gaps."""
+    pairs = [tuple(map(int, pair)) for pair in np.argwhere(np.tril(between < 0.0, -1))]
+    pairs += [(int(i), -1 - k) for k, gap in enumerate(solids) for i in np.flatnonzero(gap < 0.0)]
+    return sorted(pairs)
 
 
-@given(repeated(), st.sampled_from([dem.Disc, dem.Clump]))
-def test_pairs_are_those_of_an_all_images_search(bed, kind):
-    """Every pair whose nearest images are closer than the skin is listed once, and no other."""
-    rows, radius, skin, period = bed
-    n = len(rows)
-    shape, owner = owned(kind, n)
-    sides = tuple(length or 0.0 for length in period)
-    first, part, other = near_pairs(shape, rows, radius, None, skin, sides)
-    separation = np.array(least_image(rows[:, None, :2] - rows[None, :, :2], period))
-    distance = np.hypot(*separation.transpose(2, 0, 1))
-    expected = [
-        (i, j)
-        for i in range(n)
-        for j in range(i + 1, n)
-        if owner[i] != owner[j] and distance[i, j] < radius[i] + radius[j] + skin
+FACTOR = st.sampled_from([1.0, 1.3, 2.0, 11.0])  # of the least period
+
+
+@given(
+    st.integers(0, 2**32 - 1),
+    st.sampled_from([1e-3, 0.3, 5.0]),
+    st.tuples(FACTOR, FACTOR),
+)
+def test_contacts_are_those_of_a_search_over_all_images(seed, skin, factors):
+    """Of discs and of solids across sides, whichever image of each is given, and however many a skin
+    reaches: each contact once, with its overlap and the way to the image."""
+    rng = np.random.default_rng(seed)
+    radius = PITCH * rng.choice([0.05, 0.4, 1.0], rng.integers(1, 40))
+    least = 2.5 * PITCH * (1.0 + np.hypot(0.9, 0.5) + 0.5)  # of reach: hypot is that of a corner
+    size = 1.001 * least * np.array(factors)
+
+    def anywhere(places):
+        return places + rng.integers(-3, 4, np.shape(places)) * size
+
+    axis = rng.uniform(size=2) * size
+    solids = [
+        replace(WEDGE, position=anywhere(axis), angle=rng.uniform(0.0, 7.0)),
+        dem.Cylinder(2.0 * PITCH, anywhere(axis + 0.5 * size)),
     ]
-    assert list(zip(part.tolist(), other.tolist(), strict=True)) == expected
-    assert_array_equal(first, np.searchsorted(part, np.arange(n + 1)))
-
-
-@given(repeated(), st.floats(0.01, 3.0), st.sampled_from(FORMS))
-def test_a_solid_lists_every_part_near_one_of_its_images(bed, size, form):
-    rows, radius, skin, period = bed
-    position = rows[0, :2] + 0.5
-    surface, boundaries, gaps = solid(form, position, 0.4, size)
-    sides = tuple(length or 0.0 for length in period)
-    part, other = near_surface(surface, boundaries, rows, radius, skin, sides)
-    near = gaps(least_image(rows[:, :2] - position, period)) - radius < skin
-    assert list(part) == list(np.flatnonzero(near)) and not other.any()
+    position = anywhere(rng.uniform(size=(len(radius), 2)) * size)
+    scene = dem.Scene(dem.Disc(radius), SOFT, dem.Friction(), None, solids, periodic=tuple(size))
+    contacts = dem.Simulation(scene, dem.State(position), skin=skin).contacts()
+    away, between, from_solids = gaps(scene, position, [solid.position for solid in solids])
+    assert listed(contacts, 2) == touching(between, from_solids)
+    pair = contacts.partner >= 0
+    i, j = contacts.granule[pair], contacts.partner[pair]
+    assert_allclose(contacts.overlap[pair], -between[i, j], rtol=0, atol=1e-9 * PITCH)
+    assert_allclose(contacts.branch[pair], away[i, j], rtol=0, atol=1e-9 * PITCH)
+    for k, gap in enumerate(from_solids):
+        on = contacts.partner == -1 - k
+        at, overlap = contacts.granule[on], contacts.overlap[on]
+        shallow = overlap < radius[at]  # the centre is outside
+        assert_allclose(overlap[shallow], -gap[at][shallow], rtol=0, atol=1e-9 * PITCH)
 
 
 def test_where_the_box_begins_changes_no_motion():
     """A bed moves alike wherever the sides of the box cut it, whichever image of a granule is given."""
     scene, state = crowd()
-    period = np.array([length or 0.0 for length in scene.periodic])
+    period = np.array(scene.periodic)
     images = np.random.default_rng(2).integers(-3, 4, state.position.shape)
-    runs = []
+    results = []
     for shift, axis in (
         (0.0, 0.0),
         (0.37 * period, 0.37 * period),
         (images * period, [2, -1] * period),
     ):
-        cylinder = replace(CYLINDER, position=tuple(axis + np.array(CYLINDER.position)))
-        cut = replace(scene, solids=cylinder)
-        runs.append(dem.Simulation(cut, moved(state, shift), STEP))
-    results = []
-    for run in runs:
-        start = run.state.position
-        run.advance(100 * STEP)
-        results.append((run.state.position - start, run.state.velocity, run.world.force[:, :3]))
-    assert np.abs(results[0][0]).max() > 5e-3 * PITCH
+        run = dem.Simulation(elsewhere(scene, axis), moved(state, shift), STEP)
+        start, record = run.state.position, run.record(25 * STEP, 4)
+        force = record.normal_force + record.tangential_force
+        results.append((run.state.position - start, run.state.velocity, force, record.torque))
+    assert (
+        np.abs(results[0][0]).max() > 5e-3 * PITCH and (results[0][2] != 0.0).any(axis=(0, 2)).all()
+    )
     for other in results[1:]:
         for one, two in zip(results[0], other, strict=True):
             assert_allclose(two, one, rtol=0.0, atol=1e-9 * np.abs(one).max())
-
-
-def test_a_polygon_across_the_sides_is_met_as_one_in_the_middle():
-    """Forces are those of the bed half a period away, whichever image of a granule is given."""
-    scene, state = crowd(dem.Dumbbell)
-    corners = PITCH * np.array([[-0.8, -0.6], [0.9, -0.5], [0.1, 0.9]])
-    wedge = dem.Solid(dem.Polygon(corners, 0.5 * PITCH), (0.0, 0.0), 0.4, (0.3, 0.2), 500.0)
-    period = np.array(scene.periodic)
-    images = np.random.default_rng(2).integers(-3, 4, state.position.shape)
-    beds = []
-    for shift, image in ((0.0, 0.0), (0.5 * period, 0.0), (0.0, images * period)):
-        solid = replace(wedge, position=tuple(shift + np.array(CYLINDER.position)))
-        cut = replace(scene, solids=solid)
-        table = granule_table(cut, 0.3)
-        world = assemble(cut, moved(state, shift + image).checked(cut.granules), table)
-        world = rebuild_neighbor_list(world, table)
-        forces(world, STEP, np.inf)
-        touch = list_contacts(world, np.arange(cut.granules))
-        on_solid = touch.partner == -1
-        beds.append((world.force, world.boundaries.contact_forces, touch.overlap, touch.branch))
-        assert on_solid.sum() > 3 and np.abs(world.boundaries.contact_forces).min() > 0.0
-    for other in beds[1:]:
-        for one, two in zip(beds[0], other, strict=True):
-            assert_allclose(two, one, rtol=0.0, atol=1e-12 * np.abs(one).max())
 
 
 def test_a_bed_that_travels_through_the_sides_moves_as_one_at_rest():
@@ -217,7 +203,7 @@ def test_a_bed_that_travels_through_the_sides_moves_as_one_at_rest():
     scene, state = crowd()
     velocity, time = np.array([12.0, -8.0]), 600 * STEP
     resting = dem.Simulation(scene, state, 0.5 * STEP)
-    fast = replace(scene, solids=replace(CYLINDER, velocity=tuple(velocity)))
+    fast = elsewhere(scene, velocity=velocity)
     travels = dem.Simulation(fast, moved(state, 0.0, velocity), 0.5 * STEP)
     records = [run.record(time / 4.0, 4) for run in (resting, travels)]
     displacement = resting.state.position - state.position
@@ -234,7 +220,7 @@ def test_a_bed_that_travels_through_the_sides_moves_as_one_at_rest():
 
 
 def test_momentum_is_kept_across_the_sides():
-    """But for that which the cylinder takes."""
+    """But for that which the solids take."""
     scene, state = crowd()
     run, mass = dem.Simulation(scene, state, STEP), scene.mass[:, None]
     run.advance(1000 * STEP)
@@ -249,96 +235,77 @@ def test_momentum_is_kept_across_the_sides():
 
 def test_energy_is_kept_across_the_sides():
     """Without friction and damping nothing is lost, whichever image of a granule is met."""
-    cylinder = dem.Cylinder(0.4 * PITCH, (0.0, 0.0))
-    scene, state = gas(material=ELASTIC, friction=SMOOTH, solids=cylinder)
-    run = dem.Simulation(scene, state, step_fraction=0.05)
-    initial = sum(balance(run.world))
-    run.advance(5e-4)
-    assert sum(balance(run.world)) == pytest.approx(initial, rel=1e-4)
-    assert np.abs(run.state.velocity - state.velocity).max() > 1.0 and initial > 0.0
+    scene, state = gas(material=ELASTIC, friction=SMOOTH, velocity=(0.0, 0.0))
+    run, energies = dem.Simulation(scene, state, step_fraction=0.05), []
+    for time in (0.0, 5e-4):
+        run.advance(time)
+        contacts = run.contacts()
+        elastic = 0.4 * contacts.force @ contacts.overlap  # of Hertz
+        energies.append(run.diagnose().kinetic_energy + elastic)
+    assert energies[1] == pytest.approx(energies[0], rel=1e-4)
+    assert np.abs(run.state.velocity - state.velocity).max() > 1.0 and energies[0] > 0.0
 
 
 @pytest.mark.parametrize(
-    ("side", "periodic"), [(2, (True, True)), (3, (True, True)), (6, (True, False))]
-)
-def test_nothing_passes_a_granule_unseen(side, periodic):
-    """In boxes of any number of cells, all contacts are known, those with images of the cylinder too."""
+    ("side", "periodic", "skin"),
+    [(2, (True, True), None), (2, (True, True), 5.0), (3, (True, True), None), (6, (True, False), None)],
+)  # fmt: skip
+def test_nothing_passes_a_granule_unseen(side, periodic, skin):
+    """In boxes of any number of cells, at the least period and with a skin that would reach two images,
+    all contacts are known, those with images of the cylinder too."""
     scene, state = gas(side, periodic=periodic)
-    run, count = dem.Simulation(scene, state), np.zeros(2)
+    run, count = dem.Simulation(scene, state, skin=skin), np.zeros(2)
     for _ in range(300):
         run.advance(5e-6)
-        assert contacts_of(run) == deep(run)
-        count += [len(contacts) for contacts in deep(run)]
-    sides = [axis for axis, repeats in enumerate(periodic) if repeats]
-    assert np.abs(run.state.position - state.position)[:, sides].max() > 1.5 * PITCH
+        places = [np.add(b.position, run.time * np.array(b.velocity)) for b in scene.solids]
+        found = listed(run.contacts(), len(places))
+        assert found == touching(*gaps(scene, run.state.position, places)[1:])
+        met = [partner for _, partner in found]
+        count += sum(partner >= 0 for partner in met), met.count(-1)
+    sides = np.flatnonzero(periodic)
+    assert np.abs(run.state.position - state.position)[:, sides].max() > 0.25 * side * PITCH
     assert count[0] > 20 and count[1] > 5
 
 
-def test_a_restart_changes_no_bit():
-    """Also when granules have crossed a side."""
+def test_a_checkpoint_goes_on_with_the_same_bits_across_the_sides():
     scene, state = gas()
     whole, second = dem.Simulation(scene, state), dem.Simulation(scene, state)
     whole.advance(4e-4)
-    saved = whole.checkpoint()
-    assert saved["world.pairs.shift_x"].any() and saved["world.pairs.shift_y"].any()
-    second.restore(saved)
+    assert np.ptp(np.floor_divide(whole.state.position, scene.periodic), axis=0).all()
+    second.restore(whole.checkpoint())
     for run in (whole, second):
         run.advance(2e-4)
     for one, two in zip(vars(whole.state).values(), vars(second.state).values(), strict=True):
         assert_array_equal(one, two)
 
 
-def test_a_large_bed_is_listed_by_where_granules_are_in_the_box():
-    """The order in memory does not depend on how often a granule has gone round."""
-    scene, state = gas(36)
-    images = np.random.default_rng(2).integers(-3, 4, state.position.shape)
-    states = state, moved(state, images * scene.periodic)
-    one, other = (order_of(scene, image.checked(scene.granules)) for image in states)
-    assert_array_equal(one, other)
-    assert np.ptp(np.diff(one)) > 1
+# Beds
 
 
-REFUSED = {
-    "Scene.periodic is 0.01; it must be two periods": 0.01,
-    "Scene.periodic is (0.01,); it must be two periods": (0.01,),
-    "Scene.periodic is 'x'; it must be two periods": "x",
-    "Scene.periodic is (0.01, -1.0); it must be two periods (x, y), None for a side": (0.01, -1.0),
-    "periodic along x is 0.002 m; it must be at least 0.0025 m": (2e-3, None),
-    "walls must have nx = 0, because the scene repeats itself along x": (0.01, None),
-}
-
-
-@pytest.mark.parametrize("sentence", REFUSED)
-def test_a_period_that_cannot_be_is_refused_in_a_sentence(sentence):
-    walls = dem.box(1e-2, 1e-2) if "walls" in sentence else None
-    with pytest.raises(dem.InputError) as error:
-        dem.Scene(dem.Disc([0.5e-3, 0.4e-3]), walls=walls, periodic=REFUSED[sentence])
-    assert str(error.value).startswith(sentence) and str(error.value).count(".\n") == 0
-
-
-def test_the_least_period_is_enough():
-    """Also with a skin that would reach two images of one granule: it is made smaller."""
-    scene, _ = gas(2)
-    scene = replace(
-        scene,
-        shape=dem.Disc([0.5e-3, 0.5e-3]),
-        periodic=(2.5e-3, 2.5e-3),
-        material=dem.Material(),
-        solids=AWAY,
-    )
-    state = dem.State([[0.0, 0.0], [1.2e-3, 1.3e-3]], velocity=[[3.0, 1.0], [-2.0, 2.0]])
-    run = dem.Simulation(scene, state, skin=5.0)
-    for _ in range(100):
-        run.advance(1e-5)
-        assert contacts_of(run) == deep(run)
-
-
-def test_a_result_tells_its_periods():
-    scene, state = gas(periodic=(True, False))
-    dataset = dem.simulate(scene, state, 1e-5).to_dataset()
-    assert_array_equal(dataset["period"], [6.0 * PITCH, np.nan])
-    assert dataset["period"].attrs["units"] == "m"
-    assert dem.Scene(dem.Disc([1e-3]), periodic=(None, None)).periodic is None
+def loads(shape, position, cylinder, sides, periodic):
+    """Net forces (n, 2) and energy of Hertz's law on discs whose modulus is one, in a box of these sides
+    with a rigid cylinder and rigid walls where it does not repeat itself."""
+    scene = dem.Scene(shape, solids=cylinder, periodic=periodic)
+    away, between, (to_cylinder,) = gaps(scene, position, [cylinder.position])
+    radius, net, energy = shape.radius, np.zeros_like(position), 0.0
+    offset = least_image(position - cylinder.position, periodic)
+    contacts = [  # ways from the discs, gaps, 1/R*, and E*: a half of two that yield
+        (away, np.where(np.eye(len(radius), dtype=bool), 0.0, between), 1 / radius[:, None] + 1 / radius, 0.5),
+        (-offset[:, None], to_cylinder[:, None], (1 / radius + 1 / cylinder.radius)[:, None], 1.0),
+    ]  # fmt: skip
+    for normal in [np.array([0.0, -1.0]), np.array([0.0, 1.0])] if periodic[1] is None else []:
+        place = sides[1] if normal[1] > 0.0 else 0.0
+        gap = (place - position[:, 1]) * normal[1] - radius
+        contacts.append(
+            (np.broadcast_to(normal, (len(radius), 1, 2)), gap[:, None], 1 / radius[:, None], 1.0)
+        )
+    for ways, gap, curvature, modulus in contacts:
+        overlap = np.maximum(-gap, 0.0)
+        force = 4 / 3 * modulus * overlap**1.5 / np.sqrt(curvature)
+        length = np.maximum(np.linalg.norm(ways, axis=-1), 1e-30)
+        net -= ((force / length)[..., None] * ways).sum(axis=1)
+        energy += 0.4 * (force * overlap).sum() * (0.5 if gap is contacts[0][1] else 1.0)
+    return net, energy
 
 
 @pytest.mark.parametrize("periodic", ["x", "xy"])
@@ -352,54 +319,46 @@ def test_a_packed_bed_is_at_rest(periodic):
     assert bed.periodic == (bed.width if sides[0] else None, bed.height if sides[1] else None)
     assert ((bed.position >= 0.0) & (bed.position <= [bed.width, bed.height])).all()
     assert bed.net_force < 1e-9 and bed.coordination_number > 3.0 and bed.pressure > 0.0
-    scene = dem.Scene(
-        shape,
-        SOFT,
-        dem.Friction(),
-        lids(standing),
-        cylinder,
-        thickness=PITCH,
-        periodic=bed.periodic,
-    )
-    run = dem.Simulation(scene, bed.state)
-    contacts = run.contacts()
-    assert (contacts.partner == -1).sum() > 3
-    assert np.abs(run.world.force[:, :2]).max() < 1e-4 * contacts.force.mean()
+    size = bed.width, bed.height
+    net, energy = loads(shape, bed.position, cylinder, size, bed.periodic)
+    assert energy > 0.0 and np.abs(net).max() < 1e-8 * shape.radius.mean() ** 2
 
 
 def test_the_pressure_of_a_bed_is_the_energy_that_its_box_gives():
     """When a frictionless box shrinks, its energy grows by the pressure times the area that it loses."""
     shape, bed = packed(cylinder=AWAY)
     size, small = np.array(bed.periodic), 1e-6
-    soft = replace(UNIT, restitution=0.5)
-
-    def energy(factor):
-        cylinder = replace(AWAY, position=tuple(factor * np.array(AWAY.position)))
-        scene = dem.Scene(
-            shape, soft, SMOOTH, None, cylinder, thickness=1.0, periodic=tuple(factor * size)
-        )
-        return balance(dem.Simulation(scene, dem.State(bed.position * factor)).world)[1]
-
-    gain = (energy(1.0 - small) - energy(1.0 + small)) / (2.0 * small)
-    modulus = 0.5  # E* of two granules of unit modulus
-    assert_allclose(bed.pressure * modulus * 2.0 * size.prod(), gain, rtol=1e-4)
+    energies = [
+        loads(shape, bed.position * factor, AWAY, None, tuple(factor * size))[1]
+        for factor in (1.0 - small, 1.0 + small)
+    ]
+    gain = -np.diff(energies)[0] / (2.0 * small)
+    assert_allclose(bed.pressure * 0.5 * 2.0 * size.prod(), gain, rtol=1e-4)  # E* is 1/2
 
 
-def test_a_bed_that_is_pressed_with_friction_is_looser_in_contacts_and_at_rest():
-    shape, bed = packed("xy", AWAY)
-    room = Room(bed.width, bed.height, (dem.Cylinder(0.3e-3, (1e-3, 1e-3)),), 1, "xy")
-    rough = Press(shape, room, 0.5).bed()
-    assert rough.periodic == bed.periodic and rough.walls is None
-    assert rough.net_force < 2e-4 and rough.pressure > 0.0
+def test_a_run_of_the_experiment_takes_periodic_sides():
+    """Its walls are those that remain; without any the cylinder may leave through the top, at night."""
+    record = {"snapshots": 3, "observables": ["drag", "snapshots", "flow", "alignment"]}
+    values = {"extends": "config/smoke.yaml", "shape": "c1", "seed": 1, "record": record}
+    lid = {"packing": {"fraction": None, "pressure": 60e6}}  # its kernels are there
+    result = dem.run_experiment(values | lid | {"periodic": "x"})
+    present = np.isfinite(result["wall_force"].values).all(axis=1)
+    assert present.tolist() == [False, False, True, True]
+    assert np.isnan(result["wall_force"].values[~present]).all()
+    assert result["drag"].mean() > 0.0 and result["packing_pressure"] > 0.0
+    assert np.isfinite(result["non_affine"].values[1:]).all()
+
+
+# What is said of them
 
 
 @pytest.mark.parametrize("measure", ["non_affine", "fluctuation", "mixing"])
 def test_measures_of_flow_do_not_depend_on_where_the_box_begins(measure):
     rng, period = np.random.default_rng(1), (8e-3, 8e-3)
-    grid = PITCH * np.stack(np.meshgrid(*2 * [np.arange(8.0)]), -1).reshape(-1, 2)
-    start = grid + rng.normal(scale=1e-4, size=grid.shape)
-    end = start + rng.normal(scale=1e-4, size=grid.shape)
-    layers = measures.layers_of(grid, 8e-3)
+    points = grid(8)
+    start = points + rng.normal(scale=1e-4, size=points.shape)
+    end = start + rng.normal(scale=1e-4, size=points.shape)
+    layers = measures.layers_of(points, 8e-3)
 
     def values(shift):
         positions = start + shift, end + shift
@@ -407,69 +366,33 @@ def test_measures_of_flow_do_not_depend_on_where_the_box_begins(measure):
             return measures.mixing(layers, positions[1], PITCH, period)
         return getattr(measures, measure)(*positions, PITCH, period)
 
-    turns = rng.integers(-3, 4, grid.shape) * period
+    turns = rng.integers(-3, 4, points.shape) * period
     assert np.isfinite(values(0.0)).all() and np.ptp(np.append(values(0.0), 0.0)) > 0.0
     assert_allclose(values(turns + [3.3e-3, 1e-4]), values(0.0), rtol=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("periodic", "count"), [((5.0, 4.0), 9), ((5.0, None), 3), ((None, 4.0), 3), (None, 1)]
-)
-def test_a_bed_is_drawn_with_its_images_one_period_away(periodic, count):
-    """On both sides of each periodic direction, and in the corners of two."""
-    drawn = {tuple(map(float, shift)) for shift in shifts(periodic)}
-    x, y = periodic or (None, None)
-    steps = [(-1, 0, 1) if period else (0,) for period in (x, y)]
-    assert drawn == {(a * (x or 0.0), b * (y or 0.0)) for a in steps[0] for b in steps[1]}
-    assert len(drawn) == count
-
-
-def test_a_picture_is_the_same_whichever_image_is_given():
-    scene, state = gas(periodic=(True, False))
-    turn = np.random.default_rng(1).integers(-2, 3, len(state.position))[:, None] * [6e-3, 0.0]
-    images = []
-    for shift in (0.0, turn):
+@pytest.mark.parametrize("periodic", [(True, False), (True, True)])
+def test_a_picture_is_the_same_whichever_image_is_given(periodic):
+    """It shows one period, with the images on both sides of each periodic direction, and in the corners
+    of two. A file says the periods."""
+    scene, state = gas(periodic=periodic)
+    period = np.array(scene.periodic, float)
+    turn = np.random.default_rng(1).integers(-2, 3, (len(state.position), 2))
+    pictures = []
+    for shift in (0.0, turn * np.nan_to_num(period)):
         result = dem.simulate(scene, moved(state, shift), 1e-5)
-        figure = dem.plot.bed(result, color="speed", forces=True)
-        axes = figure.axes[0]
-        granules, cylinders = (axes.collections[first::4] for first in (0, 2))  # by image
+        dataset = result.to_dataset()["period"]
+        assert_array_equal(dataset, period)
+        assert dataset.attrs["units"] == "m"
+        axes = dem.plot.bed(result, color="speed", forces=True).axes[0]
+        granules, solids = (axes.collections[first::4] for first in (0, 2))  # by image
         rings = [ring for image in granules for ring in image.get_paths()]
-        images.append(sorted(tuple(np.round(ring.vertices.mean(axis=0), 6)) for ring in rings))
-        assert len(cylinders) == 3 and all(len(image.get_paths()) == 1 for image in cylinders)
+        pictures.append(sorted(tuple(np.round(ring.vertices.mean(axis=0), 6)) for ring in rings))
+        axis = 1e3 * result.solid_position[-1, 0]
+        outlines = [image.get_paths()[0].vertices for image in solids]
+        seen = [0.5 * (ring.min(axis=0) + ring.max(axis=0)) - axis for ring in outlines]
+        steps = [(-6, 0, 6) if repeats else (0,) for repeats in periodic]
+        images = np.stack(np.meshgrid(*steps), -1).reshape(-1, 2)
+        assert sorted(np.round(seen, 3).tolist()) == sorted(images.tolist())
         assert_allclose(axes.get_xlim(), [0.0, 6.0])
-    assert len(images[0]) >= scene.granules and images[0] == images[1]
-
-
-VALUES = {"extends": "config/smoke.yaml", "shape": "c1", "seed": 1, "record": {"snapshots": 3}}
-
-
-@pytest.mark.parametrize("periodic", ["x", "xy"])
-def test_a_run_of_the_experiment_takes_periodic_sides(periodic):
-    """Its walls are those that remain, and the cylinder may leave through the top."""
-    lid = {"packing": {"fraction": None, "pressure": 60e6}}  # its kernels are there
-    changes = {"cylinder": {"start": 0.9}} if periodic == "xy" else lid
-    record = VALUES["record"] | {"observables": ["drag", "snapshots", "flow", "alignment"]}
-    result = dem.run_experiment(VALUES | changes | {"record": record, "periodic": periodic})
-    present = np.isfinite(result["wall_force"].values).all(axis=1)
-    assert present.tolist() == [False, False, *2 * [periodic == "x"]]
-    assert np.isnan(result["wall_force"].values[~present]).all()
-    assert result["drag"].mean() > 0.0 and result["packing_pressure"] > 0.0
-    assert np.isfinite(result["non_affine"].values[1:]).all()
-
-
-def test_periodic_sides_are_part_of_what_a_run_is():
-    """Runs and beds differ; the default, written or not, is the same."""
-    values = next(iter(dem.load_sweep("config/smoke.yaml")))
-    one, same, other = (
-        of_values(values | changes) for changes in ({}, {"periodic": "none"}, {"periodic": "x"})
-    )
-    for name in ("run_key", "bed_key"):
-        assert getattr(one, name)() == getattr(same, name)() != getattr(other, name)()
-    assert one.bed_family != other.bed_family
-    data = {key: value for key, value in values.items() if key not in ("shape", "density", "seed")}
-    for wrong, words in (("z", "periodic is 'z'"), (True, "periodic is true")):
-        with pytest.raises(dem.InputError, match=words):
-            parse(data | {"periodic": wrong})
-    narrow = values | {"periodic": "x", "box_width": 3e-3}
-    with pytest.raises(dem.InputError, match="along x it must be at least"):
-        of_values(narrow)
+    assert len(pictures[0]) >= scene.granules and pictures[0] == pictures[1]
