@@ -268,18 +268,6 @@ def test_nothing_passes_a_granule_unseen(side, periodic, skin):
     assert count[0] > 20 and count[1] > 5
 
 
-def test_a_checkpoint_goes_on_with_the_same_bits_across_the_sides():
-    scene, state = gas()
-    whole, second = dem.Simulation(scene, state), dem.Simulation(scene, state)
-    whole.advance(4e-4)
-    assert np.ptp(np.floor_divide(whole.state.position, scene.periodic), axis=0).all()
-    second.restore(whole.checkpoint())
-    for run in (whole, second):
-        run.advance(2e-4)
-    for one, two in zip(vars(whole.state).values(), vars(second.state).values(), strict=True):
-        assert_array_equal(one, two)
-
-
 # Beds
 
 
