@@ -8,6 +8,7 @@ import shutil
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 import yaml
@@ -24,17 +25,18 @@ from dem.experiment.run import Replicate
 from dem.report.info import drag_table
 from dem.report.status import status
 from dem.sweep import batch as making
-from dem.sweep import combine as combining
 from dem.sweep import store as stores
 from dem.sweep.axis import changes_of_words
 from dem.sweep.combine import about, combine, combine_block
 from dem.sweep.config import load, merged, parse
+from dem.sweep.derive import Jamming
 from dem.sweep.grouping import plan_batches
 from dem.sweep.prune import prune, sweeps, usage
 from dem.sweep.state import SweepState
 
 pytestmark = pytest.mark.quick
 
+C1 = {"shape": "c1"}
 FEW = {"c1": {"kind": "disc", "diameter": 1092e-6, "granules": 30}}
 SMALL = {
     "extends": str(CONFIG / "smoke.yaml"),
@@ -226,39 +228,6 @@ def test_a_value_of_the_command_line_is_the_number_that_a_file_would_give():
     assert run.id == parse(merged(base, file)).replicate("c1", 3.9e3, 1).id
 
 
-POINT = {"design": "sobol", "points": 4}
-GRAVITY, GRAVIT = ({name: {"low": 0, "high": 1}} for name in ("gravity", "gravit"))
-DERIVED = {"packing.fraction": {"derive": "equal_load", "friction": 0.3}}
-C1 = {"shape": "c1"}
-# what varies: a part of the sentence about it; sentences about single values are in test_config.py
-WRONG = [
-    ({"friction.granule": [0.1]}, "must give all runs a shape or a case; there are c1, d1, e0, e3"),
-    ({"box": {"a": C1, "b": {"gravity": 1}}}, "sweep must give all runs a shape or a case"),
-    (C1 | {"cylinder.stroke": [1e-3]}, "runs of one block share"),
-    (C1 | {"cylinder.start": [0.25, 0.01]}, "asks for an impossible run"),
-    ({"box": {"a": {"box_with": 1}}}, "is no value that can vary; the nearest is box_width"),
-    ({"p": POINT | {"over": GRAVITY, "design": "grid"}}, "sweep.p.design is 'grid'; it must be"),
-    ({"p": POINT | {"over": GRAVIT}}, "the nearest is gravity"),
-    ({"blocks": {}}, "sweep.blocks is {}; it must have at least 1 item"),
-    ({"box": {"a": {"shape": "zz"}}}, "sweep.box.a.shape is 'zz', which is not one of shapes"),
-    ({"box": {"a": {"density": 0.0}}}, "sweep.box.a.density is 0.0; it must be positive"),
-    ({"box": {1: {}, "1": {}}}, "has '1' twice"),
-    ({"friction.granule": [0, -0.0]}, "twice; list each once"),
-    (C1 | {"friction.wall": [1], "friction_wall": {"a": {}}}, "two things named friction_wall"),
-    (C1 | {"friction_wall": {"a": {"friction.wall": 0.1}}}, "two things named friction_wall"),
-    ({"blocks": {"a": C1, "b": C1 | {"needs": "a", "s": {"x": DERIVED}}}}, "leave friction out"),
-    ({"blocks": {"a": C1}} | C1, "has blocks and shape"),
-]
-
-
-@pytest.mark.parametrize(("sweep", "words"), WRONG)
-def test_a_wrong_sweep_is_one_sentence(sweep, words):
-    """It names the key and the value, and the nearest right one."""
-    with pytest.raises(InputError) as error:
-        small(sweep)
-    assert words in str(error.value) and "\n" not in str(error.value)
-
-
 def test_a_file_extends_another(tmp_path):
     """Values beside those of the other file; what varies is its own; results must be."""
     (tmp_path / "base.yaml").write_text((CONFIG / "smoke.yaml").read_text())
@@ -282,7 +251,7 @@ def test_a_file_extends_another(tmp_path):
 
 
 def test_what_a_run_does_not_read_makes_no_other_run():
-    """Titles, other seeds, names, windows, chunks, order of keys: the same identity."""
+    """Titles, other seeds, names, windows, chunks, order of keys: the same identity; other observables, another."""
     sweep = {"shape": "c1", "seed": [1]}
     first = ids(small(sweep))
     same = [
@@ -294,30 +263,8 @@ def test_what_a_run_does_not_read_makes_no_other_run():
         small({"shape": "c7"}, shapes={"c7": FEW["c1"]}),
     ]
     assert all(ids(other)[0] == first[0] for other in same)
-
-
-def test_what_a_run_reads_makes_another_run():
-    """Each value of the schema, seed and density too; two of its shape only."""
-    sweep = {"shape": "c1"}
-    first = small(sweep).block("drag").first
-    run_ids = {first.id}
-    changed = {
-        "friction.granule": 0.2,
-        "gravity": 9.81,
-        "material.thickness": 2e-3,
-        "box_width": 7e-3,
-        "cylinder.start": 0.3,
-        "packing.size_spread": 0.1,
-        "numerics.max_overlap": 1.0,
-        "shapes.c1.granules": 31,
-        "shapes.c1.diameter": 1.1e-3,
-    }
-    for path, value in changed.items():
-        run_ids.add(ids(small(sweep | {path: [value]}))[0])
-    run_ids.add(ids(small(sweep | {"density": [3.91e3]}))[0])
-    run_ids.add(ids(small(sweep | {"seed": [2]}))[0])
-    run_ids.add(ids(small(sweep, record=SMALL["record"] | {"observables": ["drag", "ledger"]}))[0])
-    assert len(run_ids) == len(changed) + 4
+    record = SMALL["record"] | {"observables": ["drag", "ledger"]}
+    assert ids(small(sweep, record=record)) != first
 
 
 SWEEPS = [
@@ -345,40 +292,6 @@ def test_an_ellipse_reads_how_its_contacts_are_found():
     block = small({"shape": ["c1", "e3"], "ellipse.contact": contacts}).block("drag")
     assert len(block.runs) == 4 and len(list(block.unique())) == 3
     assert sorted(map(len, block.points.values())) == [1, 1, 2]
-
-
-def test_beds_do_not_depend_on_what_comes_after_them():
-    """Runs at several frictions, densities and moduli share a bed; other fractions do not."""
-    shared = small(
-        {
-            "shape": "c1",
-            "friction.granule": [0.1, 0.2],
-            "density": [1e3, 4e3],
-            "packing.fraction": [0.8, 0.84],
-        }
-    )
-    beds = [run.bed_id for run in shared.block("drag").runs.values()]
-    assert len(set(beds)) == 2
-
-
-def test_what_a_bed_reads_makes_another_bed():
-    """Each of these values and the seed: no run is drawn through the bed of another."""
-    sweep = {"shape": "c1"}
-    changed = {
-        "packing.fraction": 0.79,
-        "packing.friction": 0.2,
-        "packing.size_spread": 0.1,
-        "packing.preparation": "grown",
-        "box_width": 7e-3,
-        "cylinder.start": 0.3,
-        "cylinder.diameter": 1.4e-3,
-        "shapes.c1.granules": 31,
-        "shapes.c1.diameter": 1.1e-3,
-        "seed": 2,
-    }
-    sweeps = [small(sweep)] + [small(sweep | {path: [value]}) for path, value in changed.items()]
-    beds = {case.block("drag").first.bed_id for case in sweeps}
-    assert len(beds) == len(changed) + 1
 
 
 def test_chunks_are_filled_and_runs_of_one_bed_follow_each_other(tmp_path):
@@ -489,6 +402,74 @@ def test_a_combined_file_tells_the_values_that_its_runs_had(tmp_path):
     assert data.coords["granules"].values.tolist() == [25]
 
 
+def test_coordinates_of_a_combined_file_are_the_values_of_its_runs(tmp_path):
+    """Along each dimension, of several values at once; what is absent is a gap, and not zero."""
+    slow = {"cylinder.velocity": 1.0, "material.thickness": 1e-3, "friction.granule": 0.1}
+    pull = {"slow": slow, "fast": {"cylinder.velocity": 3.0, "gravity": 9.81}}
+    sweep = small({"shape": "c1", "friction.wall": [0.2, 0.1], "pull": pull, "seed": [2, 1]})
+    data = combined(done(sweep, tmp_path), tmp_path)
+    made = {"cylinder_velocity": [1.0, 3.0], "material_thickness": [1e-3, np.nan],
+            "friction_granule": [0.1, 0.3], "gravity": [0.0, 9.81]}  # fmt: skip
+    for name, values in made.items():
+        assert data[name].dims == ("pull",), name
+        np.testing.assert_array_equal(data[name], values)
+    for (_, wall, pulled, seed), run in sweep.block("drag").runs.items():
+        assert data["run_id"].values[0, wall, pulled, seed] == run.id
+        assert run.seed == data["seed"].values[seed]
+        at = run.configuration.at
+        assert at("friction.wall") == data["friction_wall"].values[wall]
+        assert at("cylinder.velocity") == data["cylinder_velocity"].values[pulled]
+
+
+ECHO = """
+VALUES = {"gap": (1.0, "m", "gap between two plates")}
+AXIS = {"place": (("place",), "m", "place")}
+SIZES = {"place": 3}
+VARIABLES = {"height": (("place",), "m", "height")}
+
+def axes(configuration):
+    return {"place": [k * configuration.echo.gap for k in range(3)]}
+
+def run(replicate, bed=None, progress=None):
+    return {"height": [replicate.seed] * 3}
+"""
+
+
+def test_runs_with_other_coordinates_are_not_combined(tmp_path):
+    """As those of an experiment whose places depend on a value that varies; runs of one value are."""
+    (tmp_path / "echo.py").write_text(ECHO)
+    values = {"experiment": "echo.py", "beside": str(tmp_path), "cylinder": None, "record": None}
+    sweep = small(
+        {"blocks": {"a": C1 | {"echo.gap": [2.0]}, "b": C1 | {"echo.gap": [1.0, 2.0]}}}, **values
+    )
+    work = done(sweep, tmp_path)
+    assert combined(work, tmp_path, "a", "echo")["place"].values.tolist() == [0.0, 2.0, 4.0]
+    with pytest.raises(
+        InputError, match="the coordinate place must be the same in all runs of b; use blocks"
+    ):
+        combined(work, tmp_path, "b", "echo")
+
+
+def test_beds_at_equal_load_bear_the_same_force():
+    """Force per length over E*: load times diameter, where load^(2/3) is slope times distance from jamming."""
+    beds = {
+        "kind": ["a", "b"],
+        "friction": 0.0,
+        "fraction": [0.83, 0.85],
+        "slope": [0.5, 0.8],
+        "diameter": [1e-3, 3e-3],
+    }
+    jamming = Jamming(pd.DataFrame(beds))
+
+    def force(kind, fraction):
+        row = {name: values[kind] for name, values in beds.items() if name != "friction"}
+        return row["diameter"] * (row["slope"] * (fraction - row["fraction"])) ** 1.5
+
+    for kind, other in ((0, 1), (1, 0)):
+        fraction = jamming.at_load("ab"[kind], "ab"[other], 0.88)
+        assert force(kind, fraction) == pytest.approx(force(other, 0.88))
+
+
 def test_null_beside_numbers_is_a_label_of_its_axis(tmp_path):
     """Without units, as texts have none; a table and a figure show it."""
     work = done(small({"shape": "c1", "material.thickness": [None, 1e-3]}), tmp_path)
@@ -546,23 +527,6 @@ def test_failed_runs_have_the_same_gaps_whichever_chunk_comes_first(tmp_path):
             RunError, match=r"2 of 4 runs .* The first is c1 at 3900 kg/m3, seed 1:"
         ):
             combine(named, strict, strict.block("drag"), "drag", tmp_path / "drag.nc")
-
-
-def test_batches_are_combined_in_the_order_of_the_grid(tmp_path, monkeypatch):
-    """Whatever their names are, so that netCDF compresses each chunk once and keeps few in memory."""
-    work = done(small({"shape": "c1", "seed": "1 to 6"}, batch=1), tmp_path)
-    read_file, seeds = combining.read, []
-
-    def noted(path, names):
-        values = read_file(path, (*names, "seed"))
-        seeds.extend(values[0]["seed"].tolist())
-        return values
-
-    monkeypatch.setattr(combining, "read", noted)
-    combined(work, tmp_path)
-    work._planned = dict(sorted(work._planned.items()))  # as a second process finds them
-    combined(work, tmp_path)
-    assert seeds == 2 * [1, 2, 3, 4, 5, 6]
 
 
 def test_prune_removes_what_no_sweep_needs(tmp_path, monkeypatch):

@@ -1,0 +1,121 @@
+"""YAML files mean what version 1.2 says, or are refused with their line."""
+
+import tempfile
+import time
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import example, given
+from hypothesis import strategies as st
+from project import CONFIG
+
+from dem.base.errors import InputError
+from dem.base.yaml_file import read, text_of
+from dem.sweep.config import load
+from dem.sweep.state import SweepState
+
+pytestmark = pytest.mark.quick
+
+PAPER = (CONFIG / "paper.yaml").read_text(encoding="utf-8")
+NO_CONFIGURATION = {
+    "a: [1": "line 1: expected ',' or ']'",
+    "\t- x: {": "line 1: found character '\\t' that cannot start any token.",
+    "a: b\n\0": "special characters are not allowed",
+    "just words": "it must hold keys with values",
+    "": "it must hold keys with values",
+    "a: 1\n---\nb: 2": "line 2: but found another document.",
+    "a: !!python/object:os.system x": "line 1: could not determine a constructor for the tag",
+    "granules: !!int few": "cannot read it (invalid literal",
+    "a: 1\nb: 2\n'a': 3": "line 3: 'a' is a key here and in line 1; remove one.",
+    PAPER + "\ncases: {}": "'cases' is a key here and in line ",
+}
+TOO_MUCH = (
+    "it has more than 1,000,000 values, or they are nested more than 64 deep or in themselves."
+)
+NO_TEXT = "it must have at most 1,000 letters, all of them printable."
+LEVELS = [(n, ", ".join(9 * [f"*l{n - 1}"])) for n in range(1, 10)]
+LISTS = "".join(f"\nx-{n}: &l{n} [{parts}]" for n, parts in LEVELS)
+GROUPS = "".join(f"\nx-{n}: &l{n} {{<<: [{parts}]}}" for n, parts in LEVELS)
+NO_CONFIGURATION |= {
+    f"a: 1\nb: {'[' * 70}{']' * 70}": f"line 2: {TOO_MUCH}",
+    f"b: {'[' * 5000}": TOO_MUCH,
+    "sweep: &s {case: *s}": f"line 1: {TOO_MUCH}",
+    "sweep: {seed: &s [1, *s]}": f"line 1: {TOO_MUCH}",
+    f"x-0: &l0 [1, 2]{LISTS}": TOO_MUCH,
+    f"x-0: &l0 {{k: 2}}{GROUPS}": TOO_MUCH,
+    'a: 1\nbeside: "a\\0b"': f"line 2: a text is 'a\\x00b'; {NO_TEXT}",
+    'title: "a \\ud83d"': f"line 1: a text is 'a \\ud83d'; {NO_TEXT}",
+    'shapes: {"c\\udc00": 1}': f"line 1: a text is 'c\\udc00'; {NO_TEXT}",
+    f"title: {'long ' * 1000}": f"line 1: a text is '{'long ' * 8}'; {NO_TEXT}",
+}
+
+
+@pytest.mark.parametrize("text", NO_CONFIGURATION, ids=range(len(NO_CONFIGURATION)))
+def test_files_that_are_no_configuration_are_refused(tmp_path, text):
+    """Reading any YAML file ends at once, in a sentence with its name and line."""
+    path, start = tmp_path / "broken.yaml", time.perf_counter()
+    path.write_text(text)
+    with pytest.raises(InputError) as error:
+        load(path)
+    sentence = str(error.value)
+    assert sentence.startswith(str(path)) and "\n" not in sentence
+    assert NO_CONFIGURATION[text] in sentence
+    assert time.perf_counter() - start < 60.0  # it would not end otherwise
+
+
+PLAIN = {
+    "1e3": 1e3,
+    "8.0e9": 8e9,
+    "+.5": 0.5,
+    "0x1F": 31,
+    "0o17": 15,
+    "08": 8,
+    "y": "y",
+    "~": None,
+    "TRUE": True,
+    "'010'": "010",
+    "'no'": "no",
+    "1 to 20": "1 to 20",
+    "5 %": "5 %",
+    "010": "write 10, or '010'.",
+    "-0100": "write -100, or '-0100'.",
+    "!!int 010": "write 10, or '010'.",
+    "1:30": "write '1:30'.",
+    "1_000": "write '1_000'.",
+    "0b11": "write '0b11'.",
+    "no": "write 'no'.",
+    "On": "write 'On'.",
+    "2026-11-28": "write '2026-11-28'.",
+    "2026-13-45": "write '2026-13-45'.",
+}
+
+
+@pytest.mark.parametrize("text", PLAIN)
+def test_a_plain_scalar_means_what_yaml_1_2_says_or_is_refused(tmp_path, text):
+    """With its line, and what to write: Snakemake reads a sweep file by YAML 1.1."""
+    path, meant = tmp_path / "own.yaml", PLAIN[text]
+    path.write_text(f"first: 1\nvalues: [{text}]")
+    if isinstance(meant, str) and meant.startswith("write"):
+        plain = text.removeprefix("!!int ")
+        with pytest.raises(InputError) as error:
+            SweepState.of_values(yaml.safe_load(PAPER), [path])
+        assert str(error.value).endswith(
+            f"own.yaml, line 2: {plain} means another value in YAML 1.1; {meant}"
+        )
+    else:
+        (value,) = read(path)["values"]
+        assert value == meant and isinstance(value, str) == isinstance(meant, str)
+
+
+@given(st.text("0123456789.eE+-_:oxnyNO", max_size=5))
+@example("1e3")
+@example("08")
+def test_a_resolved_file_has_the_same_values_for_all_readers(text):
+    """Texts that only one of YAML 1.1 and 1.2 takes for numbers are in quotes."""
+    values = {"title": text, text: 1e-5, "list": [1e20, 3, None, True]}
+    written = text_of(values)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "config.yaml")
+        path.write_text(written)
+        assert read(path) == yaml.safe_load(written) == values
