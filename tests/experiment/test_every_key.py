@@ -47,7 +47,7 @@ SCENES = {
     "square": {"cylinder.outline": "square", "cylinder.diameter": 1.6e-3, "packing.fraction": 0.7},
     "pressure": {"packing.fraction": None, "packing.pressure": 3e7},
     "friction": {"packing.fraction": 0.8, "packing.friction": 0.2},
-    "settled": {"packing.preparation": "settled", "packing.fraction": 0.5, "gravity": 1e3},
+    "settled": {"packing.preparation": "settled", "packing.fraction": 0.5, "gravity": 1e3, "material.young_modulus": 2e9},
     "ellipses": {"shapes": {"x": DISC | {"kind": "ellipse", "aspect_ratio": 1.4}},
                  "ellipse.contact": "geometric_potential"},
     "materials": {"shapes": {"x": {"granules": 20, "mixture": {"y": 0.5, "z": 0.5}}, "z": DISC | {"diameter": 7e-4},
@@ -55,7 +55,7 @@ SCENES = {
     "jamming": {"experiment": "jamming", **ALONE},
     "onset": {"experiment": "onset", "cylinder": None},
     "shear": {"experiment": "shear", "cylinder": None, "record": None, "shear": CELL, "periodic": "x",
-              "packing.fraction": 0.83, "numerics.step_fraction": 0.3, "shapes": {"x": DISC | {"granules": 40}}},
+              "packing.fraction": 0.83, "numerics.step_fraction": 0.3, "material.young_modulus": 2e10, "shapes": {"x": DISC | {"granules": 40}}},
 }  # fmt: skip
 NAMES = {"experiment": EXPERIMENTS, "law": LAWS, "kind": KINDS}  # that the schema leaves to folders
 # numbers that are tried in turn where there is none, by their units
