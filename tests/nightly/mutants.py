@@ -46,6 +46,7 @@ SUPER, ONE_THREAD, TWO_THREADS = TWIN.format("superellipses"), LARGE.format(1), 
 RUN = "tests/dynamics/test_twin.py::test_a_run_of_a_configuration_is_that_of_the_model"
 THREADS = "tests/dynamics/test_continuation.py::test_the_number_of_threads_changes_no_bit"
 SAVED = "tests/dynamics/test_continuation.py::test_a_run_goes_on_with_the_same_bits"
+KEYS = "tests/experiment/test_every_key.py"
 HELD = "tests/dynamics/test_step.py::test_the_time_step_is_held_where_the_bound_goes_up_and_down"
 ROUNDS = "tests/sweep/test_replicates.py::test_{}"
 BED, SWEEP, STORE = (
@@ -128,7 +129,7 @@ MUTANTS = (
     Mutant("experiment/observables/drag.py", "sign", '"drag": -(total @ along)', '"drag": (total @ along)', RUN),
     Mutant("experiment/kinds/jamming.py", "constant", "load[start:] ** (1.0 / power)", "load[start:] ** (3.0 / 2.0)", "studies/claims/tests/test_claims.py::test_line_finds_where_pressure_begins"),
     Mutant("experiment/kinds/onset.py", "constant", "HOLDING = 3", "HOLDING = 2", "tests/experiment/test_onset.py"),
-    Mutant("experiment/identity.py", "missing term", '"packing.fraction", "packing.friction"', '"packing.fraction"', SWEEP),
+    Mutant("experiment/identity.py", "missing term", '"packing.fraction", "packing.friction"', '"packing.fraction"', KEYS),
     # sweeps, their store, files and numbers
     Mutant("sweep/grouping.py", "index", "for run in batch.runs:\n", "for run in batch.runs[1:]:\n", SWEEP),
     Mutant("sweep/batch.py", "missing call", "    store.keep(replicate.id, values)\n", "", STORE),

@@ -2,7 +2,11 @@
 
 import datetime
 import math
+from functools import partial
 
+from project import CONFIG
+
+import dem
 from dem.experiment.config import SECTIONS
 from dem.experiment.kinds import EXPERIMENTS
 
@@ -116,3 +120,12 @@ for name, header in EXPERIMENTS.items():
     if header.get("BED_ALONE"):
         words = f"the experiment {name} compresses its bed, let it be relaxed or grown"
         FILES[words] = SETTLED | {"experiment": name}, words
+OF_FILE = {"extends": CONFIG / "smoke.yaml"}
+WRONG = OF_FILE | {"shape": "c1", "friction": {"granule": -1}}
+CALLS = {
+    "a run without a shape": (partial(dem.run_experiment, OF_FILE), "shape is missing"),
+    "a run with a wrong value": (
+        partial(dem.run_experiment, WRONG),
+        "values: friction.granule is -1; it must be at least 0.",
+    ),
+}

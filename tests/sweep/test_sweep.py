@@ -19,7 +19,6 @@ from typer.testing import CliRunner
 import dem
 from dem.analysis.tables import TextTable
 from dem.base.errors import InputError, RunError
-from dem.base.yaml_file import read
 from dem.cli.app import app
 from dem.experiment.run import Replicate
 from dem.report.info import drag_table
@@ -138,39 +137,24 @@ def test_what_varies_is_no_attribute(sweep, expected):
         assert "cylinder_velocity" in named
 
 
-@pytest.mark.parametrize(
-    ("values", "words"),
-    [
-        (
-            {"cylinder.velocity": [2.0, 500.0]},
-            "cylinder.velocity is 500 m/s, 0.12 of the velocity of sound",
-        ),
-        ({"cylinder.velocity": [32.0]}, ""),
-        ({"material.young_modulus": [1e3]}, "cylinder.velocity is 2 m/s, 3.9 of"),
-    ],
-)
-def test_a_velocity_in_another_unit_is_noticed(values, words):
-    """One sentence, of the fastest run, however many there are."""
-    warnings = SweepState(small({"shape": ["c1"], "seed": "1 to 3"} | values)).check()
-    warnings = [sentence for sentence in warnings if "velocity" in sentence]
-    assert len(warnings) == bool(words) and all(words in sentence for sentence in warnings)
+X, Y = {"cylinder.direction": [0.0]}, {"cylinder.direction": [math.pi / 2.0]}
+LIKELY = [
+    ({"cylinder.velocity": [2.0, 500.0]}, "velocity is 500 m/s, 0.12 of the velocity of sound"),
+    ({"cylinder.velocity": [32.0]}, ""),
+    ({"material.young_modulus": [1e3]}, "cylinder.velocity is 2 m/s, 3.9 of"),
+    (X | {"periodic": ["x"]}, "drawn along x, and periodic has it too: nothing but friction"),
+    (Y | {"periodic": ["xy"]}, "drawn along y, and periodic has it too"),
+    (Y | {"periodic": ["x"]}, ""),
+    (X, ""),
+]
 
 
-@pytest.mark.parametrize(
-    ("periodic", "direction", "words"),
-    [
-        ("x", 0.0, "drawn along x, and periodic has it too: nothing but friction"),
-        ("xy", math.pi / 2.0, "drawn along y"),
-        ("x", math.pi / 2.0, ""),
-        ("none", 0.0, ""),
-    ],
-)
-def test_a_bed_that_no_wall_holds_is_noticed(periodic, direction, words):
-    """The cylinder takes it along, and the drag is at most the friction of the walls that there are."""
-    values = {"shape": ["c1"], "seed": "1 to 3", "periodic": [periodic]}
-    warnings = SweepState(small(values | {"cylinder.direction": [direction]})).check()
-    warnings = [sentence for sentence in warnings if "periodic" in sentence]
-    assert len(warnings) == bool(words) and all(words in sentence for sentence in warnings)
+@pytest.mark.parametrize(("values", "words"), LIKELY)
+def test_what_is_likely_a_mistake_is_one_sentence(values, words):
+    """A velocity in another unit, of the fastest run; a bed that no wall holds against the cylinder."""
+    sentences = SweepState(small(C1 | {"seed": "1 to 3"} | values)).check()
+    sentences = [text for text in sentences if "velocity" in text or "periodic" in text]
+    assert len(sentences) == bool(words) and all(words in text for text in sentences)
 
 
 def test_a_name_that_a_variable_has_gets_a_suffix():
@@ -207,15 +191,13 @@ def test_values_of_a_block_hold_in_all_of_it():
     block = small({"blocks": {"a": {"values": values, "friction.granule": [0.1, 0.2]}}}).block("a")
     assert block.dims == ("shape", "friction_granule", "seed")
     for run in block.runs.values():
-        assert (run.label, run.density, run.seed) == ("c1", 2e3, 7)
-        assert run.configuration.friction.wall == 0.1
+        assert (run.label, run.density, run.seed, run.at("friction.wall")) == ("c1", 2e3, 7, 0.1)
 
 
 def test_a_point_without_a_seed_has_the_usual_one():
-    """Beside points that have one."""
-    block = small({"shape": "c1", "box": {"a": {"seed": 5}, "b": {"gravity": 1}}}).block("drag")
+    block = small(C1 | {"box": {"a": {"seed": 5}, "b": {"gravity": 1}}}).block("drag")
     assert [run.seed for run in block.runs.values()] == [5, 1]
-    assert block.labels()["seed"][1:][0] == ("box",)
+    assert block.labels()["seed"][1] == ("box",)
 
 
 def test_a_value_of_the_command_line_is_the_number_that_a_file_would_give():
@@ -237,14 +219,9 @@ def test_a_file_extends_another(tmp_path):
     sweep = load(path)
     assert (sweep.friction.wall, sweep.friction.granule) == (0.1, 0.3)
     assert sweep.blocks == {"drag": {"shape": "c1"}} and sweep.studies == "smoke.yaml"
-    for wrong, words in (
-        (text.replace("results: results/own\n", ""), "results is missing"),
-        (text.replace("base.yaml", "none.yaml"), "none.yaml: cannot read it"),
-        (text + "seeds: [1]\n", "seeds is not a known key"),
-    ):
-        path.write_text(wrong)
-        with pytest.raises(InputError, match=words):
-            load(path)
+    path.write_text(text.replace("results: results/own\n", ""))
+    with pytest.raises(InputError, match="results is missing"):
+        load(path)
 
 
 # What a run is known by
@@ -366,14 +343,11 @@ def test_a_value_that_is_added_makes_only_its_runs(tmp_path):
     assert list((tmp_path / "store/beds").rglob("*.npz")) == beds
 
 
-@pytest.mark.parametrize("batch", [3, 10])
-def test_an_n_dimensional_file_holds_every_run(tmp_path, batch):
+def test_an_n_dimensional_file_holds_every_run(tmp_path):
     """At its place, with the bits of the run made alone; also where seeds lie side by side in a batch."""
-    sweep = small(
-        {"shape": ["c1", "d1"], "friction.granule": [0.3, 0.1], "seed": [1, 2]},
-        batch=batch,
-        shapes={"d1": {"kind": "dumbbell", "diameter": 1092e-6, "granules": 30}},
-    )
+    few = {"c7": {"kind": "disc", "diameter": 1e-3, "granules": 20}}
+    sweep = {"shape": ["c1", "c7"], "friction.granule": [0.3, 0.1], "seed": [1, 2]}
+    sweep = small(sweep, batch=3, shapes=few, packing={"fraction": 0.7})
     dataset = combined(done(sweep, tmp_path), tmp_path)
     assert dataset["drag"].dims == ("shape", "friction_granule", "seed", "displacement")
     assert dataset["friction_granule"].attrs["long_name"] == "friction between granules"
@@ -626,19 +600,11 @@ def test_prune_removes_what_is_damaged_and_was_put_aside(pruned):
     assert not any(path.exists() for path in aside)
 
 
-CONFIGS = {
-    "empty": "",
-    "cut": "results: results/small\nsweep:",
-    "a list": "[]",
-    "bytes": "\udcff\udcfe",
-}
-
-
-@pytest.mark.parametrize("damage", CONFIGS)
-def test_prune_removes_nothing_while_a_sweep_cannot_be_read(pruned, damage):
+@pytest.mark.parametrize("text", ["", "results: results/small\nsweep:", "[]", b"\xff\xfe"])
+def test_prune_removes_nothing_while_a_sweep_cannot_be_read(pruned, text):
     """What the sweep needs is unknown then. When the sweep starts again, it is whole again."""
     config = Path("results/small/config.yaml")
-    config.write_text(CONFIGS[damage], errors="surrogateescape")
+    config.write_bytes(text.encode() if isinstance(text, str) else text)
     refused(str(config))
     SweepState(pruned.sweep).begin("drag")
     result = pruning()
@@ -647,18 +613,14 @@ def test_prune_removes_nothing_while_a_sweep_cannot_be_read(pruned, damage):
 
 
 def test_prune_removes_nothing_of_a_sweep_whose_folder_is_away(pruned):
-    """Its disk may be away for a moment. Who deleted the folder for good deletes the link too."""
+    """Its disk may be away for a moment. Who wants none of the runs deletes the link, and the store."""
     results = Path(pruned.sweep.results)
     results.rename("away")
     results.symlink_to("../away")
     assert pruning().exit_code == 0 and all(path.is_file() for path in pruned.files("drag"))
     Path("away").rename("further")
     refused(f"{results}: it is a link to what is not there")
-
-
-def test_prune_removes_nothing_where_there_is_no_sweep(pruned):
-    """Who wants none of the runs deletes the folder."""
-    shutil.rmtree(pruned.sweep.results)
+    results.unlink()
     refused("delete the folder results/store")
 
 
@@ -734,20 +696,3 @@ def test_a_run_extends_a_file():
     assert float(rough["drag"].mean()) > float(default["drag"].mean()) > 0.0
     sweep = load(CONFIG / "smoke.yaml")
     assert default.attrs["run_id"] == Replicate(sweep, "c1", 3.9e3, 2).id
-
-
-@pytest.mark.parametrize(
-    ("values", "words"),
-    [
-        ({"extends": str(CONFIG / "smoke.yaml")}, "shape is missing"),
-        ({"extends": "none.yaml", "shape": "c1"}, "cannot read it"),
-        (read(CONFIG / "smoke.yaml"), "shape is missing"),
-        (
-            {"extends": CONFIG / "smoke.yaml", "shape": "c1", "friction": {"granule": -1}},
-            r"^values: friction\.granule is -1; it must be at least 0\.$",
-        ),
-    ],
-)
-def test_a_run_that_cannot_be_is_one_sentence(values, words):
-    with pytest.raises(InputError, match=words):
-        dem.run_experiment(values)
