@@ -109,18 +109,12 @@ def test_paper_has_eleven_cases_and_55_replicates():
     assert sweep.record.window == (1e-3, 5e-3) and sweep.packing.fraction == 0.84
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        line
-        for line in PAPER.split("\nsweep:")[0].splitlines()
-        if re.search(r":.*(?<![\w.])\d", line.split("#")[0])
-    ],
-)
-def test_every_number_of_the_paper_says_where_it_is_from(line):
+def test_every_number_of_the_paper_says_where_it_is_from():
     """A line with a number is marked reported, derived, assumed or calibrated."""
-    comment = line.partition("#")[2]
-    assert re.search(r"\b(reported|derived|assumed|calibrated)\b", comment)
+    for line in PAPER.split("\nsweep:")[0].splitlines():
+        value, _, comment = line.partition("#")
+        if re.search(r":.*(?<![\w.])\d", value):
+            assert re.search(r"\b(reported|derived|assumed|calibrated)\b", comment), line
 
 
 def test_diameters_are_within_the_spread():
@@ -180,9 +174,6 @@ def test_seeds_may_be_words(words, seeds):
 
 
 def test_only_runs_with_snapshots_need_bins_that_fit_them():
-    """Runs of the onset of jamming take none."""
+    """Runs of the onset of jamming take none; what a run of the drag needs is in tests/refusals."""
     data = changed(["record"], {"bins": 7, "snapshots": 4, "window": [1e-3, 5e-3]})
-    data |= {"experiment": "onset"}
-    assert parse(data).record.bins == 7
-    with pytest.raises(InputError, match=r"record\.bins is 7; it must be a multiple of"):
-        parse(data | {"experiment": "drag"})
+    assert parse(data | {"experiment": "onset"}).record.bins == 7

@@ -377,21 +377,26 @@ def test_a_combined_file_tells_the_values_that_its_runs_had(tmp_path):
 
 
 def test_coordinates_of_a_combined_file_are_the_values_of_its_runs(tmp_path):
-    """Along each dimension, of several values at once; what is absent is a gap, and not zero."""
+    """Along each dimension, of several values at once; what is absent is a gap, and not zero.
+
+    netCDF has no truth values: the axis holds 0 and 1."""
     slow = {"cylinder.velocity": 1.0, "material.thickness": 1e-3, "friction.granule": 0.1}
     pull = {"slow": slow, "fast": {"cylinder.velocity": 3.0, "gravity": 9.81}}
-    sweep = small({"shape": "c1", "friction.wall": [0.2, 0.1], "pull": pull, "seed": [2, 1]})
+    sweep = small(
+        {"shape": "c1", "numerics.allow_unstable": [True, False], "pull": pull, "seed": [2, 1]}
+    )
     data = combined(done(sweep, tmp_path), tmp_path)
     made = {"cylinder_velocity": [1.0, 3.0], "material_thickness": [1e-3, np.nan],
             "friction_granule": [0.1, 0.3], "gravity": [0.0, 9.81]}  # fmt: skip
+    assert data["numerics_allow_unstable"].values.tolist() == [1, 0]
     for name, values in made.items():
         assert data[name].dims == ("pull",), name
         np.testing.assert_array_equal(data[name], values)
-    for (_, wall, pulled, seed), run in sweep.block("drag").runs.items():
-        assert data["run_id"].values[0, wall, pulled, seed] == run.id
+    for (_, stable, pulled, seed), run in sweep.block("drag").runs.items():
+        assert data["run_id"].values[0, stable, pulled, seed] == run.id
         assert run.seed == data["seed"].values[seed]
         at = run.configuration.at
-        assert at("friction.wall") == data["friction_wall"].values[wall]
+        assert at("numerics.allow_unstable") == data["numerics_allow_unstable"].values[stable]
         assert at("cylinder.velocity") == data["cylinder_velocity"].values[pulled]
 
 
@@ -477,14 +482,6 @@ def test_a_run_that_no_file_holds_is_named(tmp_path):
     with pytest.raises(InputError, match=rf"{second.name}: there is no such file\.$"):
         combine_block(work, "drag", "drag", output)
     assert not output.exists()
-
-
-def test_a_truth_value_can_vary(tmp_path):
-    """netCDF has none: the axis holds 0 and 1."""
-    sweep = small({"shape": ["c1"], "numerics.allow_unstable": [False, True]})
-    dataset = combined(done(sweep, tmp_path), tmp_path)
-    assert dataset["numerics_allow_unstable"].values.tolist() == [0, 1]
-    assert np.isfinite(dataset["drag"]).all()
 
 
 def test_failed_runs_have_the_same_gaps_whichever_chunk_comes_first(tmp_path):
