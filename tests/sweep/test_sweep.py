@@ -400,6 +400,23 @@ def test_coordinates_of_a_combined_file_are_the_values_of_its_runs(tmp_path):
         assert at("cylinder.velocity") == data["cylinder_velocity"].values[pulled]
 
 
+def test_each_number_that_varies_is_a_label_of_its_runs():
+    """Of a group too, whichever value it is; where the others have none, they have a gap."""
+    base = small(C1)
+    paths = base.block("drag").first.configuration.entries.keys() - {"cylinder.stroke"}
+    absent = {"cylinder.spin": 40.0, "cylinder.direction": 1.5, "cylinder.angle": 0.2}
+    numbers = {path: base.at(path) for path in paths if isinstance(base.at(path), float)}
+    for path, value in (numbers | absent).items():
+        new = absent.get(path, 1.02 * value if value else 0.1)
+        block = small(C1 | {"p": {"a": {path: new}, "b": {}}}).block("drag")
+        assert [run.at(path) for run in block.runs.values()] == [new, base.at(path)]
+        _, dims, values = block.labels()[
+            path.split(".")[-1] if "shapes" in path else path.replace(".", "_")
+        ]
+        assert "p" in dims, path
+        np.testing.assert_array_equal(values.ravel(), [new, np.nan if path in absent else value])
+
+
 ECHO = """
 VALUES = {"gap": (1.0, "m", "gap between two plates")}
 AXIS = {"place": (("place",), "m", "place")}
