@@ -56,6 +56,9 @@ def test_the_box_leaves_room_for_the_outline_that_is_drawn(outline):
     configuration = replicate.configuration
     assert_allclose(area_of_solids(configuration), solid.area, rtol=1e-12)
     assert_allclose(circles_of(configuration, 20e-3)[0][2], solid.radius, rtol=1e-12)
+    height = height_of_box(configuration, np.full(100, 1e-3))
+    free = configuration.box_width * height - solid.area
+    assert_allclose(100 * math.pi * 0.5e-3**2 / free, configuration.packing.fraction)
     across = np.ptp(solid.ring(257)[:, 0])
     assert_allclose(across, configuration.cylinder.diameter, rtol=1e-4)
 
