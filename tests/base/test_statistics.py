@@ -1,70 +1,100 @@
-"""Means of the drag and their intervals, against scipy."""
+"""Means, their intervals, and what is read of drag.nc, against scipy and numpy."""
 
 import re
 
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.figure import Figure
 from scipy import stats
 
-from dem.analysis.drag import summarise, within
-from dem.base.statistics import half_interval
-from dem.figures import style
+from dem.analysis.drag import change, summarise, within
+from dem.base.statistics import half_interval, mean_interval, ratio_interval
 from dem.figures.sweep import plot
 
 pytestmark = pytest.mark.quick
 
 
-def runs(drag):
-    """A file of runs (case, seed, displacement) of one case."""
-    middle = 1e-3 * (np.arange(drag.shape[-1]) + 0.5)  # m
-    return xr.Dataset(
-        {"drag": (("case", "seed", "displacement"), drag)},
-        {"displacement": middle},
-        {"window_start": middle[1], "window_stop": middle[-2]},
-    )
-
-
-def test_the_interval_of_a_mean_is_that_of_student():
-    """Half of it, for any number of runs; none for a single one."""
+@pytest.mark.parametrize("level", [0.5, 0.95, 0.99])
+def test_the_interval_of_a_mean_is_that_of_student(level):
+    """Of the runs that did not fail, for any number of them; none for a single one."""
     sample = np.random.default_rng(1).normal(size=7)
-    low, high = stats.t.interval(0.95, 6, sample.mean(), stats.sem(sample))
-    half = half_interval(xr.DataArray(sample, dims="seed"))
-    assert float(half) == pytest.approx(0.5 * (high - low), rel=1e-12)
+    expected = stats.t.interval(level, 6, sample.mean(), stats.sem(sample))
+    interval = mean_interval([np.nan, *sample, np.inf], level)
+    assert interval == pytest.approx((sample.mean(), *expected), rel=1e-12)
+    assert mean_interval(sample[:1], level)[1:] == (-np.inf, np.inf)
+    half = half_interval(xr.DataArray([np.nan, *sample], dims="seed"))
+    assert float(half) == pytest.approx(mean_interval(sample).half, rel=1e-12)
     assert np.isnan(half_interval(xr.DataArray(sample[:1], dims="seed")))
     assert half_interval(xr.DataArray(np.ones(3), dims="seed")) == 0.0
 
 
-def test_the_window_holds_the_bins_whose_middle_is_in_it():
-    """Both ends belong to it, and the mean is over these bins alone."""
-    drag = np.random.default_rng(2).normal(size=(1, 3, 6))
-    dataset = runs(drag)
-    window = dataset.attrs["window_start"], dataset.attrs["window_stop"]
-    assert within(dataset["drag"], *window).sizes["displacement"] == 4
-    summary = summarise(dataset)
-    np.testing.assert_allclose(summary["run_mean"][0], drag[0, :, 1:-1].mean(axis=-1))
-    assert float(summary["mean"][0]) == pytest.approx(drag[0, :, 1:-1].mean())
+@pytest.mark.parametrize("level", [0.5, 0.95, 0.99])
+def test_the_interval_of_a_ratio_ends_where_the_difference_is_significant(level):
+    """Welch's test of the sample against that many times the reference has the level there."""
+    rng = np.random.default_rng(3)
+    sample, reference = rng.normal(6.0, 2.0, 9), rng.normal(3.0, 0.3, 6)
+    ratio, low, high = ratio_interval([*sample, np.nan], [np.inf, *reference], level)
+    assert ratio == pytest.approx(sample.mean() / reference.mean()) and low < ratio < high
+    for end in (low, high):
+        off = abs(sample.mean() - end * reference.mean())
+        error = np.hypot(stats.sem(sample), end * stats.sem(reference))
+        freedom = stats.ttest_ind(sample, ratio * reference, equal_var=False).df
+        assert off / error == pytest.approx(stats.t.ppf(0.5 + 0.5 * level, freedom), rel=1e-9)
+    unknown = ratio_interval(sample, [1.0, -1.1, 0.4], level)
+    assert unknown[1:] == (-np.inf, np.inf)
 
 
-def paired(sample):
-    return xr.DataArray(sample, dims=("friction", "seed"))
+def test_a_run_is_what_it_is_within_the_window():
+    """Both ends belong to it; a run is there as a whole or not at all."""
+    drag = np.random.default_rng(2).normal(100.0, 10.0, (1, 4, 6))
+    drag[0, 3, 2] = np.inf
+    middle = 1e-3 * (np.arange(6) + 0.5)  # m
+    dims = "case", "seed", "displacement"
+    window = {"window_start": middle[1], "window_stop": middle[4]}
+    runs = xr.Dataset({"drag": (dims, drag)}, {"displacement": middle}, window)
+    assert within(runs["drag"], *window.values()).sizes["displacement"] == 4
+    summary, inside = summarise(runs).isel(case=0), drag[0, :3, 1:5]
+    expected = inside.mean(1)
+    np.testing.assert_allclose(summary["run_mean"][:3], expected)
+    assert np.isnan(summary["run_mean"][3])
+    assert float(summary["mean"]) == pytest.approx(expected.mean())
+    assert float(summary["sd_over_run"]) == pytest.approx(np.sqrt((inside.std(1) ** 2).mean()))
+    assert float(summary["sd_between_runs"]) == pytest.approx(expected.std(ddof=1))
+    assert float(summary["half_interval"]) == pytest.approx(mean_interval(expected).half)
+
+
+def test_a_change_between_cases_is_that_of_the_pairs():
+    """Over the first case of the same beds, with the interval of a paired test; a bed whose run failed in one
+    case counts in neither."""
+    rng = np.random.default_rng(6)
+    bed = rng.normal(100.0, 30.0, 9)
+    runs = np.array([bed, 0.8 * bed + rng.normal(0.0, 4.0, 9)])
+    runs[0, 0], runs[1, 3] = np.nan, np.nan
+    cases = {"case": ["a", "b"], "seed": np.arange(9)}
+    value, half = change(xr.DataArray(runs, cases, dims=list(cases)), "a", "b")
+    first, second = runs[:, [1, 2, 4, 5, 6, 7, 8]]
+    interval = stats.ttest_rel(second, first).confidence_interval(0.95)
+    assert value == pytest.approx(second.mean() / first.mean() - 1.0)
+    assert value - half == pytest.approx(interval.low / first.mean())
+    assert value + half == pytest.approx(interval.high / first.mean())
 
 
 def test_the_interval_of_an_average_of_means_is_that_of_beds_or_of_welch():
     """The same beds at all places: Student's of the means over them. Other beds at each: Welch's."""
     rng = np.random.default_rng(4)
     beds = rng.normal(3.0, 1.0, 8) + rng.normal(0.0, 0.2, (2, 8))
-    averages = xr.DataArray(beds.mean(axis=0), dims="seed")
-    np.testing.assert_allclose(half_interval(paired(beds), ["friction"]), half_interval(averages))
+
+    def half(sample):
+        return float(half_interval(xr.DataArray(sample, dims=("place", "seed")), ["place"]))
+
+    assert half(beds) == pytest.approx(mean_interval(beds.mean(0)).half, rel=1e-9)
     few, many = rng.normal(1.0, 1.0, 5), rng.normal(4.0, 2.0, 40)
     apart = np.full((2, 45), np.nan)
     apart[0, :5], apart[1, 5:] = few, many
     interval = stats.ttest_ind(few, many, equal_var=False).confidence_interval(0.95)
-    half = half_interval(paired(apart), ["friction"])
-    assert float(half) == pytest.approx(0.25 * (interval.high - interval.low), rel=1e-9)
+    assert half(apart) == pytest.approx(0.25 * (interval.high - interval.low), rel=1e-9)
     apart[0, 1:5] = np.nan  # one run there tells nothing
-    assert np.isnan(half_interval(paired(apart), ["friction"]))
+    assert np.isnan(half(apart))
 
 
 def test_a_figure_that_averages_uses_all_runs_and_joins_values_in_their_order():
@@ -78,8 +108,7 @@ def test_a_figure_that_averages_uses_all_runs_and_joins_values_in_their_order():
     drag = drag.where((drag["seed"] < 4) | (drag["e"] == 3.0)).assign_attrs(units="N")
     runs = xr.full_like(drag.isel(displacement=0, drop=True), "run", dtype=object)
     window = {"window_start": 1e-3, "window_stop": 5e-3}
-    dataset = xr.Dataset({"drag": drag, "run_id": runs}, attrs=window)
-    figure = plot(dataset)
+    figure = plot(xr.Dataset({"drag": drag, "run_id": runs}, attrs=window))
     title = figure.get_suptitle()
     (averaged,) = re.search(r"averaged over (\w)", title).groups()
     assert "14 runs each" in title if averaged == "e" else "averaged" in title
@@ -88,11 +117,3 @@ def test_a_figure_that_averages_uses_all_runs_and_joins_values_in_their_order():
     assert all(np.isclose(values, value, rtol=1e-12).any() for value in expected.ravel())
     for axes in figure.axes:
         assert all((np.diff(line.get_xdata()) > 0.0).all() for line in axes.lines)
-
-
-def test_a_curve_is_joined_in_the_order_of_its_axis():
-    axes = Figure().subplots()
-    style.intervals(
-        axes, [3.0, 1.0, 2.0], [[30.0, 29.0, 31.0], [10.0, 9.0, 11.0], [20.0, 19.0, 21.0]]
-    )
-    assert axes.lines[0].get_xydata().tolist() == [[1.0, 10.0], [2.0, 20.0], [3.0, 30.0]]

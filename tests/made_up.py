@@ -1,0 +1,82 @@
+"""Files of runs that nobody made, whose truth is known."""
+
+import json
+
+import numpy as np
+import xarray as xr
+from sweeps import dataset_of
+
+VELOCITY = np.array([0.03, 0.1, 0.5, 1.0, 2.0, 4.0, 8.0])  # m/s
+NUMBERS = np.array([0.01, 0.1])  # inertial ones
+PRESSURE, DENSITY = 1e5, 2500.0  # Pa and kg/m3 of sheared beds
+
+
+def drags(limit, growth, exponent, beds=6, scatter=0.1, noise=0.03, seed=1):
+    """Drag (velocity, seed) in N: each bed has a level of its own, and each run some noise."""
+    rng = np.random.default_rng(seed)
+    level = 1.0 + scatter * rng.standard_normal(beds)
+    wobble = 1.0 + noise * rng.standard_normal((len(VELOCITY), beds))
+    return (limit + growth * VELOCITY[:, None] ** exponent) * level * wobble
+
+
+def drawn(drag, velocity=VELOCITY, density=4000.0):
+    """Runs with some drag (friction, velocity, seed) in N, the same along the stroke."""
+    drag = np.asarray(drag, float)
+    axes = {"friction": [str(place) for place in range(len(drag))], "cylinder_velocity": velocity}
+    runs = dataset_of(drag, axes)
+    runs = runs.assign(packing_pressure=(runs["run_id"].dims, np.full(drag.shape, 1e7)))
+    configuration = json.dumps({"cylinder": {"diameter": 3e-3}})
+    runs = runs.assign_attrs(cylinder_velocity=2.0, configuration=configuration)
+    return runs.assign_coords(diameter=1e-3, density=density).expand_dims("shape")
+
+
+def sheared(friction, numbers=NUMBERS, noise=0.02, seeds=3, strain=4, seed=0):
+    """Runs whose beds have some friction (place, number), nine tenths of the rate that is asked for, and
+    the packing fraction 0.8."""
+    rng = np.random.default_rng(seed)
+    friction = np.asarray(friction, float)
+    shape = (*friction.shape, seeds, 10 * strain)
+    dims = "friction", "shear_inertial_number", "seed", "shear_strain"
+
+    def around(value):
+        return dims, value * (1.0 + noise * rng.standard_normal(shape))
+
+    unit = np.sqrt(DENSITY * 0.25 * np.pi * 1e-6 / PRESSURE)  # s
+    cell = {"pressure": PRESSURE, "strain": float(strain)}
+    stress = PRESSURE * friction[..., None, None]
+    variables = {
+        "lid_shear_stress": around(stress),
+        "lid_normal_stress": around(PRESSURE),
+        "shear_stress": around(stress),
+        "normal_stress": around(PRESSURE),
+        "shear_rate": around(0.9 * numbers[:, None, None] / unit),
+        "shear_fraction": around(0.8),
+        "run_id": (dims[:-1], np.full(shape[:-1], "x")),
+    }
+    axes = [str(place) for place in range(len(friction))], numbers, np.arange(seeds)
+    coordinates = dict(zip(dims, (*axes, 0.1 * np.arange(1, 10 * strain + 1)), strict=True))
+    coordinates |= {"diameter": 1e-3, "density": DENSITY}
+    return xr.Dataset(variables, coordinates, {"configuration": json.dumps({"shear": cell})})
+
+
+def jammed(granules=(50, 100, 200), beds=4, noise=1e-3, seed=1, ratios=2):
+    """Beds of ellipses of several aspect ratios that jam, if of infinitely many granules, at the packing
+    fraction 0.84, on four contacts a granule."""
+    rng = np.random.default_rng(seed)
+    n = np.array(granules)[None, :, None]
+    dims = "shape", "ratio", "size", "seed"
+    shape = 1, ratios, len(granules), beds
+    scatter = noise * rng.standard_normal(shape) * np.sqrt(100.0 / n)
+    return xr.Dataset(
+        {
+            "onset_fraction": (dims, 0.84 - 0.05 * n**-0.5 + scatter),
+            "onset_contacts": (dims, np.broadcast_to(0.5 * n * (4.0 - 2.0 / n), shape)),
+            "onset_rattlers": (dims, np.zeros(shape)),
+            "run_id": (dims, np.full(shape, "x")),
+        },
+        {
+            "granules": (("shape", "size"), [list(granules)]),
+            "aspect_ratio": (("shape", "ratio"), [np.linspace(1.0, 1.5, ratios)]),
+            "seed": np.arange(beds),
+        },
+    )
