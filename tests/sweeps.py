@@ -6,7 +6,6 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 import xarray as xr
-from beds import PRESSURE
 from pictures import assert_not_blank
 from project import CONFIG
 from typer.testing import CliRunner
@@ -174,7 +173,7 @@ def sheared_values(**more):
     same = dict.fromkeys(("granule", "wall", "cylinder"), 0.4)
     cell = {
         "inertial_number": 0.1,
-        "pressure": PRESSURE,
+        "pressure": 1e5,
         "settle": 1.0,
         "strain": 3.0,
         "samples": 300,

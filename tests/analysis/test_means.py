@@ -1,6 +1,5 @@
 """Means of all points as a table, and two sweeps side by side."""
 
-import csv
 import re
 
 import numpy as np
@@ -8,6 +7,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 from pictures import text_of
+from project import ROOT
 from scipy import stats
 from typer.testing import CliRunner
 
@@ -16,37 +16,32 @@ from dem.analysis.drag import summarise
 from dem.analysis.means import compared, means, table_of, write_means
 from dem.analysis.tables import TextTable
 from dem.base.errors import InputError
-from dem.base.source_hash import ROOT
-from dem.base.statistics import mean_interval
 from dem.cli.app import app
 from dem.cli.show import print_or_write
 from dem.report.info import summary
 from dem.sweep.axis import POINT
 
-FILES = [
-    ROOT / path
-    for path in (
-        "docs/data/precise.nc",
-        *(f"studies/{name}/{name}.nc" for name in ("pressure", "shear", "velocity")),
-    )
-    if (ROOT / path).is_file()
-]
+pytestmark = pytest.mark.quick
+NAMES = "docs/data/precise", *(f"studies/{name}/{name}" for name in ("pressure", "shear", "velocity"))
+FILES = [path for name in NAMES if (path := ROOT / f"{name}.nc").is_file()]
 
 
 @pytest.fixture
 def file(tmp_path):
-    """Writes a combined file of a design of three points with four seeds; shift (N): of all drags."""
+    """Writes a combined file of a design of three points with four seeds; shift (N): of all drags. One run
+    of the first point failed, and one of the second is infinite. The lift is there for two seeds."""
 
-    def write(name="drag.nc", shift=0.0, points=(0, 1, 2)):
-        rng = np.random.default_rng(2)
+    def write(name="drag.nc", shift=0.0, points=(0, 1, 2), edit=lambda runs: runs):
+        rng = np.random.default_rng([2, int(shift)])
         drag = 100.0 + shift + rng.normal(0.0, 5.0, (3, 4, 6))
+        drag[0, 3], drag[1, 0] = np.nan, np.inf
+        runs = [[f"{shift:g} {4 * k + n}" for n in range(4)] for k in range(3)]
+        dims = "point", "seed"
         dataset = xr.Dataset(
             {
-                "drag": (("point", "seed", "displacement"), drag, {"units": "N"}),
-                "run_id": (
-                    ("point", "seed"),
-                    [[f"{shift:g} {4 * k + n}" for n in range(4)] for k in range(3)],
-                ),
+                "drag": ((*dims, "displacement"), drag, {"units": "N"}),
+                "run_id": (dims, runs),
+                "lift": (dims, drag[..., 0] / 2.0, {"units": "N"}),
             },
             {
                 "point": ("point", [0, 1, 2], {"long_name": POINT, "units": "1"}),
@@ -56,131 +51,99 @@ def file(tmp_path):
             },
             {"window_start": 1e-3, "window_stop": 4e-3, "title": "three points"},
         )
-        dataset.isel(point=list(points)).to_netcdf(tmp_path / name)
+        dataset["lift"] = dataset["lift"].where(dataset["seed"] < 3)
+        edit(dataset.isel(point=list(points))).to_netcdf(tmp_path / name)
         return tmp_path / name
 
     return write
 
 
-def test_the_mean_of_a_point_is_that_of_its_runs_within_the_window(file, tmp_path):
-    write_means(means(file()), tmp_path / "means.csv")
-    with dem.open_results(file()) as dataset:
-        runs = dataset["drag"].values[:, :, 1:5].mean(2)  # from 1 to 4 mm
-    rows = list(csv.DictReader((tmp_path / "means.csv").open()))
-    assert [float(row["drag (N)"]) for row in rows] == pytest.approx(runs.mean(1))
-    half = stats.t.ppf(0.975, 3) * runs.std(1, ddof=1) / 2.0
-    assert [float(row["drag_half_interval (N)"]) for row in rows] == pytest.approx(half)
-    assert [row["friction_granule"] for row in rows] == ["0.1", "0.2", "0.3"]
-    assert "point" not in rows[0]  # its number
-    assert {row["drag_runs"] for row in rows} == {"4"}
-    write_means(means(file()), tmp_path / "means.nc")
-    with dem.open_results(tmp_path / "means.nc") as result:
-        assert result["drag"].dims == ("point",) and result["drag"].attrs["units"] == "N"
+def runs_of(path):
+    """Mean drag (point, seed) of the runs within the window, from 1 to 4 mm; NaN where a run failed."""
+    with xr.open_dataset(path) as dataset:
+        drag = dataset["drag"].values[:, :, 1:5].mean(2)
+    return np.where(np.isfinite(drag), drag, np.nan)
+
+
+def test_means_are_of_the_runs_that_did_not_fail_wherever_they_are_shown(file, tmp_path):
+    """In the file, in the table, on the terminal and for figures; each quantity counts its own runs."""
+    path, runs = file(), [row[np.isfinite(row)] for row in runs_of(file())]
+    half = [stats.t.interval(0.95, len(row) - 1, 0.0, stats.sem(row))[1] for row in runs]
+    for name in ("means.csv", "means.nc"):
+        write_means(means(path), tmp_path / name)
+    table = pd.read_csv(tmp_path / "means.csv")
+    assert table["drag (N)"].values == pytest.approx([row.mean() for row in runs])
+    assert table["drag_half_interval (N)"].values == pytest.approx(half)
+    assert table["drag_runs"].tolist() == [3, 3, 4] and table["lift_runs"].tolist() == [2, 1, 2]
+    assert table["friction_granule"].tolist() == [0.1, 0.2, 0.3] and "point" not in table
+    with dem.open_results(tmp_path / "means.nc") as result, dem.open_results(path) as dataset:
+        of_figures = summarise(dataset)
+        for name, other in (("drag", "mean"), ("drag_half_interval", "half_interval")):
+            assert result[name].dims == ("point",) and result[name].attrs["units"] == "N"
+            np.testing.assert_allclose(result[name], table[f"{name} (N)"])
+            np.testing.assert_allclose(of_figures[other], table[f"{name} (N)"])
+    printed = CliRunner().invoke(app, ["means", str(path), "--of", "drag"]).output
+    rows = [line.split() for line in printed.splitlines() if re.match(r"\s*0\.\d", line)]
+    expected = table[["friction_granule", "drag (N)", "drag_half_interval (N)", "drag_runs"]]
+    np.testing.assert_allclose(np.array(rows, float), expected, rtol=1e-4)
+    assert "drag (N)" in printed and "lift" not in printed
 
 
 def test_two_sweeps_are_compared_where_both_have_a_point(file):
-    result = compared(file(), file("other.nc", shift=50.0, points=(1, 2)), "drag")
+    """The second over the first, within Fieller's interval; the command prints the same."""
+    paths = file(), file("other.nc", shift=50.0, points=(1, 2))
+    result = compared(*paths, "drag")
     assert result["point"].values.tolist() == [1, 2]
-    assert result["ratio"].values == pytest.approx(
-        (result["first"].values + 50.0) / result["first"].values
-    )
-    assert (result["ratio_low"] < result["ratio"]).all() and (
-        result["ratio"] < result["ratio_high"]
-    ).all()
+    for row, first, second in zip(range(2), runs_of(paths[0])[1:], runs_of(paths[1]), strict=True):
+        first, second = first[np.isfinite(first)], second[np.isfinite(second)]
+        at = {name: float(values[row]) for name, values in result.data_vars.items()}
+        assert (at["first"], at["second"]) == pytest.approx((first.mean(), second.mean()))
+        assert at["ratio"] == pytest.approx(second.mean() / first.mean())
+        freedom = stats.ttest_ind(second, at["ratio"] * first, equal_var=False).df
+        for end in (at["ratio_low"], at["ratio_high"]):
+            error = np.hypot(stats.sem(second), end * stats.sem(first))
+            off = abs(second.mean() - end * first.mean())
+            assert off / error == pytest.approx(stats.t.ppf(0.975, freedom), rel=1e-6)
+        assert at["ratio_low"] < at["ratio"] < at["ratio_high"]
+    printed = CliRunner().invoke(app, ["means", *map(str, paths)]).output
+    assert all(f"{ratio:.5g}" in printed for ratio in result["ratio"].values)
 
 
-def test_the_terminal_shows_one_quantity_by_what_varies(file):
-    text = CliRunner().invoke(app, ["means", str(file())]).output
-    assert "friction_granule" in text and "drag (N)" in text and len(table_of(means(file()))) == 3
-    info = CliRunner().invoke(app, ["means", str(file()), "--of", "lift"])
-    assert info.exit_code == 2
-
-
-def test_means_of_an_experiment_of_ones_own_are_of_its_first_quantity(file):
-    """Where it has no drag, as the page of experiments says; also beside another file."""
-    paths = [changed(file(name), lambda d: d.rename(drag="mine")) for name in ("a.nc", "b.nc")]
-    for words in (paths[:1], paths):
-        run = CliRunner().invoke(app, ["means", *map(str, words)])
-        assert run.exit_code == 0 and ("mine" in run.output or "ratio" in run.output), run.output
-
-
-@pytest.mark.parametrize(
-    "call, words",
-    [
-        (
-            lambda f, d: write_means(means(f()), d / "means.txt"),
-            "of a file that ends in .csv or .nc",
-        ),
-        (lambda f, d: compared(f(), f("o.nc"), "lift"), "it has no lift; it has drag"),
-        (
-            lambda f, d: compared(f(points=[0]), f("o.nc", points=[2]), "drag"),
-            "have no point in common",
-        ),
-    ],
-)
-def test_what_cannot_be_shown_is_refused(file, tmp_path, call, words):
-    with pytest.raises(InputError, match=words):
-        call(file, tmp_path)
-
-
-def changed(path, edit):
-    """Write a file again as `edit` has it."""
-    with xr.open_dataset(path) as dataset:
-        result = edit(dataset.load())
-    result.to_netcdf(path)
-    return path
-
-
-def test_each_quantity_counts_its_own_runs(file):
-    def edit(dataset):
-        lift = (
-            dataset["drag"].where(dataset["seed"] < 3).mean("displacement").assign_attrs(units="N")
-        )
-        return dataset.assign(lift=lift)
-
-    result = means(changed(file(), edit))
-    assert (result["drag_runs"] == 4).all() and (result["lift_runs"] == 2).all()
-
-
-def test_an_infinite_result_counts_as_none_wherever_means_are_shown(file):
-    def edit(dataset):
-        dataset["drag"][0, 0] = np.inf
-        return dataset
-
-    path = changed(file(), edit)
-    data = means(path)
-    with dem.open_results(path) as dataset:
-        of_drag = summarise(dataset)
-    mean = mean_interval(of_drag["run_mean"][0])
-    assert data["drag"][0] == pytest.approx(mean.value) == of_drag["mean"][0]
-    assert data["drag_half_interval"][0] == pytest.approx(mean.half) == of_drag["half_interval"][0]
-    assert data["drag_runs"][0] == 3
-
-
-def test_points_of_different_designs_are_no_pairs(file):
-    """They have numbers, and the same number means nothing."""
-    other = changed(
-        file("other.nc"), lambda d: d.assign_coords(friction_granule=d["friction_granule"] + 0.1)
-    )
-    third = changed(file("third.nc"), lambda d: d.rename(friction_granule="friction_boundary"))
-    for path in (other, third):
-        with pytest.raises(InputError, match="have no point in common"):
-            compared(file(), path, "drag")
-
-
-def test_runs_that_both_files_have_count_once(file):
+def test_runs_that_both_files_have_count_for_the_first_alone(file):
     """Fieller's interval is of independent samples."""
 
     def apart(dataset):  # the seeds 1 and 2 have the same runs
         of_both = dataset["run_id"].str.replace("50 ", "0 ")
         return dataset.assign(run_id=of_both.where(dataset["seed"] < 3, dataset["run_id"]))
 
-    other = changed(file("other.nc", shift=50.0), apart)
-    result = compared(file(), other, "drag")
-    with dem.open_results(file("other.nc", shift=50.0)) as dataset:
-        runs = summarise(dataset)["run_mean"]
-    np.testing.assert_allclose(result["second"], runs.sel(seed=[3, 4]).mean("seed"))
-    assert compared(file(), file("same.nc"), "drag")["ratio"].isnull().all()
+    first, other = file(), file("other.nc", shift=50.0, edit=apart)
+    result = compared(first, other, "drag")
+    np.testing.assert_allclose(result["first"], np.nanmean(runs_of(first), 1))
+    np.testing.assert_allclose(result["second"], np.nanmean(runs_of(other)[:, 2:], 1))
+    assert compared(first, file("same.nc"), "drag")["ratio"].isnull().all()
+
+
+def test_means_of_an_experiment_of_ones_own_are_of_its_first_quantity(file):
+    """Where it has no drag, as the page of experiments says; also beside another file."""
+
+    def mine(dataset):
+        return dataset.rename(drag="mine")
+
+    paths = [str(file(name, edit=mine)) for name in ("a.nc", "b.nc")]
+    for words, shown in ((paths[:1], "mine (N)"), (paths, "ratio")):
+        run = CliRunner().invoke(app, ["means", *words])
+        assert run.exit_code == 0 and shown in run.output, run.output
+
+
+def test_points_of_different_designs_are_no_pairs(file):
+    """They have numbers, and the same number means nothing."""
+    for edit in (
+        lambda d: d.assign_coords(friction_granule=d["friction_granule"] + 0.1),
+        lambda d: d.rename(friction_granule="friction_boundary"),
+        lambda d: d.isel(point=[2]).assign_coords(point=[7]),
+    ):
+        with pytest.raises(InputError, match="have no point in common"):
+            compared(file(), file("other.nc", edit=edit), "drag")
 
 
 def test_points_of_a_name_are_compared_whatever_their_granules_are(file):
@@ -194,10 +157,9 @@ def test_points_of_a_name_are_compared_whatever_their_granules_are(file):
             .swap_dims(point="case")
         )
 
-    one = changed(file("one.nc"), named([60, 60, 60]))
-    two = changed(file("two.nc"), named([60, 90, 60]))
-    table = table_of(compared(one, two, "drag"))
-    assert len(table) == 3 and "granules" not in table
+    one = file("one.nc", edit=named([60, 60, 60]))
+    table = table_of(compared(one, file("two.nc", edit=named([60, 90, 60])), "drag"))
+    assert table["case"].tolist() == ["a", "b", "c"] and "granules" not in table
 
 
 @pytest.mark.parametrize("width", [30, 80, 1000])
@@ -211,10 +173,8 @@ def test_no_number_of_a_table_is_cut(width):
         assert {cell for line in lines if row[0] in line for cell in line.split()} == set(row)
 
 
-def test_a_pipe_gets_tables_as_wide_as_they_are(file, capsys):
-    names = {
-        f"quantity_of_a_long_name_{number:02d}": ("point", [1.0 / 3.0] * 3) for number in range(20)
-    }
+def test_a_pipe_gets_tables_as_wide_as_they_are(capsys):
+    names = {f"quantity_of_a_long_name_{n:02d}": ("point", [1.0 / 3.0] * 3) for n in range(20)}
     print_or_write(TextTable(table_of(xr.Dataset(names))), None)
     assert capsys.readouterr().out.splitlines()[0].split() == ["point", *names]
 

@@ -1,0 +1,88 @@
+"""Friction and packing fraction of sheared beds, from runs whose truth is known."""
+
+import numpy as np
+import pytest
+from made_up import DENSITY, NUMBERS, PRESSURE, sheared
+from project import ROOT, needs_study
+
+from dem.analysis.shear import LEAST, rheology
+from dem.base.errors import InputError
+from dem.base.statistics import mean_interval
+from dem.figures.catalogue import FIGURES
+from dem.figures.shear import plot
+from dem.sweep.config import parse
+
+pytestmark = pytest.mark.quick
+
+
+def test_curves_tell_places_apart():
+    """All measures of two places, of which the second has another pressure in the middle."""
+    runs = sheared([[0.1, 0.2], [0.3, 0.5]], noise=0.0)
+    normal = runs["normal_stress"].where(runs["friction"] == "0", 4.0 * PRESSURE)
+    curves = rheology(runs.assign(normal_stress=normal))
+    for place, friction, middle, slower in (
+        ("0", [0.1, 0.2], [0.1, 0.2], 1.0),
+        ("1", [0.3, 0.5], [0.075, 0.125], 2.0),
+    ):
+        curve = curves[(place,)]
+        np.testing.assert_allclose(curve.number, 0.9 * NUMBERS / slower)
+        for values, truth in (
+            (curve.friction, friction),
+            (curve.middle, middle),
+            (curve.fraction, [0.8, 0.8]),
+            (curve.pressure, [1.0, 1.0]),
+            (curve.rate, [0.9, 0.9]),
+        ):
+            np.testing.assert_allclose(values[:, 0], truth)
+
+
+def test_an_interval_is_that_of_the_means_of_runs():
+    """Those of a run that failed are left out; a single run has a mean alone."""
+    runs = sheared([[0.3, 0.4]], seeds=4)
+    failed = runs.where(runs["seed"] != 2)
+    means = failed["shear_fraction"].isel(friction=0).mean("shear_strain", skipna=False).values
+    for row, sample in zip(rheology(failed)[()].fraction, means, strict=True):
+        assert row == pytest.approx(mean_interval(sample))
+    for one in (runs.isel(seed=[0]), runs.isel(seed=0)):
+        mean, low, high = rheology(one)[()].friction.T
+        np.testing.assert_allclose(mean, [0.3, 0.4], rtol=0.02)
+        assert np.isnan([low, high]).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "usual", "rate", "share"),
+    [("shear_pressure", PRESSURE, 0.45, 0.25), ("density", DENSITY, 1.8, 1.0)],
+)
+def test_numbers_are_of_the_pressure_and_density_that_the_runs_have(name, usual, rate, share):
+    """A place at four times the usual value asks for another rate, and not for one between both."""
+    runs = sheared([[0.1, 0.2], [0.3, 0.5]], noise=0.0)
+    curves = rheology(runs.assign_coords({name: ("friction", [usual, 4.0 * usual])}))
+    np.testing.assert_allclose(curves[("0",)].rate[:, 0], 0.9)
+    np.testing.assert_allclose(curves[("1",)].rate[:, 0], rate)
+    np.testing.assert_allclose(curves[("1",)].pressure[:, 0], share)
+
+
+def test_points_that_differ_in_inertial_number_alone_are_its_axis():
+    runs = sheared([[0.1, 0.2]])
+    points = runs.rename(shear_inertial_number="point").assign_coords(point=[0, 1])
+    points = points.assign_coords(shear_inertial_number=("point", NUMBERS))
+    np.testing.assert_array_equal(rheology(points)[()].friction, rheology(runs)[()].friction)
+
+
+@needs_study("shear")
+def test_runs_of_another_strain_are_no_runs_of_one_file():
+    """Their samples would be at the strains of the first; a block has its own, under its own name."""
+    file = {"extends": "studies/shear/sweep.yaml", "results": "results/strains"}
+    values, source = {"density": 2.5e3}, f"{ROOT}/x"
+    with pytest.raises(InputError, match=r"varies shear\.strain, which runs of one block share"):
+        parse(file | {"sweep": {"values": values, "shear.strain": [4, 8]}}, source)
+    sweep = {"values": values | {"shear.strain": 8.0}}
+    labels = parse(file | {"sweep": sweep}, source).block("drag").labels()
+    assert labels["shear_strain_swept"][2] == 8.0
+
+
+def test_the_figure_shows_each_friction():
+    assert FIGURES["shear"].axes == LEAST
+    figure = plot(sheared([[0.1, 0.2], [0.3, 0.5]]))
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert set(labels) == {"friction 0", "friction 1"}
