@@ -15,7 +15,9 @@ def test_lines_find_what_beds_without_end_have():
     result = limits(jammed(noise=0.0))
     np.testing.assert_allclose(result.fraction, 0.84)
     np.testing.assert_allclose(result.coordination, 4.0)
-    np.testing.assert_allclose(result.fractions, [0.84 - 0.05 * np.array([50, 100, 200]) ** -0.5] * 2)
+    np.testing.assert_allclose(
+        result.fractions, [0.84 - 0.05 * np.array([50, 100, 200]) ** -0.5] * 2
+    )
     np.testing.assert_allclose(result.contacts, [4.0 - 2.0 / np.array([50, 100, 200])] * 2)
 
 

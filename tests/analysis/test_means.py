@@ -22,7 +22,10 @@ from dem.report.info import summary
 from dem.sweep.axis import POINT
 
 pytestmark = pytest.mark.quick
-NAMES = "docs/data/precise", *(f"studies/{name}/{name}" for name in ("pressure", "shear", "velocity"))
+NAMES = (
+    "docs/data/precise",
+    *(f"studies/{name}/{name}" for name in ("pressure", "shear", "velocity")),
+)
 FILES = [path for name in NAMES if (path := ROOT / f"{name}.nc").is_file()]
 
 

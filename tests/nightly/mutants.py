@@ -127,7 +127,7 @@ MUTANTS = (
     Mutant("experiment/box.py", "sign", "(granules / fraction + area)", "(granules / fraction - area)", RUN),
     Mutant("experiment/kinds/drag.py", "order", "min(every - done % every, BINS_A_CALL)", "BINS_A_CALL", RUN),
     Mutant("experiment/observables/drag.py", "sign", '"drag": -(total @ along)', '"drag": (total @ along)', RUN),
-    Mutant("experiment/kinds/jamming.py", "constant", "load[start:] ** (1.0 / power)", "load[start:] ** (3.0 / 2.0)", "studies/claims/tests/test_claims.py::test_line_finds_where_pressure_begins"),
+    Mutant("experiment/kinds/jamming.py", "constant", "load[start:] ** (1.0 / power)", "load[start:] ** (3.0 / 2.0)", "tests/experiment/test_onset.py::test_a_bed_jams_where_the_line_of_its_loads_begins"),
     Mutant("experiment/kinds/onset.py", "constant", "HOLDING = 3", "HOLDING = 2", "tests/experiment/test_onset.py"),
     Mutant("experiment/identity.py", "missing term", '"packing.fraction", "packing.friction"', '"packing.fraction"', KEYS),
     # sweeps, their store, files and numbers
@@ -154,14 +154,14 @@ MUTANTS = (
     Mutant("base/files.py", "missing call", "        part.unlink(missing_ok=True)\n", "        pass\n", WHOLE),
     Mutant("sweep/restart.py", "condition", "            if not alive:\n", "            if alive:\n", STORE),
     Mutant("sweep/precision.py", "limit", "GROWTH * now[other]", "100 * now[other]", ROUNDS.format("a_round_at_most_doubles_the_replicates")),
-    Mutant("base/statistics.py", "sign", "for sign in (-1.0, 1.0))", "for sign in (1.0, -1.0))", ROUNDS.format("fieller_s_interval_is_where_the_difference_is_significant")),
+    Mutant("base/statistics.py", "sign", "for sign in (-1.0, 1.0))", "for sign in (1.0, -1.0))", "tests/base/test_statistics.py"),
     Mutant("sweep/precision.py", "condition", 'return math.nan, str(row["failure_reason"])', 'return 0.0, str(row["failure_reason"])', ROUNDS.format("a_failed_run_counts_and_is_not_replaced")),
     Mutant("sweep/state.py", "condition", "if any(len(values[point]) < count for point, count in block.counts.items()):", "if False:", ROUNDS.format("a_stopped_sweep_goes_on_to_the_same_runs")),
     Mutant("sweep/state.py", "missing call", "                if not self.grow(name):\n                    break\n", "                break\n", ROUNDS.format("replicates_are_added_until_the_mean_is_as_well_known_as_asked")),
     Mutant("base/statistics.py", "constant", "stdtrit(freedom, 0.5 + 0.5 * level)", "stdtrit(freedom, level)", "tests/base/test_statistics.py"),
     Mutant("analysis/onset.py", "sign", "return y @ share - slope * middle", "return y @ share + slope * middle", "tests/experiment/test_onset.py"),
     # how kernels are compiled
-    Mutant("jit/compilation.py", "missing term", "*map(str, key), *code)", "*map(str, key))", "tests/jit/test_compilation.py"),
+    Mutant("jit/compilation.py", "missing term", "*map(str, key), *code)", "*map(str, key))", "tests/jit/test_compilation.py::test_machine_code_for_a_law_of_ones_own_is_known_by_the_code_of_its_file"),
     Mutant("jit/optional.py", "sign", "return lambda a, b: -b", "return lambda a, b: b", ELLIPSES),
     Mutant("jit/block_memory.py", "index", "load_outline(like[1:], values, at + step, step)", "load_outline(like[1:], values, at, step)", ELLIPSES),
 )  # fmt: skip

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from intervals import assert_held
 from scipy.stats import t
 
 import dem
@@ -15,7 +16,7 @@ from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 from studies.accuracy import replicates
 from studies.accuracy.bias import Steps
-from studies.accuracy.results import check, make
+from studies.accuracy.results import make
 from studies.common.results import runs
 
 STUDY = Path(__file__).parent.parent
@@ -59,10 +60,9 @@ def test_a_bias_that_is_there_is_found(slope):
 
 
 def test_the_interval_of_the_bias_holds_the_truth_as_often_as_it_says():
-    """Of many studies without a bias, about 95 % of the intervals hold zero."""
-    studies = [Steps(trials(0.0, beds=20, seed=seed), "c1").bias for seed in range(200)]
-    share = np.mean([abs(b.value) < b.half for b in studies])
-    assert 0.9 < share < 0.99
+    """Of many studies without a bias."""
+    biases = [Steps(trials(0.0, beds=20, seed=seed), "c1").bias for seed in range(150)]
+    assert_held([(b.value - b.half, b.value + b.half) for b in biases], 0.0)
 
 
 def test_runs_that_fail_are_counted_and_leave_the_means_alone():
@@ -162,20 +162,3 @@ def test_replicates_must_all_have_run(tmp_path):
     work.store.rows = lambda runs, *names: {}
     with pytest.raises(dem.InputError, match="seed 1001 is in no file of the store"):
         list(runs(work, ("drag",)))
-
-
-@pytest.mark.parametrize(
-    ("steps", "shapes", "sentence"),
-    [
-        ({}, "c1", "sweep.blocks must be replicates"),
-        ({"few": [0.1, 1.0]}, "c1", r"run c1 at numerics.step_fraction \[0.1, 1.0\]"),
-        ({"few": [0.5, 2.0]}, "c1", "another up to 1.2"),
-        ({"few": [0.5, 1.0]}, ["c1", "d1"], "one shape"),
-    ],
-)
-def test_a_study_that_cannot_be_made_is_refused(steps, shapes, sentence):
-    """With the key in the sentence, before its runs are read."""
-    data = blocks(**steps)
-    data["sweep"]["blocks"]["replicates"]["shape"] = shapes
-    with pytest.raises(dem.InputError, match=sentence):
-        check(parse(data))

@@ -97,18 +97,3 @@ def test_the_largest_step_is_where_the_drag_leaves_its_level():
     beds = np.random.default_rng(1).normal(size=(1, 50))
     step = largest_step(steps, 100.0 - 50.0 * np.maximum(0.0, steps - 1.1)[:, None] + beds)
     assert step.value == pytest.approx(1.12, abs=0.01)
-
-
-def test_what_lammps_has_no_equivalent_for_is_refused(small_bed):
-    """Ellipses have no Hertzian contact there."""
-    small = small_bed("ellipse")
-    with pytest.raises(dem.InputError, match="ellipse"):
-        lammps.Run(small.scene(), small.state, 1e-9)
-
-
-def test_a_restitution_that_lammps_cannot_have_by_our_law_is_refused(small_bed):
-    """Below exp(-2) our dashpot is stronger than any that its coefficient of restitution asks for."""
-    small = small_bed("disc")
-    scene = small.scene(material=dem.Material(restitution=0.1))
-    with pytest.raises(dem.InputError, match=r"restitution is 0\.1; it must be above exp\(-2\)"):
-        lammps.Run(scene, small.state, 1e-9, same=True)

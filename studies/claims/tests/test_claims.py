@@ -7,17 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-import yaml
 from numpy.testing import assert_allclose
-from project import CONFIG
 from scipy.stats import qmc
 from sweeps import FOREIGN, foreign
 from typer.testing import CliRunner
 
 from dem.base.errors import InputError
-from dem.experiment.kinds.jamming import NOISE, line
-from dem.experiment.observables.alignment import alignment
-from dem.sweep.config import parse
 from dem.sweep.state import SweepState
 from studies.__main__ import app
 from studies.claims import results
@@ -29,7 +24,6 @@ from studies.claims.remains import jamming_in, remaining
 from studies.claims.sentences import CLAIMS
 from studies.claims.verdicts import UNTESTED, judge, share, together
 
-INFINITE = float("inf")
 SMOKE = Path(__file__).parent.parent / "smoke.yaml"
 SHAPES = dict(c1=1300.0, d1=2900.0, c2=560.0, e1=900.0, e2=600.0, e3=400.0, e0=1300.0)
 AT_BOUNDS = dict(c1=1e3, d1=1e3, c2=1e3 / 1.18, e1=820.0, e2=820.0, e3=820.0, e0=1180.0, c12=1180.0)
@@ -47,18 +41,6 @@ def drawn(means, runs=40, scatter=0.12, seed=0, density=None):
 
 def verdicts(runs, **more):
     return {verdict.claim.name: verdict.verdict for verdict in judge(Evidence(runs, **more))}
-
-
-@pytest.mark.parametrize("paired", [True, False])
-def test_intervals_of_ratios_hold_the_truth_as_often_as_they_say(paired):
-    """Of 2000 intervals at 95 % between 93 and 97 % hold the ratio of the true means."""
-    rng, hits = np.random.default_rng(1), 0
-    for _ in range(2000):
-        bed = rng.normal(1.0, 0.1, 20) if paired else 1.0
-        a, b = (mean * bed * rng.normal(1.0, 0.1, 20) for mean in (2.0, 1.0))
-        low, high = Comparison(words="", a=a, b=b, paired=paired).interval()
-        hits += low < 2.0 < high
-    assert 0.93 < hits / 2000 < 0.97
 
 
 def test_verdicts_say_what_is_known():
@@ -266,11 +248,6 @@ def test_derived_fractions_are_those_of_the_beds_in_the_file(smallest):
     assert len(kinds) == 7
 
 
-def test_a_sweep_without_the_study_is_refused():
-    with pytest.raises(InputError, match="has no replicates; see studies"):
-        results.make(SweepState.of(CONFIG / "smoke.yaml"), 1, None)
-
-
 # What decides
 
 
@@ -296,40 +273,6 @@ def test_the_package_that_ranks_influences_is_named_where_it_is_missing(monkeypa
     monkeypatch.setitem(sys.modules, "SALib.analyze", None)
     with pytest.raises(InputError, match="SALib: pip install SALib"):
         influences(None, None)
-
-
-# Jamming
-
-
-@pytest.mark.quick
-def test_line_finds_where_pressure_begins():
-    fraction = np.arange(0.74, 0.90, 0.005)
-    load = (0.2 * np.maximum(fraction - 0.8137, 0.0)) ** 1.5 + 0.1 * NOISE * (fraction < 0.81)
-    assert_allclose(line(fraction, load), (0.8137, 0.2), rtol=1e-5)
-    assert np.isnan(line(fraction[:5], load[:5])).all()
-
-
-# Alignment
-
-
-@pytest.mark.parametrize(("turn", "expected"), [(0.0, 1.0), (np.pi / 2, -1.0), (np.pi, 1.0)])
-def test_alignment_tells_along_from_across(turn, expected):
-    rng = np.random.default_rng(0)
-    start = rng.uniform(-2e-3, 2e-3, (200, 2))
-    displacement = 1e-4 * rng.normal(size=(200, 2))
-    angle = np.arctan2(displacement[:, 1], displacement[:, 0]) + turn
-    angles = [angle, angle + np.pi / 2]
-    along, _ = alignment(start, start + displacement, angles, (0.0, 0.0), 1e-3, 1e-3, 5e-4)
-    assert_allclose(along, [expected, -expected])
-
-
-def test_alignment_at_random_is_none_and_far_granules_do_not_count():
-    rng = np.random.default_rng(0)
-    start = rng.uniform(-2e-3, 2e-3, (4000, 2))
-    end = start + 1e-4 * rng.normal(size=start.shape)
-    angle = rng.uniform(0.0, 2.0 * np.pi, 4000)
-    assert np.abs(alignment(start, end, [angle], (0, 0), 1e-3, 1e-3, 5e-4)).max() < 0.06
-    assert np.isnan(alignment(start + 1.0, end + 1.0, [angle], (0, 0), 1e-3, 1e-3, 5e-4)).all()
 
 
 # What remains at equal distance from jamming
@@ -412,41 +355,6 @@ def test_shapes_under_the_load_of_another():
     assert jamming.at_load("e1", "c1", 0.80) < jamming.mean("e1", "fraction")
 
 
-def smallest_file():
-    """The values of smoke.yaml, to be changed."""
-    return yaml.safe_load(SMOKE.read_text()) | {"extends": str(CONFIG / "smoke.yaml")}
-
-
-def test_impossible_runs_are_refused_before_any_is_made():
-    """A block that leaves what can be simulated is named with its value."""
-    data = smallest_file()
-    points = {"0.3": {"cylinder.start": 0.8, "shapes.c1.granules": 18}}
-    data["sweep"]["blocks"]["jamming_height"]["factor"] = points
-    with pytest.raises(InputError, match=r"jamming_height asks for .* cylinder would"):
-        parse(data, "claims.yaml")
-
-
-@pytest.mark.parametrize(
-    ("value", "words"),
-    [
-        ({"derive": "equal_pressure"}, "it must be 'equal_distance' or"),
-        ({"derive": "equal_load", "shape": "z9"}, "has the shape 'z9'"),
-        ({"derive": "equal_distance", "friction": -0.1}, "friction is -0.1"),
-        ({"derive": "equal_distance", "of": "c1"}, "of is not a known key"),
-        (None, "matched derives values; needs must name"),
-    ],
-)
-def test_what_cannot_be_derived_is_refused(value, words):
-    data = smallest_file()
-    matched = data["sweep"]["blocks"]["matched"]
-    if value is None:
-        del matched["needs"]
-    else:
-        matched["setting"]["equal load"]["packing.fraction"] = value
-    with pytest.raises(InputError, match=words):
-        parse(data, "claims.yaml")
-
-
 @pytest.mark.parametrize("fault", FOREIGN)
 def test_claims_are_tested_on_no_foreign_file(tmp_path, fault):
     """It is answered with a sentence, or with dashes where it has gaps."""
@@ -461,15 +369,3 @@ def test_claims_are_tested_on_the_file_of_the_study():
     file = Path(__file__).parents[1] / "claims.nc"
     run = CliRunner().invoke(app, ["claims", "test", str(file), "--claim", CLAIMS[0].name])
     assert run.exit_code == 0 and f"{CLAIMS[0].name}: " in run.stdout
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (("README.md", "--margin", "nan"), "margin is nan"),
-        (("studies/shear/shear.nc",), "it holds no drag; name drag.nc."),
-    ],
-)
-def test_what_has_no_claims_is_refused(arguments, sentence):
-    run = CliRunner().invoke(app, ["claims", "test", *arguments])
-    assert run.exit_code == 2 and sentence in run.stderr

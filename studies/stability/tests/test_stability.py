@@ -5,13 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 from collisions import APART
 
 import dem
 from dem.dynamics.checkpoint import copied
 from dem.sweep.config import load
-from dem.sweep.state import SweepState
 from studies.stability import catalogue, linear, results
 from studies.stability.scenes import start
 from studies.stability.watching import friction_excess, momenta, unlisted
@@ -23,24 +21,6 @@ SHORT = {"experiment": "draw", "shapes": ["c1"], "change": {"displacement": 5e-5
 @pytest.fixture(scope="module")
 def sweep():
     return load(STUDY / "smoke.yaml")
-
-
-def test_a_checkpoint_of_another_scene_is_refused(small_bed):
-    """Other granules, material or sizes are named as such, and nothing is changed."""
-    disc, ellipse, other = small_bed("disc"), small_bed("ellipse"), small_bed("disc", 2)
-    run = dem.Simulation(disc.scene(), disc.state)
-    saved = run.checkpoint()
-    soft = dem.Simulation(disc.scene(material=dem.Material(young_modulus=1e9)), disc.state)
-    for bed in (ellipse, other):
-        with pytest.raises(dem.InputError, match="another scene"):
-            dem.Simulation(bed.scene(), bed.state).restore(saved)
-    with pytest.raises(dem.InputError, match="another scene"):
-        soft.restore(saved)
-    del saved["world.pairs.tangential_force"]
-    saved["world.bodies"] = saved["world.bodies"] + 1.0
-    with pytest.raises(dem.InputError, match=r"it lacks world\.pairs\.tangential_force"):
-        run.restore(saved)
-    np.testing.assert_array_equal(run.state.position, disc.state.position)
 
 
 def test_friction_beyond_the_cap_is_seen(small_bed):
@@ -101,27 +81,6 @@ def test_a_bed_grows_beyond_its_limit_only(sweep):
     limit = linear.limit(*matrices, bound, results.GROWTH)
     grown = [linear.growth(*matrices, step) for step in (bound, 1.05 * limit)]
     assert bound < limit and grown[0] < results.GROWTH < grown[1]
-
-
-def test_a_sweep_that_is_no_study_is_refused():
-    with pytest.raises(dem.InputError, match=r"sweep.blocks.map must vary shape, material"):
-        results.make(SweepState.of(STUDY.parents[1] / "config/smoke.yaml"), 1, None)
-
-
-@pytest.mark.parametrize(
-    ("case", "words"),
-    [
-        ({"limits": {"beauty": 1.0}}, "beauty"),
-        ({"limits": {}}, "limits or an error"),
-        ({"limits": {"residual": 1.0}, "change": {"stiffness": -1.0}}, "stiffness"),
-    ],
-)
-def test_a_wrong_catalogue_is_refused_in_words(tmp_path, case, words):
-    file = tmp_path / "catalogue.yaml"
-    cases = {"cases": {"one": SHORT | case}, "limits": {"shapes": ["c1"], "granules": 40}}
-    file.write_text(yaml.safe_dump(cases))
-    with pytest.raises(dem.InputError, match=words):
-        catalogue.load(file)
 
 
 def test_the_catalogue_names_experiments_and_shapes_that_exist(sweep):

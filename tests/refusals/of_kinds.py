@@ -71,7 +71,9 @@ CALLS = {
     ),
     "drag without a cylinder": (sheared(experiment="drag"), "cylinder is missing"),
     "values of another experiment": (
-        lambda: of_values(sheared_values()).configuration.changed({"cylinder.velocity": 1.0}, "disc"),
+        lambda: of_values(sheared_values()).configuration.changed(
+            {"cylinder.velocity": 1.0}, "disc"
+        ),
         "the experiment shear has no cylinder",
     ),
     "onset with friction": (
