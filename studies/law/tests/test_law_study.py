@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 from pictures import assert_not_blank
+from sweeps import dataset_of
 
 from dem.figures.catalogue import possible
 from dem.figures.style import save
@@ -19,26 +19,11 @@ DRAG = np.array([[1000.0, 2000.0, 400.0], [1000.0, 2500.0, 600.0]])  # N, by law
 
 
 @pytest.fixture
-def runs() -> xr.Dataset:
-    dims = "law", "state", "shape", "density", "seed"
-    drag = np.broadcast_to(DRAG[:, None, :, None, None], (2, 2, 3, 1, 4)) * np.linspace(
-        0.99, 1.01, 4
-    )
-    return xr.Dataset(
-        {
-            "drag": ((*dims, "displacement"), drag[..., None]),
-            "run_id": (dims, np.full(drag.shape, "x")),
-        },
-        {
-            "law": ["hertz", "linear"],
-            "state": ["fraction", "pressure"],
-            "shape": ["c1", "d1", "e3"],
-            "density": [3900.0],
-            "seed": np.arange(4),
-            "displacement": [2e-3],
-        },
-        {"window_start": 1e-3, "window_stop": 3e-3},
-    )
+def runs():
+    axes = {"law": ["hertz", "linear"], "state": ["fraction", "pressure"]}
+    axes |= {"shape": ["c1", "d1", "e3"], "density": [3900.0]}
+    drag = np.broadcast_to(DRAG[:, None, :, None, None], (2, 2, 3, 1, 4))
+    return dataset_of(drag * np.linspace(0.99, 1.01, 4), axes)
 
 
 def test_the_sweep_packs_and_runs_under_each_law():
