@@ -64,7 +64,7 @@ if (STUDIES / "calibration").is_dir():
         "a drag below zero": (fitted(-WIDE * MODULI), "the mean drag of 3 beds is not positive"),
         "a modulus of other runs": (other, "its runs are over case, seed"),
     }
-    CALLS |= {f"a target of {x}": (aimed(x), f"target is {x}") for x in (np.nan, np.inf, 0.0, -1.0)}
+    CALLS |= {f"a target of {x}": (aimed(x), f"target is {x}") for x in (np.inf, 0.0)}
 
 if (STUDIES / "accuracy").is_dir():
     from studies.accuracy.results import check
@@ -111,6 +111,9 @@ if (STUDIES / "pressure").is_dir():
     }
 
 if (STUDIES / "claims").is_dir():
+    from studies.claims import verbs
+
+    TESTED = ROOT / "docs/data/flow.nc"
 
     def derived(value=None, **more):
         def change(blocks):
@@ -127,6 +130,11 @@ if (STUDIES / "claims").is_dir():
         blocks["jamming_height"]["factor"] = points
 
     CALLS |= {
+        "a margin that is none": (lambda: verbs.test(TESTED, margin=np.nan), "margin is nan"),
+        "claims of runs without drag": (
+            lambda: verbs.test(TESTED),
+            "it holds no drag; name drag.nc",
+        ),
         "claims of another sweep": (made("claims"), "has no replicates; see studies"),
         "a run that cannot be": (
             lambda: parse(values_of("claims", too_high)),
