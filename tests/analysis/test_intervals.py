@@ -37,7 +37,7 @@ def of_ratios(rng, level):
 
 def of_arrays(rng, places, paired):
     """Of averages over places: each bed at all of them, or others at each."""
-    sample = xr.DataArray(rng.normal(1.0, 0.1, (2000, places, 8)), dims=("draw", "place", "seed"))
+    sample = xr.DataArray(rng.normal(1.0, 0.1, (1000, places, 8)), dims=("draw", "place", "seed"))
     if paired:
         sample = 0.5 * sample + 0.5 * sample.isel(place=0)
     else:

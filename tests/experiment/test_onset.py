@@ -47,8 +47,10 @@ def test_ellipses_jam_with_fewer_contacts_than_degrees_of_freedom(ratio):
 LINEAR = {"contact.law": "linear", "periodic": "x"}  # discs between a floor and a lid
 
 
-@pytest.mark.quick
-@pytest.mark.parametrize(("ratio", "changes", "power"), [(1.3, {}, 1.5), (1.0, LINEAR, 1.0)])
+@pytest.mark.parametrize(
+    ("ratio", "changes", "power"),
+    [(1.3, {}, 1.5), pytest.param(1.0, LINEAR, 1.0, marks=pytest.mark.quick)],
+)
 def test_a_bed_bears_no_load_below_the_onset_and_that_of_its_law_above(ratio, changes, power):
     """The load goes as the distance from the onset to the power of 3/2 under Hertz's law, in proportion to it
     under a linear one."""
@@ -72,7 +74,6 @@ def test_a_bed_jams_where_the_line_of_its_loads_begins(power):
     assert np.isnan(jamming.line(fraction[:5], load[:5], power)).all()
 
 
-@pytest.mark.quick
 def test_the_onset_is_just_below_where_the_line_of_greater_loads_meets_zero():
     """The experiment jamming fits that line to beds that are farther beyond the onset."""
     replicate = bed(1.0, granules=80)

@@ -28,7 +28,7 @@ def run_of(fraction=0.83, young_modulus=5e9, **cell):
 
 @cache
 def measured():
-    return shear.run(run_of())
+    return shear.run(run_of(young_modulus=5e8))
 
 
 def test_the_lid_bears_the_pressure_that_is_asked_for():
@@ -52,7 +52,7 @@ def test_rough_walls_drag_the_bed_with_them():
 def test_the_packing_fraction_is_that_between_the_walls():
     """Discs of the walls, whose mean heights bound the bed, are half in it. A disc that is partly in the middle
     counts with that part, so that the fraction hardly jumps."""
-    result, run = measured(), run_of()
+    result, run = measured(), run_of(young_modulus=5e8)
     bed = make_bed(run)
     scene, _ = shear.make_cell(run, bed)
     area = scene.shape.area.sum() - 0.5 * scene.shape.area[scene.is_held].sum()
@@ -90,7 +90,7 @@ def time_of(number, settle):
 
 
 def test_a_slow_flow_settles_over_the_strain_that_is_asked_for():
-    assert time_of(0.01, 2.0)[0] / time_of(0.01, 1.0)[0] == pytest.approx(2.1 / 1.1, rel=0.05)
+    assert time_of(0.01, 1.0)[0] / time_of(0.01, 0.5)[0] == pytest.approx(1.1 / 0.6, rel=0.05)
     assert time_of(0.01, 1.0)[1] == pytest.approx(1.1 / 71.365, rel=0.3)
 
 
