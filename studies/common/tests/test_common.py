@@ -17,8 +17,10 @@ def test_intervals_of_ratios_hold_the_truth_as_often_as_they_say(paired, level):
     """Also where a run of either part failed."""
     rng, ends = np.random.default_rng(1), []
     for _ in range(1500):
-        bed = rng.normal(1.0, 0.1, 20) if paired else 1.0
-        a, b = (bed * rng.normal(1.0, 0.1, 20) for _ in range(2))
+        if paired:
+            a, b = rng.normal(1.0, 0.1, 20) * rng.normal(1.0, 0.1, (2, 20))
+        else:  # which differ in size and in scatter
+            a, b = rng.normal(1.0, 0.02, 20), rng.normal(1.0, 0.1, 6)
         a[0], b[1] = np.nan, np.inf
         ends.append(log_ratio_interval(2.0 * a, b, paired, level)[1:])
     assert_held(ends, 2.0, level, 0.01)
