@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from reference import outside
+from outlines import outside
 from scenes import ANCHOR, TIME_STEP, scene_of
 
 import dem

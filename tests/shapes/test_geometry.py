@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from beds import section_of
 from numpy.testing import assert_allclose
-from reference import outline, parting, potential
+from outlines import outline, parting, potential
 
 from dem import (
     CommonNormal,
