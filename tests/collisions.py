@@ -1,6 +1,7 @@
 """Collisions of pairs, far from all else."""
 
 import numpy as np
+from scipy.optimize import brentq
 
 import dem
 
@@ -46,9 +47,10 @@ def approach(velocity):
     return velocity[..., 0::2, 0] - velocity[..., 1::2, 0]
 
 
-def followed(scene, state, duration, steps):
+def followed(scene, state, duration, steps, ledger=False):
     """Time, overlap (m) and approach (m/s) of each pair at every step."""
-    run = dem.simulate(scene, state, duration, time_step=duration / steps, frames=int(steps))
+    step, frames = duration / steps, int(steps)
+    run = dem.simulate(scene, state, duration, time_step=step, frames=frames, ledger=ledger)
     x, r = run.position[..., 0], scene.shape.radius
     return run.time, r[0::2] + r[1::2] - (x[:, 1::2] - x[:, 0::2]), approach(run.velocity)
 
@@ -90,3 +92,32 @@ def gains(scene, state, step_fraction):
     met = np.hypot(*result.velocity[: len(initial)].T) > 0.0
     assert met.sum() > len(initial) // 2
     return (final / initial - 1.0)[met]
+
+
+def compliance(material):
+    """(1 - nu^2) / E (1/Pa), zero of a rigid body."""
+    return (1.0 - material.poisson_ratio**2) / material.young_modulus if material else 0.0
+
+
+def stated_force(law, overlap, radii, materials, thickness):
+    """Elastic force (N) of two discs by the books; the second is flat where its radius (m) is infinite, and rigid
+    where its material is None.
+
+    Hertz: Johnson, "Contact Mechanics" (1985), equation 4.23. Lines: his equation 5.57 for each of the two
+    bodies, of which a flat one counts as one of the radius of the disc.
+    """
+    yields = np.array([compliance(material) for material in materials])
+    modulus, radius = 1.0 / yields.sum(), 1.0 / np.sum(1.0 / np.array(radii))
+    if isinstance(law, dem.Hertz):
+        return 4.0 / 3.0 * modulus * radius**0.5 * overlap**1.5
+    if isinstance(law, dem.Linear):
+        return (law.stiffness or 0.25 * np.pi * modulus * thickness) * overlap
+    bodies = np.where(np.isfinite(radii), radii, radii[0])
+
+    def excess(load):  # N/m
+        width = np.sqrt(4.0 * load * radius / (np.pi * modulus))
+        return (yields * load / np.pi * (2.0 * np.log(4.0 * bodies / width) - 1.0)).sum() - overlap
+
+    widest = 4.0 * np.prod(bodies ** (yields * modulus)) / np.e  # where half-spaces end
+    most = 0.25 * np.pi * modulus * widest**2 / radius
+    return thickness * brentq(excess, 1e-9 * most, most, rtol=1e-13)

@@ -1,4 +1,4 @@
-"""Collisions in empty space and with a floor, against closed forms and conservation laws."""
+"""Collisions of pairs, and with walls and solids, against closed forms and conservation laws."""
 
 import numpy as np
 import pytest
@@ -9,41 +9,126 @@ from collisions import (
     LEAST,
     ROUGH,
     SLIPPERY,
-    approach,
     energy,
     followed,
     gains,
     head_on,
     leaving,
+    stated_force,
     volley,
 )
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
-from twin import Law
+from twin import Law, damping_ratio
 
 import dem
-from dem.contacts.force_law import damping_from_restitution, restitution_from_damping
+
+SHAPES = {
+    "disc": dem.Disc,
+    "dumbbell": dem.Dumbbell,
+    "ellipse": lambda r: dem.Ellipse(1.5 * r, r),
+    "superellipse": lambda r: dem.Superellipse(1.5 * r, r, 0.3 * r, 3.0),
+}
+# That of lines with what the energy of a bed that resists rolling needs too, so that one kernel serves.
+LAWS = {
+    "hertz": {"law": dem.Hertz()},
+    "linear": {"law": dem.Linear()},
+    "stiff": {"law": dem.Linear(stiffness=1e7)},
+    "line": {"law": dem.Line(), "rolling": dem.Rolling()},
+}
 
 
 def sizes(n, seed=0):
     return 1e-3 * np.random.default_rng(seed).uniform(0.5, 1.0, n)
 
 
-SHAPES = {
-    "disc": dem.Disc,
-    "dumbbell": dem.Dumbbell,
-    "ellipse": lambda r: dem.Ellipse(1.5 * r, r),
-}
+# Along the line of centres
+
+
+def meetings(form, law, restitution, count=24):
+    """Granules of many sizes that meet, head-on and at many speeds, one of their own material, one of another, a
+    wall and a solid that are rigid, and a wall and a solid of the other material.
+
+    Returns scene, state, unit vectors (6, count, 2) of approach, and the coefficients of restitution (6, 1) that are
+    asked for.
+    """
+    rng, soft = np.random.default_rng(0), dem.Material(restitution=restitution)
+    hard = dem.Material(3e3, 2e11, 0.25, 0.8)
+    shape = form(1e-3 * rng.uniform(0.5, 1.0, 8 * count))
+    reach = np.ptp(shape.polygons(65)[..., 0], axis=(1, 2)).reshape(8, count) / 2.0
+    speed = 10.0 ** rng.uniform(-1.0, 0.5, (6, count))
+    gap, row = speed * rng.uniform(0.0, 2e-6, (6, count)), 8e-3 * np.arange(count)
+    turn = 2.0 * np.pi * np.arange(count) / count
+    out, rim = np.stack([np.cos(turn), np.sin(turn)], axis=-1), 0.1  # m
+    place = np.zeros((8, count, 2))
+    place[..., 1], right = row, np.array([[1.0], [-1.0]])
+    place[1::6, :, 1] += 4e-3  # those of another material, beside the others
+    place[:2, :, 0], place[6:, :, 0] = -gap[:2] - reach[:2], reach[6:]
+    place[2:4, :, 0] = right * (0.5 - gap[2:4] - reach[2:4])
+    solids = [
+        dem.Cylinder(2.0 * rim, (0.0, -0.2)),
+        dem.Cylinder(2.0 * rim, (0.0, 0.6), material=hard),
+    ]
+    for k, solid in zip((4, 5), solids, strict=True):
+        place[k] = solid.position + (rim + gap[k] + reach[k])[:, None] * out
+    along = np.zeros((6, count, 2))
+    along[:4, :, 0], along[4:] = np.array([1.0, 1.0, 1.0, -1.0])[:, None], -out
+    velocity, angle, kind = np.zeros((8, count, 2)), np.zeros((8, count)), np.zeros((8, count), int)
+    velocity[:6], angle[4:6], kind[7] = speed[..., None] * along, turn, 1
+    walls = [dem.Wall([1.0, 0.0, 0.5]), dem.Wall([-1.0, 0.0, 0.5], material=hard)]
+    scene = dem.Scene(
+        shape, [soft, hard], SLIPPERY, walls, solids, thickness=1e-3, species=kind.ravel(), **law
+    )
+    state = dem.State(place.reshape(-1, 2), velocity.reshape(-1, 2), angle.ravel())
+    both = np.sqrt(restitution * hard.restitution)
+    asked = np.array([restitution, both, restitution, both, restitution, both])[:, None]
+    return scene, state, along, asked
+
+
+def restitutions(form, law, restitution, step_fraction=None):
+    """Speed of separation over that of approach (6, count) in the collisions of `meetings`, over what is asked for."""
+    scene, state, along, asked = meetings(form, law, restitution)
+    options = {"step_fraction": step_fraction} if step_fraction else {}
+    run = dem.Simulation(scene, state, ledger="rolling" in law, **options)
+    while run.time < 6e-5 or len(run.contacts().granule):
+        run.advance(6e-5)
+    before, after = (s.velocity.reshape(8, -1, 2) for s in (state, run.state))
+    after[:2] -= after[6:]
+    return -(after[:6] * along).sum(axis=-1) / (before[:6] * along).sum(axis=-1) / asked
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("kind", "law", "restitution", "step_fraction", "most"),
+    [("disc", law, e, None, 1e-2) for law in ("hertz", "line") for e in (0.9, 0.5, 0.1)]
+    + [("disc", law, e, None, 2e-2) for law in ("linear", "stiff") for e in (0.9, 0.5, 0.1)]
+    + [("disc", law, 0.5, 0.02, 3e-3) for law in ("hertz", "linear", "line")]
+    + [("disc", "hertz", e, None, 4e-2) for e in (0.02, 0.01, 0.001)]
+    + [(kind, "hertz", 0.3, None, 1e-2) for kind in SHAPES],
+)
+def test_restitution_is_as_asked(kind, law, restitution, step_fraction, most):
+    """At any speed, size and phase of a step, and in the mean over these nearer. Between two materials it is the
+    geometric mean of both; a body without a material has no say."""
+    error = restitutions(SHAPES[kind], LAWS[law], restitution, step_fraction) - 1.0
+    assert np.abs(error).max() < most
+    assert np.abs(error.mean(axis=1)).max() < 0.3 * most
+
+
+@pytest.mark.quick
+def test_elastic_collisions_at_the_default_step_err_by_a_tenth_of_a_per_cent():
+    """The energy, in the root mean square over many collisions, and in the worst of them, as docs/scope.md says."""
+    gain = restitutions(dem.Disc, LAWS["hertz"], ELASTIC.restitution)[::2] ** 2 - 1.0
+    assert np.sqrt((gain**2).mean()) < 0.002
+    assert np.abs(gain).max() < 0.005
 
 
 def test_published_benchmark_of_two_spheres():
     """Two spheres of 10 mm at +-10 m/s reach the published overlap, force and contact time."""
     radius = 10e-3
-    material = dem.Material(density=2800.0, young_modulus=48e9, poisson_ratio=0.2, restitution=1.0)
-    scene, state = head_on(
-        [[radius, radius]], [20.0], material=material, thickness=4.0 * radius / 3.0
-    )
-    time, overlap, speed = followed(scene, state, 5e-5, 4000)
+    material = dem.Material(2800.0, 48e9, 0.2, ELASTIC.restitution)
+    sphere = LEAST | {"material": material, "thickness": 4.0 * radius / 3.0}
+    scene, state = head_on([[radius, radius]], [20.0], **sphere)
+    time, overlap, speed = followed(scene, state, 5e-5, 2000)
     assert_allclose(scene.mass[0], 2800.0 * 4.0 / 3.0 * np.pi * radius**3)
     force = -0.5 * scene.mass[0] * np.gradient(speed[:, 0], time)
     assert_allclose(overlap.max(), 2.7411e-4, rtol=1e-4)
@@ -51,25 +136,42 @@ def test_published_benchmark_of_two_spheres():
     assert_allclose(leaving(time, overlap[:, 0]), 4.0339e-5, rtol=1e-4)
 
 
-def test_hertz_contact_time_and_overlap():
-    """Contact time and greatest overlap of elastic collisions of unequal discs follow Hertz."""
-    radii = np.array([[1.0, 1.0], [1.0, 3.0], [0.5, 4.0], [2.0, 0.3]]) * 1e-3
-    speeds = np.array([1.0, 0.3, 3.0, 0.1])
-    material = dem.Material(restitution=1.0)
-    scene, state = head_on(radii, speeds, material=material)
-    modulus = material.young_modulus / (1.0 - material.poisson_ratio**2) / 2.0
-    radius, mass = (np.prod(a, 1) / np.sum(a, 1) for a in (radii, scene.mass.reshape(-1, 2)))
-    expected = 2.868266 * (mass**2 / (radius * modulus**2 * speeds)) ** 0.2
-    time, overlap, speed = followed(scene, state, 1.1 * expected.max(), 6000)
-    assert_allclose([leaving(time, o) for o in overlap.T], expected, rtol=1e-4)
-    assert_allclose(overlap.max(axis=0), expected * speeds / 2.943275, rtol=1e-4)
-    assert_allclose(speed[-1], -speeds, rtol=1e-6)
+@pytest.mark.quick
+@pytest.mark.parametrize("law", LAWS)
+def test_elastic_collisions_follow_the_force_of_the_books(law):
+    """Contact time and greatest overlap of unequal discs, by the equation of motion of one body."""
+    radii, speeds = 1e-3 * np.array([[1.0, 1.0], [1.0, 3.0], [2.0, 0.3]]), np.array([1.0, 0.3, 3.0])
+    options = LAWS[law] | LEAST | {"material": ELASTIC, "thickness": 1e-3}
+    scene, state = head_on(radii, speeds, **options)
+    expected = []
+    for radius, mass, speed in zip(radii, scene.mass.reshape(-1, 2), speeds, strict=True):
+        inertia = 1.0 / np.sum(1.0 / mass)
+
+        def motion(t, y, radius=radius, inertia=inertia):
+            push = stated_force(scene.law, y[0], radius, 2 * [ELASTIC], 1e-3) if y[0] > 0.0 else 0.0
+            return y[1], -push / inertia
+
+        turn, leave = (lambda t, y: y[1]), (lambda t, y: y[0] - 1e-13)
+        turn.direction = leave.direction = -1.0
+        path = solve_ivp(motion, (0.0, 1e-4), (0.0, speed), events=[turn, leave], rtol=1e-8, atol=1e-13,
+                         max_step=1e-6)  # fmt: skip
+        expected.append([path.t_events[1][0], path.y_events[0][0][0]])
+    time, overlap, _ = followed(
+        scene, state, 1.1 * np.max(expected, axis=0)[0], 2000, law == "line"
+    )
+    found = [[leaving(time, o), o.max()] for o in overlap.T]
+    assert_allclose(found, expected, rtol=1e-3)
 
 
-def errors(restitution, depth, properties):
-    """Relative errors of speed and overlap within a contact, in ever smaller steps."""
+@pytest.mark.parametrize(
+    ("restitution", "depth", "order"),
+    [(ELASTIC.restitution, 0.0, 2.0), (0.5, 3e-6, 2.0), (0.5, 0.0, 1.25)],
+)
+def test_order_of_convergence(restitution, depth, order):
+    """Second order in the time step, elastic and damped; an impact with a dashpot is of order 5/4, because its force
+    begins like the fourth root of time."""
     material = dem.Material(restitution=restitution)
-    scene, state = head_on([[1e-3, 1e-3]], [1.0], -depth, material=material, **properties)
+    scene, state = head_on([[1e-3, 1e-3]], [1.0], -depth, material=material, **ROUGH)
     law, mass = Law(scene, material, material, 0.0), 0.5 * scene.mass[0]
 
     def motion(t, y):
@@ -77,52 +179,14 @@ def errors(restitution, depth, properties):
         return y[1], -law.push(new, y[0], (1e-3, 1e-3), mass, 1.0, rate, rate, 0.0)[0] / mass
 
     duration, steps = 6e-5, 2 ** np.arange(6, 11)
-    exact = solve_ivp(motion, (0.0, duration), (depth, 1.0), "DOP853", rtol=1e-12, atol=1e-16)
+    exact = solve_ivp(motion, (0.0, duration), (depth, 1.0), "DOP853", rtol=1e-12, atol=1e-16).y
     final = [followed(scene, state, duration, n) for n in steps]
-    return steps, [np.abs([f[k][-1, 0] / exact.y[k - 1, -1] - 1.0 for f in final]) for k in (1, 2)]
+    for k in (1, 2):
+        error = np.abs([f[k][-1, 0] / exact[k - 1, -1] - 1.0 for f in final])
+        assert_allclose(-np.polyfit(np.log(steps), np.log(error), 1)[0], order, atol=0.12)
 
 
-@pytest.mark.parametrize(
-    ("restitution", "depth", "order", "properties"),
-    [
-        (1.0, 0.0, 2.0, {}),
-        (1.0, 3e-6, 2.0, {}),
-        (0.5, 3e-6, 2.0, {}),
-        (0.5, 0.0, 1.25, {}),
-        (0.5, 3e-6, 2.0, ROUGH),
-        (0.5, 0.0, 1.25, ROUGH),
-    ],
-)
-def test_order_of_convergence(restitution, depth, order, properties):
-    """Second order in the time step, elastic and damped; an impact with a dashpot is of order 5/4,
-    because its force begins like the fourth root of time. Where nothing can turn, the kernel is another."""
-    steps, wrong = errors(restitution, depth, properties)
-    for error in wrong:
-        slope = -np.polyfit(np.log(steps), np.log(error), 1)[0]
-        assert_allclose(slope, order, atol=0.12)
-
-
-@pytest.mark.parametrize("restitution", [0.9, 0.5, 0.1])
-def test_restitution_is_as_asked_for_at_any_speed(restitution):
-    """Rebound over approach is the coefficient asked for, whatever the speed and the masses."""
-    radii = np.array([[1.0, 1.0], [1.0, 1.0], [1.0, 1.0], [0.5, 2.0]]) * 1e-3
-    speeds = np.array([0.02, 0.3, 5.0, 1.0])
-    scene, state = head_on(radii, speeds, material=dem.Material(restitution=restitution), **ROUGH)
-    result = dem.simulate(scene, state, 1e-3, step_fraction=0.01).state
-    assert_allclose(-approach(result.velocity) / speeds, restitution, rtol=3e-3)
-
-
-@pytest.mark.parametrize("restitution", [0.02, 0.01, 0.001])
-def test_restitution_holds_at_the_default_time_step(restitution):
-    """At the library's own step restitution is met to 4 % of itself, down to the least allowed."""
-    material = dem.Material(restitution=restitution)
-    scene, state = head_on(
-        [[1e-3, 1e-3]] * 5, [1.0] * 5, np.arange(5) * 2e-8, material=material, **ROUGH
-    )
-    result = dem.simulate(scene, state, 5e-3).state
-    assert_allclose(-approach(result.velocity), restitution, rtol=0.04)
-
-
+@pytest.mark.quick
 @pytest.mark.parametrize("restitution", [0.9, 0.5, 0.1])
 def test_a_collision_off_the_centre_returns_less_than_restitution(restitution):
     """Its damping ratio is sqrt(m*/m_c) times that of a central one; m_c is the mass at the contact.
@@ -136,70 +200,72 @@ def test_a_collision_off_the_centre_returns_less_than_restitution(restitution):
     scene = dem.Scene(dem.Dumbbell([a, a]), dem.Material(restitution=restitution), **HEAVY, **LEAST)
     result = dem.simulate(scene, state, 1e-4, step_fraction=0.01).state
     speed = result.velocity[:, 0] - a * result.angular_velocity * [1.0, -1.0]
-    zeta = damping_from_restitution(restitution) * np.sqrt(5.0 / 3.0)
-    assert_allclose(speed[1] - speed[0], restitution_from_damping(zeta), rtol=5e-3)
+    ratio = damping_ratio(speed[1] - speed[0]) / damping_ratio(restitution)
+    assert_allclose(ratio, np.sqrt(5.0 / 3.0), rtol=1e-2)
 
 
-@pytest.mark.parametrize("partner", ["disc", "wall"])
-def test_elastic_collisions_at_the_default_step_err_by_a_tenth_of_a_per_cent(partner):
-    """The root mean square over many collisions, and the worst of them, as docs/scope.md says."""
-    rng, n, radius = np.random.default_rng(1), 200, 0.5e-3
-    gap, speed = rng.uniform(0.0, 1e-4, n), 10.0 ** rng.uniform(-1.0, 0.5, n)
-    if partner == "disc":
-        thin = {"material": dem.Material(restitution=1.0), "thickness": 1e-3}
-        scene, state = head_on(np.full((n, 2), radius), 2.0 * speed, gap, **thin)
-    else:
-        x, y = -radius - gap, 4.0 * radius * np.arange(n)
-        wall = {"walls": [[1.0, 0.0, 0.0]], "solids": None}
-        scene = dem.Scene(dem.Disc(np.full(n, radius)), ELASTIC, **LEAST | wall)
-        state = dem.State(np.column_stack([x, y]), np.column_stack([speed, np.zeros(n)]))
-    result = dem.simulate(scene, state, 6e-3).state
-    assert (result.velocity[:, 0] * state.velocity[:, 0] < 0.0).all()
-    gain = (result.velocity[:, 0] / state.velocity[:, 0]) ** 2 - 1.0
-    assert 0.0005 < np.sqrt((gain**2).mean()) < 0.002
-    assert np.abs(gain).max() < 0.005
+# Along the tangent
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("partner", ["granule", "wall", "solid"])
+def test_oblique_impact_in_gross_sliding(partner, sign):
+    """The impulse (1 + e) m* v_n along the normal, and mu times that against the slip, from every side: velocities and
+    spins of discs of unequal size that both spin, and what walls and solids feel."""
+    e, speed, time, radius, other = 0.5, 0.1, 4e-5, 1e-3, 2.5e-3
+    mu = {"granule": 0.1, "wall": 0.2, "solid": 0.3}[partner]
+    slip, spin, spin_2 = 0.3 * sign, 100.0 * sign, 0.0 if partner == "wall" else 40.0 * sign
+    for angle in (0.3, 2.0, 4.4):
+        n = np.array([np.cos(angle), np.sin(angle)])
+        t = np.array([-n[1], n[0]])
+        place, velocity, both = [-(radius + 1e-7) * n], [speed * n + slip * t], [radius]
+        around = dict(APART)
+        if partner == "granule":
+            place, velocity, both = [*place, other * n], [*velocity, [0.0, 0.0]], [radius, other]
+        elif partner == "wall":
+            around = {"walls": [[*n, 0.0]], "solids": dem.Cylinder(radius, -n)}
+        else:
+            around["solids"] = dem.Cylinder(2.0 * other, other * n, spin=spin_2)
+        scene = dem.Scene(
+            dem.Disc(both), dem.Material(restitution=e), dem.Friction(0.1, 0.2, 0.3),
+            thickness=1e-3, **around,
+        )  # fmt: skip
+        start = dem.State(place, velocity, None, [spin, spin_2][: len(both)])
+        run = dem.simulate(scene, start, time, step_fraction=0.02)
+        pull = (1.0 + e) * speed / np.sum(1.0 / scene.mass)  # N s
+        push = pull * (n + sign * mu * t)  # on the partner
+        after, spins = velocity[0] - push / scene.mass[0], np.array([spin, spin_2])
+        assert_allclose(run.state.velocity[0], after, atol=4e-3 * speed)
+        lost = sign * mu * pull * np.array(both) / scene.inertia
+        assert_allclose(
+            run.state.angular_velocity, spins[: len(both)] - lost, atol=5e-3 * abs(lost[0])
+        )
+        if partner == "granule":
+            assert_allclose(run.state.velocity[1], push / scene.mass[1], atol=4e-3 * speed)
+        elif partner == "wall":
+            felt = run.wall_force[-1, 0], run.wall_tangential_force[-1, 0]
+            assert_allclose(time * np.array(felt), [pull, sign * mu * pull], rtol=5e-3)
+        else:
+            assert_allclose(time * run.solid_force[-1, 0], push, atol=5e-3 * pull)
+            torque = -sign * mu * pull * other
+            assert_allclose(time * run.solid_torque[-1, 0], torque, rtol=5e-3)
 
 
 def floor(**properties):
     """Scene of one disc of 5 mm above a floor, with gravity."""
+    material = dem.Material(density=2500.0, young_modulus=1e8, restitution=0.1)
     return dem.Scene(
-        dem.Disc(np.array([5e-3])),
-        walls=dem.box(10.0, 1.0),
-        gravity=(0.0, -9.81),
-        thickness=1e-2,
-        **properties,
-    )
+        dem.Disc(np.array([5e-3])), material, walls=dem.box(10.0, 1.0), gravity=(0.0, -9.81),
+        thickness=1e-2, **properties,
+    )  # fmt: skip
 
 
-@pytest.mark.parametrize("partner", ["disc", "floor"])
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_oblique_impact_in_gross_sliding(partner, sign):
-    """Impulse mu (1 + e) m v_n along the contact: velocity and spin after a sliding impact."""
-    e, mu, vn, vt = 0.5, 0.2, 0.1, sign * 0.15
-    properties = {"material": dem.Material(restitution=e), "friction": dem.Friction(mu, mu, mu)}
-    if partner == "floor":
-        scene, radius = floor(**properties), 5e-3
-        state = dem.State([[5.0, radius]], [[vt, -vn]])
-    else:
-        radius = 1e-3
-        properties |= APART | {"thickness": 1e-3}
-        scene, state = head_on([[radius, radius]], [2.0 * vn], **properties)
-        state.velocity[:, 1] = -vt, vt  # the left disc slides along its right side
-    result = dem.simulate(scene, state, 5e-4, step_fraction=0.01).state
-    tangential = result.velocity[0, 0] if partner == "floor" else -result.velocity[0, 1]
-    impulse = sign * mu * (1.0 + e) * vn
-    assert_allclose(tangential, vt - impulse, rtol=2e-3)
-    turning = -1.0 if partner == "floor" else 1.0
-    assert_allclose(radius * result.angular_velocity, turning * 2.0 * impulse, rtol=5e-3)
-
-
+@pytest.mark.quick
 def test_sliding_disc_ends_rolling():
     """A disc that slides on a floor slows down by mu g and rolls on at 2/3 of its speed."""
     mu, speed, gravity = 0.3, 0.1, 9.81
-    scene = floor(
-        material=dem.Material(density=2500.0, young_modulus=1e8, restitution=0.1),
-        friction=dem.Friction(mu, mu, mu),
-    )
+    scene = floor(friction=dem.Friction(mu, mu, mu))
     state = dem.simulate(scene, dem.State([[1.0, 5e-3]]), 0.02, time_step=1e-5).state
     rolling = speed / (3.0 * mu * gravity)
     state.velocity[0, 0] = speed
@@ -211,14 +277,15 @@ def test_sliding_disc_ends_rolling():
 
 def test_disc_at_rest_on_a_floor_stays_there():
     """A disc laid on a floor under gravity does not jump, at the step that the library chooses."""
-    material = dem.Material(density=2500.0, young_modulus=1e8)
-    run = dem.simulate(
-        floor(material=material, friction=SLIPPERY), dem.State([[1.0, 5e-3]]), 0.1, frames=9
-    )
+    run = dem.simulate(floor(friction=SLIPPERY), dem.State([[1.0, 5e-3]]), 0.1, frames=9)
     assert np.abs(run.position - run.position[0]).max() < 1e-5
 
 
-@pytest.mark.parametrize("kind", SHAPES)
+# Momentum and energy
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("kind", [*SHAPES, "disc that resists rolling"])
 def test_momentum_and_angular_momentum_are_conserved(kind):
     """A swarm that collides with friction and damping keeps both momenta to rounding, after whole steps."""
     rng = np.random.default_rng(3)
@@ -226,8 +293,9 @@ def test_momentum_and_angular_momentum_are_conserved(kind):
     grid = pitch * np.stack(np.meshgrid(np.arange(6.0), np.arange(6.0)), -1).reshape(-1, 2)
     velocity = rng.normal(size=(n, 2)) - 200.0 * (grid - grid.mean(axis=0))
     state = dem.State(grid, velocity, rng.uniform(0.0, 7.0, n), rng.normal(scale=500.0, size=n))
-    scene = dem.Scene(SHAPES[kind](sizes(n)), **HEAVY, **ROUGH)
-    result = dem.simulate(scene, state, 8e-3, time_step=8e-3 / 2**16).state
+    rolling = dem.Rolling(granule=0.5) if "rolling" in kind else None
+    scene = dem.Scene(SHAPES[kind.split()[0]](sizes(n)), rolling=rolling, **HEAVY, **ROUGH)
+    result = dem.simulate(scene, state, 8e-3, time_step=8e-3 / 2**14).state
     m = scene.mass[:, None]
 
     def angular(s):
@@ -236,54 +304,27 @@ def test_momentum_and_angular_momentum_are_conserved(kind):
 
     assert energy(scene, result).sum() < 0.6 * energy(scene, state).sum()
     total = np.abs(m * velocity).sum()
-    assert_allclose((m * (result.velocity - velocity)).sum(axis=0), 0.0, atol=1e-12 * total)
+    assert_allclose((m * (result.velocity - velocity)).sum(axis=0), 0.0, atol=3e-12 * total)
     total = np.abs(angular(state)).sum()
-    assert abs((angular(result) - angular(state)).sum()) < 1e-12 * total
+    assert abs((angular(result) - angular(state)).sum()) < 3e-12 * total
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
-    ("kind", "restitution"),
-    [("disc", ELASTIC.restitution), ("disc", 0.9), ("dumbbell", 0.9), ("ellipse", 0.9)],
+    ("kind", "restitution"), [("disc", ELASTIC.restitution), *((k, 0.9) for k in SHAPES)]
 )
 def test_oblique_impact_makes_no_energy(kind, restitution):
     """Random frictional impacts, most of them grazing, never gain kinetic energy."""
-    scene, state = volley(
-        SHAPES[kind](sizes(400)),
-        1,
-        1000.0,
-        material=dem.Material(restitution=restitution),
-        **ROUGH,
-    )
-    gain = gains(scene, state, 0.05)
+    material = dem.Material(restitution=restitution)
+    gain = gains(*volley(SHAPES[kind](sizes(400)), 1, 1000.0, material=material, **ROUGH), 0.05)
     assert gain.max() < 1e-5
     assert gain.min() < -0.3  # some do lose much
 
 
-def bounces(method, friction):
-    """Elastic bounces of ellipses of many aspect ratios."""
-    r = sizes(400)
-    root = np.sqrt(np.resize([1.125, 1.25, 1.375, 2.0], r.size))
-    shape = dem.Ellipse(r * root, r / root, method)
-    return gains(*volley(shape, 2, 300.0, material=ELASTIC, friction=friction, **APART), 0.0125)
-
-
-def test_elastic_bounces_of_ellipses_conserve_energy():
-    """A frictionless elastic bounce of ellipses by their common normal conserves energy."""
-    assert np.abs(bounces(dem.CommonNormal(), LEAST["friction"])).max() < 1e-6
-
-
 def test_the_contact_normal_of_the_paper_does_not_conserve_energy():
     """The paper's contact normal, the chord of the two deepest points, does not conserve energy."""
-    gain = bounces(dem.GeometricPotential(), None)
+    r = sizes(400)
+    root = np.sqrt(np.resize([1.125, 1.25, 1.375, 2.0], r.size))
+    shape = dem.Ellipse(r * root, r / root, dem.GeometricPotential())
+    gain = gains(*volley(shape, 2, 300.0, material=ELASTIC, **APART), 0.0125)
     assert gain.max() > 0.1 and np.sqrt(np.mean(gain**2)) > 0.01
-
-
-def test_softer_tangential_springs_turn_a_disc_more_slowly():
-    """Before it slides, a disc pressed on a floor is turned in proportion to the springs' stiffness."""
-    spin = []
-    for stiffness in (1.0, 0.25):
-        friction = dem.Friction(10.0, 10.0, stiffness=stiffness)
-        scene = floor(material=dem.Material(restitution=1.0 - 1e-9), friction=friction)
-        state = dem.State([[5.0, 0.999 * 5e-3]], [[1e-3, 0.0]])
-        spin.append(dem.simulate(scene, state, 1e-7, time_step=1e-9).state.angular_velocity[0])
-    assert_allclose(spin[0], 4.0 * spin[1], rtol=1e-2)

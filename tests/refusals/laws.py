@@ -1,0 +1,57 @@
+"""Laws of contacts that break a promise, and what is no law."""
+
+from typing import NamedTuple
+
+import dem
+from dem.laws.protocol import answer
+
+CONE = {
+    "measure": lambda law, overlap, length: overlap,
+    "force": lambda law, stiffness, overlap, measured: stiffness * overlap**2,
+    "energy": lambda law, stiffness, overlap, measured: stiffness * overlap**3 / 3.0,
+    "stiffness": lambda law, modulus, radius: modulus / radius,
+    "slope": lambda law, stiffness, measured: 2.0 * stiffness * measured,
+}
+
+
+def cone(name, **changes):
+    """A law whose force grows with the square of the overlap, with some answers changed."""
+    law = type(name, (NamedTuple(name, []),), {"modulus": lambda law, young, thick: young * thick})
+    functions = CONE | changes
+    for question, function in functions.items():
+        function.__name__ = question
+    answer(law, *functions.values())
+    return law()
+
+
+def jumping(law, k, d, m):
+    return k * (d**2 + (0.0 if d < 1e-4 else 1e-9))
+
+
+BROKEN = {
+    "force does not grow with the overlap beyond 1e-09 m": {"force": lambda law, k, d, m: -k * d**2},
+    "measure is 1e-09 at an overlap": {"measure": lambda law, d, length: d + 1e-9},
+    "force does not grow with the overlap": {"force": lambda law, k, d, m: k * d**2 * (1 - 2.5e3 * d)},
+    "slope is not dF/d(overlap) beyond 9.95115e-05 m, or force or slope jumps there": {"force": jumping},
+    "slope is not dF/d": {"slope": lambda law, k, m: k * m},
+    "force is not dU/d": {"energy": lambda law, k, d, m: 0.4 * k * d**3},
+    "dashpot times root is not 2 dy/d": {"root": lambda law, d, m: m**0.5},
+    "mean_root is not the mean": {"mean_root": lambda law, d, h, length: (1.5 * max(d, 0.0)) ** 0.5},
+    "forces grow by 4 where granules": {"stiffness": lambda law, modulus, radius: modulus},
+    "stiffest is below slope": {"stiffest": lambda law, modulus, radius, d: 0.0},
+}  # fmt: skip
+
+
+def check(number):
+    words, changes = list(BROKEN.items())[number]
+    return lambda: dem.check_law(cone(f"Broken{number}", **changes)), f"Broken{number}: {words}"
+
+
+NO_LAW = "law is 'hertz'; it must be a law of contacts, such as dem.Hertz()"
+CALLS = {f"law, {words}": check(k) for k, words in enumerate(BROKEN)} | {
+    "law, a word": (lambda: dem.check_law("hertz"), NO_LAW),
+    "law of a scene, a word": (lambda: dem.Scene(dem.Disc([1.0]), law="hertz"), "such as dem.Hertz()"),
+}  # fmt: skip
+FILES = {
+    "stiffness under hertz": ({"contact.stiffness": 1e7}, "N/m and law hertz; leave it out"),
+}
