@@ -1,11 +1,13 @@
-"""Contacts of ellipses from sampled outlines, and distances from polygons: slow and obvious."""
+"""Contacts from sampled outlines, and distances from polygons: slow and obvious."""
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
 
 def outline(ellipse, points):
-    """Points (points, 2) of the outline of (cos, sin, a, b) about its centre."""
+    """Points (points, 2) of the outline of (cos, sin, a, b) about its centre; points themselves as they are."""
+    if isinstance(ellipse, np.ndarray):
+        return ellipse
     c, s, a, b = ellipse
     t = 2.0 * np.pi * np.arange(points) / points
     return np.column_stack([a * np.cos(t), b * np.sin(t)]) @ np.array([[c, s], [-s, c]])
@@ -19,9 +21,9 @@ def potential(ellipse, points):
 
 
 def parting(d, first, second, points=2000):
-    """Least translation that parts the sampled outlines of two ellipses, the second at d.
+    """Least translation that parts two sampled outlines, the second at d: of ellipses as for `outline`, or points.
 
-    Returns its length (m) and the angle of its direction (rad).
+    Returns its length (m), negative for a gap, and the angle of its direction (rad).
     """
 
     def depth(angle, left, right):

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from collisions import ELASTIC, LEAST
+from forms import CLUMPS, TRIMER
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -22,17 +24,11 @@ from dem.experiment.scene import make_scene, start
 from dem.packing.random import Bed
 from dem.sweep.config import load
 
-TRIMER = np.array([[0.0, 0.0, 1.0], [1.5, 0.2, 0.8], [0.6, 1.3, 0.7]])
-FORMS = [[[0.0, 0.0, 1.0]], [[-0.8, 0.0, 0.8], [0.5, 0.1, 0.7]], TRIMER]
-ELASTIC = dem.Material(restitution=1.0 - 1e-12)
-# as good as none, with the kernels of all others
-LEAST = dem.Friction(1e-15, 1e-15, 1e-15)
-
 
 def mixed(n, diameter=1e-3):
     """Clumps of one, two and three discs in turn, of +-10 % in size."""
     sizes = diameter * np.random.default_rng(3).uniform(0.9, 1.1, n)
-    parts = [dem.Clump.of_size(sizes[k::3], form) for k, form in enumerate(FORMS)]
+    parts = [dem.Clump.of_size(sizes[k::3], form) for k, form in enumerate(CLUMPS)]
     order = np.argsort(np.argsort(np.arange(n) % 3, kind="stable"))
     return parts[0].appended(*parts[1:]).take(order)
 
@@ -68,110 +64,53 @@ def test_a_union_of_two_discs_has_the_area_and_inertia_of_both_without_the_lens(
     )
 
 
+@pytest.mark.quick
 def test_area_centre_and_inertia_of_a_union_are_sums_over_its_points():
     """Of three discs, and of two of which one is twice there and one is inside another."""
     inside = [(0.0, 0.0, 1.0), (0.0, 0.0, 1.0), (0.2, 0.0, 0.5), (1.1, 0.0, 0.6)]
-    clumps, side = dem.Clump([TRIMER, inside]), np.linspace(-3.0, 3.0, 2001)
+    clumps, side = dem.Clump([TRIMER, inside]), np.linspace(-3.0, 3.0, 1001)
     points = np.stack(np.meshgrid(side, side), axis=-1)
     for g in range(2):
         discs = clumps.discs[clumps.owner == g]
         distance = np.linalg.norm(points[..., None, :] - discs[:, :2], axis=-1)
         point = points[(distance < discs[:, 2]).any(axis=-1)]
-        assert_allclose(clumps.area[g], len(point) * (side[1] - side[0]) ** 2, rtol=1e-3)
-        assert np.abs(point.mean(axis=0)).max() < 1e-3
-        assert_allclose(clumps.gyration_squared[g], (point**2).sum(axis=1).mean(), rtol=1e-3)
+        assert_allclose(clumps.area[g], len(point) * (side[1] - side[0]) ** 2, rtol=3e-3)
+        assert np.abs(point.mean(axis=0)).max() < 2e-3
+        assert_allclose(clumps.gyration_squared[g], (point**2).sum(axis=1).mean(), rtol=3e-3)
 
 
+@pytest.mark.quick
 def test_clumps_that_are_taken_scaled_or_appended_are_those_that_are_made_so():
-    clumps = dem.Clump([np.multiply(form, 1e-3) for form in FORMS])
-    other = dem.Clump([2e-3 * TRIMER, np.multiply(FORMS[0], 2e-3)])
+    clumps = dem.Clump([np.multiply(form, 1e-3) for form in CLUMPS])
+    other = dem.Clump([2e-3 * TRIMER, np.multiply(CLUMPS[0], 2e-3)])
     result = clumps.scaled(2.0).take([2, 0]).appended(clumps.take([1]))
     assert_allclose(result.discs, np.vstack([other.discs, clumps.discs[1:3]]), atol=1e-18)
     assert result.owner.tolist() == [0, 0, 0, 1, 2, 2] and result.first.tolist() == [0, 3, 4, 6]
 
 
-def test_a_granule_of_several_forms_in_one_bed_keeps_the_laws():
-    dem.check_shape(mixed(6))
-
-
-@pytest.mark.parametrize(
-    "discs", [[], [[]], [(0.0, 0.0, 1e-3)], [[(0.0, 0.0, 0.0)]], [[(0.0, 1.0)]], [[(math.nan, 0, 1)]], 3]
-)  # fmt: skip
-def test_what_is_no_list_of_discs_is_refused(discs):
-    with pytest.raises(InputError, match=r"Clump\.discs is .*; it must be one list of discs"):
-        dem.Clump(discs)
-
-
 # Motion
 
 
+@pytest.mark.quick
 def test_a_clump_in_free_fall_turns_about_its_centre_of_mass():
     shape = dem.Clump([1e-3 * TRIMER])
-    scene = dem.Scene(shape, friction=dem.Friction(), gravity=(0.0, -9.81))
-    start = dem.State([[1.0, 2.0]], [[0.3, 0.1]], [0.4], [200.0])
-    run = dem.Simulation(scene, start, time_step=1e-6)
+    scene = dem.Scene(shape, gravity=(0.0, -9.81), **LEAST)
+    begin = dem.State([[1.0, 2.0]], [[0.3, 0.1]], [0.4], [200.0])
+    run = dem.Simulation(scene, begin, time_step=1e-6)
     run.advance(1e-3)
     state = run.state
     assert_allclose(state.position, [[1.0 + 3e-4, 2.0 + 1e-4 - 0.5 * 9.81e-6]], rtol=1e-12)
     assert_allclose(state.angle, 0.6, rtol=1e-12)
-    x, y = shape.discs[:, :2].T
-    c, s = math.cos(0.6), math.sin(0.6)
-    discs = state.position + np.stack([c * x - s * y, s * x + c * y], axis=-1)
-    assert_allclose(run.world.constituents[:, :2], discs, rtol=1e-12)
-
-
-@pytest.mark.parametrize("more", [[0.0, 0.0, 1.0], [0.0, -0.2, 0.8], [0.0, -0.5, 0.5]])
-def test_a_disc_inside_another_of_its_clump_bears_no_force(more):
-    """A union has the surface of its outline: what is within returns nothing to a wall."""
-    shape = dem.Clump([1e-3 * np.array([[0.0, 0.0, 1.0], more])])
-    damped = dem.Material(restitution=0.5)
-    scene = dem.Scene(shape, damped, LEAST, [[0.0, -1.0, 0.0]])
-    run = dem.Simulation(scene, dem.State([[0.0, 1.001e-3]], [[0.0, -1.0]]))
-    run.advance(1e-4)
-    assert_allclose(run.state.velocity[0, 1], 0.5, rtol=1e-2)
-    assert scene.mass[0] == dem.Scene(dem.Clump([[[0.0, 0.0, 1e-3]]])).mass[0]
-
-
-def test_an_impact_is_that_of_a_rigid_body():
-    """A wall gives the impulse 2 v_n / (1/m + arm^2/I) at the disc that meets it."""
-    shape = dem.Clump([1e-3 * TRIMER])
-    x, y, radius = shape.discs[2]
-    scene = dem.Scene(shape, ELASTIC, LEAST, [[0.0, -1.0, 0.0]])
-    angle, speed = math.pi - 0.2, 0.02
-    drop = math.sin(angle) * x + math.cos(angle) * y - radius
-    arm = math.cos(angle) * x - math.sin(angle) * y  # of the force along y through the disc
-    start = dem.State([[0.0, 1e-8 - drop]], [[0.0, -speed]], [angle])
-    run = dem.Simulation(scene, start, step_fraction=0.02)
-    while run.state.velocity[0, 1] + run.state.angular_velocity[0] * arm < 0.9 * speed:
-        run.advance(2e-6)
-    run.advance(2e-5)
-    impulse = 2.0 * speed / (1.0 / scene.mass[0] + arm**2 / scene.inertia[0])
-    assert abs(arm) > 0.1 * radius
-    assert_allclose(run.state.velocity[0, 1], impulse / scene.mass[0] - speed, atol=1e-4 * speed)
-    assert_allclose(run.state.angular_velocity[0], impulse * arm / scene.inertia[0], rtol=1e-4)
-
-
-def test_a_clump_of_two_discs_that_touch_moves_as_a_dumbbell(small_bed):
-    small = small_bed("dumbbell")
-    one = np.array([[1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]])
-    scene, clumps = small.scene(), dem.Clump([r * one for r in small.shape.radius])
-    scenes = scene, small._replace(shape=clumps).scene()
-    runs = [dem.Simulation(case, small.state, 2e-8) for case in scenes]
-    for run in runs:
-        run.advance(4e-6)
-    (one, two), size = (run.state for run in runs), small.shape.radius.mean()
-    assert np.abs(one.position - small.state.position).max() > 1e-3 * size
-    assert_allclose(two.position, one.position, rtol=0.0, atol=1e-12 * size)
-    assert_allclose(two.angle, one.angle, rtol=0.0, atol=1e-11)
 
 
 # Beds
 
 
+@pytest.mark.quick
 def test_clumps_of_one_two_and_three_discs_pack_and_keep_their_energy(bed):
     shape, packed = bed
     assert packed.net_force < 1e-9 and packed.max_overlap < 0.2
-    scene = dem.Scene(shape, ELASTIC, LEAST, packed.walls)
+    scene = dem.Scene(shape, ELASTIC, LEAST["friction"], packed.walls)
     velocity = 0.5 * np.random.default_rng(1).normal(size=(60, 2))
     run = dem.Simulation(
         scene, dem.State(packed.position, velocity, packed.angle), step_fraction=0.1
@@ -181,23 +120,6 @@ def test_clumps_of_one_two_and_three_discs_pack_and_keep_their_energy(bed):
     run.advance(1e-4)
     assert abs(balance(run.world)[0] / moving - 1.0) > 0.05
     assert_allclose(sum(balance(run.world)), initial, rtol=1e-4)
-
-
-def test_contacts_of_clumps_are_those_of_their_discs(bed):
-    """Found by brute force among all discs, and named by their granules."""
-    shape, packed = bed
-    run = dem.Simulation(dem.Scene(shape, ELASTIC, LEAST, packed.walls), packed.state)
-    point, owner = run.world.constituents[:, :2], shape.owner
-    apart = np.linalg.norm(point[:, None] - point, axis=2) - np.add.outer(*2 * [shape.discs[:, 2]])
-    i, j = np.nonzero(np.triu((apart < 0.0) & (owner[:, None] != owner)))
-    contacts = run.contacts()
-    pairs = np.sort(
-        np.stack([contacts.granule, contacts.partner])[:, contacts.partner >= 0], axis=0
-    )
-    assert len(i) > 60
-    assert sorted(zip(*pairs.tolist(), strict=True)) == sorted(
-        zip(owner[i].tolist(), owner[j].tolist(), strict=True)
-    )
 
 
 # Configurations
@@ -213,6 +135,7 @@ def values_of(shape, **shapes):
     return values | {"shapes": values["shapes"] | shapes, "shape": shape}
 
 
+@pytest.mark.quick
 def test_a_configuration_makes_clumps_of_the_area_of_discs_of_the_diameter():
     run = of_values(values_of("t3", t3=T3))
     shape = granules_of(run)
@@ -239,6 +162,7 @@ def test_a_period_that_is_too_short_for_clumps_is_refused_before_a_bed_is_made(s
         of_values(values)
 
 
+@pytest.mark.quick
 def test_a_mixture_has_its_shapes_in_their_shares_and_another_order_for_each_seed():
     values = values_of("mix", t3=T3, rod=ROD, mix=MIX)
     kinds = [np.bincount(granules_of(of_values(values | {"seed": seed})).owner) for seed in (1, 2)]
@@ -253,6 +177,7 @@ def test_a_mixture_has_its_shapes_in_their_shares_and_another_order_for_each_see
     assert_allclose(sizes[kinds[0] == 2].mean(), 0.9e-3, rtol=0.05)
 
 
+@pytest.mark.quick
 def test_a_mixture_is_known_by_its_shapes():
     """A run of it has the values of the shapes that it is of, and reads no others."""
     values = values_of("mix", t3=T3, rod=ROD, mix=MIX)
@@ -309,6 +234,7 @@ def bodies(light, heavy):
     return scene, [lid.mass, lid.damping, solid.spin.inertia, shear.rate_of(sheared)]
 
 
+@pytest.mark.quick
 def test_what_has_the_density_of_the_bed_has_that_of_all_its_granules_together():
     """Mass over volume, whatever the density of the run; of granules of one density it is that."""
     scene, mixed = bodies(2.0e3, 7.8e3)
@@ -319,6 +245,7 @@ def test_what_has_the_density_of_the_bed_has_that_of_all_its_granules_together()
     assert_allclose(mass, mean * width * scene.thickness**2, rtol=1e-12)
 
 
+@pytest.mark.quick
 def test_a_run_is_known_by_the_discs_in_a_file(tmp_path):
     """And not by the name of the file; the example of docs/howto/clumps.md."""
     page = (ROOT / "docs/howto/clumps.md").read_text()
@@ -339,25 +266,3 @@ def test_a_run_is_known_by_the_discs_in_a_file(tmp_path):
         change()
         with pytest.raises(InputError, match=sentence):
             load(tmp_path / "my.yaml")
-
-
-@pytest.mark.parametrize(
-    ("shapes", "sentence"),
-    [
-        ({"m": {"mixture": {"c1": 1.0}, "granules": 9}}, "mixture"),
-        ({"m": {"mixture": {"c1": 0.5, "x": 0.5}, "granules": 9}}, r"shapes\.m\.mixture has 'x', which is not one"),
-        ({"m": {"mixture": {"c1": 0.5, "t3": 0.5}, "granules": 9}, "t3": T3}, "has the kinds clump and disc"),
-        ({"m": {"mixture": {"t3": 0.5, "rod": 0.4}, "granules": 9}, "t3": T3, "rod": ROD}, r"sum to 0\.9; they must"),
-        ({"m": MIX, "t3": T3, "rod": ROD, "n": {"mixture": {"m": 0.5, "t3": 0.5}, "granules": 9}}, "a mixture itself"),
-        ({"m": MIX | {"material": {"young_modulus": 1e9}}, "t3": T3, "rod": ROD}, "a mixture takes none, its shapes have theirs"),
-        ({"m": MIX | {"diameter": 1e-3}, "t3": T3, "rod": ROD}, "diameter is given; a mixture takes none"),
-        ({"t3": T3 | {"discs": None}}, r"shapes\.t3: discs is missing; kind clump needs one"),
-        ({"t3": T3 | {"kind": "disc"}}, "discs is given; kind disc takes none"),
-        ({"t3": T3 | {"discs": [[0, 0]]}}, r"shapes\.t3\.discs is .*; it must be a list of discs"),
-        ({"t3": T3 | {"aspect_ratio": 2.0}}, "aspect_ratio is given; kind clump takes none"),
-        ({"t3": {"granules": 9}}, r"shapes\.t3: kind is missing; a shape needs one"),
-    ],
-)  # fmt: skip
-def test_what_is_no_clump_and_no_mixture_is_refused(shapes, sentence):
-    with pytest.raises(InputError, match=sentence):
-        of_values(values_of("c1", **shapes))

@@ -1,0 +1,197 @@
+"""Granules that break a law of shapes, and what are none."""
+
+from functools import cache, partial
+from itertools import count
+from typing import NamedTuple
+
+import numpy as np
+
+import dem
+from dem.shapes import protocol, smooth
+
+SIZES = 1e-3 * np.array([0.5, 0.7, 1.0])
+NUMBERS = count()
+
+
+def oval(slope=1.0, curvature=1.0, shift=0.0):
+    """Support function of an ellipse of 3:2, a = r, with faults: factors, and a centre off by shift."""
+
+    def support(nx, ny, sizes):
+        (r,) = sizes
+        h = r * np.sqrt(nx * nx + 4.0 / 9.0 * ny * ny)
+        q, rho = -5.0 / 9.0 * r * r * nx * ny / h, 4.0 / 9.0 * r**4 / h**3
+        return h + shift * r * nx, slope * q - shift * r * ny, curvature * rho
+
+    return support
+
+
+def dented(nx, ny, sizes):
+    (r,) = sizes
+    cosine, sine = nx * (4.0 * nx * nx - 3.0), ny * (3.0 - 4.0 * ny * ny)
+    return r * (1.0 + 0.2 * cosine), -0.6 * r * sine, r * (1.0 - 1.6 * cosine)
+
+
+def stadium(nx, ny, sizes):
+    (r,) = sizes
+    return r * (1.0 + np.abs(nx)), -r * np.sign(nx) * ny, r + 0.0 * nx
+
+
+def granules(function=None, answers=None, **members):
+    """Three granules of a class of their own, with some members and some answers to the kernels changed."""
+    name = f"Wrong{next(NUMBERS)}"
+    fields = NamedTuple(name, [("radius", np.ndarray)])  # noqa: UP014
+    kind = smooth.smooth(function or oval())(type(name, (fields,), members))
+    if answers:
+        usual = (
+            smooth.outline,
+            smooth.circle,
+            smooth.support,
+            smooth.refine_normal,
+            smooth.find_contact,
+        )
+        protocol.answer(kind, **{f.__name__: f for f in usual} | answers)
+    return kind(SIZES)
+
+
+def half(name):
+    """With half of one of its properties."""
+    whole = getattr(smooth.Smooth, name).fget
+    return {name: property(lambda shape: 0.5 * whole(shape))}
+
+
+def contact(change):
+    """With a contact that is changed."""
+
+    def find_contact(shape, *values):
+        geometry, converged = smooth.find_contact(shape, *values)
+        return geometry._replace(**change(geometry)), converged
+
+    return {"answers": {"find_contact": find_contact}}
+
+
+def mirrored(shape, points=64):
+    return smooth.Smooth.polygons(shape, points)[..., ::-1] * [1, -1]
+
+
+WRONG = {
+    "area is": half("area"),
+    "of_size gives a granule of 3.490659e-07 m2": {"of_size": classmethod(lambda cls, size, ratio: cls(0.5 * size))},
+    "gyration_squared is": half("gyration_squared"),
+    "bounding_radius is": half("bounding_radius"),
+    "normal_lever is": half("normal_lever"),
+    "normal_bend is 0": half("normal_bend"),
+    "area is [nan nan nan]; it must be 3 finite": {"area": property(lambda shape: np.nan * shape.radius)},
+    "area is 1.0; it must be 3 finite": {"area": property(lambda shape: 1.0)},
+    "grow by the power 2": {"scaled": lambda shape, factor: shape},
+    "not convex": {"function": dented},
+    "centre of mass": {"function": oval(shift=0.1)},
+    "its outline has": {"function": oval(curvature=0.9)},
+    "differ": {"polygons": mirrored},
+    "q of support": {"function": oval(slope=1.05)},
+    "area is 1.2854e-06 m2": {"function": stadium},
+    "levers of a contact": contact(lambda c: {"t1": 0.0, "t2": 0.0}),
+    "swapping them changes it": contact(lambda c: {"t2": 0.0}),
+    "nearly coincide must touch": contact(lambda c: {"overlap": -1.0}),
+    "normal of a contact": contact(lambda c: {"nx": c.nx - 0.05 * c.ny, "ny": c.ny + 0.05 * c.nx}),
+    "circle": {"answers": {"circle": lambda shape, radius: (1.0, 0.0, 0.0, 1.1 * radius, 1.0)}},
+}  # fmt: skip
+
+
+@cache
+def lumps():
+    """A class of shapes with sizes (radius, lump, shift) in m; each granule has its own."""
+
+    def support(nx, ny, sizes):
+        r, e, c = sizes
+        cosine, sine = nx * (4.0 * nx * nx - 3.0), ny * (3.0 - 4.0 * ny * ny)
+        return r + e * cosine + c * nx, -3.0 * e * sine - c * ny, r - 8.0 * e * cosine
+
+    fields = [(name, np.ndarray) for name in ("radius", "lump", "shift")]
+    return smooth.smooth(support)(NamedTuple("Lumps", fields))
+
+
+MANY = np.full(9, 1e-3)
+
+
+def one(value):
+    """Sizes (m) of which only the sixth is not zero."""
+    return np.where(np.arange(9) == 5, value * MANY, 0.0)
+
+
+OFF, BENT = lumps()(MANY, 0.05 * MANY, one(0.1)), lumps()(MANY, one(0.2), 0.0 * MANY)
+
+
+class Stranger(NamedTuple):
+    """A class that no kernel knows."""
+
+    radius: np.ndarray
+
+
+def stranger(*missing, known=False):
+    """Make it known without some answers; then ask whether it is."""
+    usual = (smooth.outline, smooth.circle, smooth.support, smooth.find_contact)
+    try:
+        protocol.answer(Stranger, *(f for f in usual if f.__name__ not in missing))
+    except dem.InputError:
+        if not known:
+            raise
+    dem.check_shape(Stranger(SIZES))
+
+
+NONE, NO_LIST = "it must be granules of a shape, such", "; it must be one list of discs"
+TWIN = NamedTuple("Lumps", [("radius", np.ndarray)])  # noqa: UP014
+OTHERS = {
+    "area is 0.00153479 m2": lambda: dem.Superellipse(SIZES, SIZES, 1e-9 * SIZES),
+    "bounces would make or lose energy": lambda: dem.Ellipse.of_size(SIZES, 1.5, "geometric_potential"),
+    "semi_minor must not exceed": lambda: dem.Ellipse(SIZES, 2.0 * SIZES),
+}  # fmt: skip
+CALLS = {
+    f"granules, {words}": (lambda wrong=wrong: dem.check_shape(granules(**wrong)), words)
+    for words, wrong in WRONG.items()
+} | {
+    f"granules, {words}": (lambda make=make: dem.check_shape(make()), words)
+    for words, make in OTHERS.items()
+} | {
+    f"granules, {value}": (partial(dem.check_shape, value), NONE)
+    for value in (3, None, dem.Disc, Stranger(SIZES))
+} | {
+    f"discs of a clump, {value}": (partial(dem.Clump, value), NO_LIST)
+    for value in ([], [[]], [(0.0, 0.0, 1e-3)], [[(0.0, 0.0, 0.0)]], [[(0.0, 1.0)]], [[(np.nan, 0, 1)]], 3)
+} | {
+    f"shape without {name}": (partial(stranger, name), "it must answer the questions circle, find_contact, outline, support of")
+    for name in ("find_contact", "support", "circle")
+} | {
+    "granules, bent among many": (lambda: dem.check_shape(BENT), "granule 5 is not convex: its radius"),
+    "scene, bent among many": (lambda: dem.Scene(BENT), "granule 5 is not convex: its radius"),
+    "granules, off among many": (lambda: dem.check_shape(OFF), "granules 0 and 5: the centre of mass is at c = (0.0001, "),
+    "shape without area": (stranger, "Stranger has no area"),
+    "shape that was refused": (partial(stranger, "circle", known=True), NONE),
+    "shape of a name twice": (lambda: smooth.smooth(dented)(TWIN), "Lumps is the name of a class"),
+    "shape, unknown question": (
+        lambda: protocol.answer(type(BENT), colour=dented), "Lumps answers colour; it must answer",
+    ),
+}  # fmt: skip
+DISC = {"kind": "clump", "discs": [[0, 0, 1], [1.2, 0, 1]], "diameter": 9e-4, "granules": 60}
+ROUND = {"kind": "disc", "diameter": 9e-4, "granules": 60}
+MIX = {"mixture": {"rod": 0.5, "rod2": 0.5}, "granules": 61}
+SHAPES = {
+    "unknown part": ({"m": {"mixture": {"c1": 0.5, "x": 0.5}, "granules": 9}}, "shapes.m.mixture has 'x', which is not one"),
+    "kinds of a mixture": ({"m": {"mixture": {"r": 0.5, "rod": 0.5}, "granules": 9}, "r": ROUND}, "has the kinds clump and disc"),
+    "shares": ({"m": {"mixture": {"rod": 0.5, "rod2": 0.4}, "granules": 9}}, "sum to 0.9; they must"),
+    "mixture of mixtures": ({"m": MIX, "n": {"mixture": {"m": 0.5, "rod": 0.5}, "granules": 9}}, "a mixture itself"),
+    "material of a mixture": ({"m": MIX | {"material": {"young_modulus": 1e9}}}, "a mixture takes none, its shapes have theirs"),
+    "diameter of a mixture": ({"m": MIX | {"diameter": 1e-3}}, "diameter is given; a mixture takes none"),
+    "no discs": ({"t": DISC | {"discs": None}}, "shapes.t: discs is missing; kind clump needs one"),
+    "discs of a disc": ({"t": DISC | {"kind": "disc"}}, "discs is given; kind disc takes none"),
+    "short discs": ({"t": DISC | {"discs": [[0, 0]]}}, "it must be a list of discs"),
+    "ratio of a clump": ({"t": DISC | {"aspect_ratio": 2.0}}, "aspect_ratio is given; kind clump takes none"),
+    "no kind": ({"t": {"granules": 9}}, "shapes.t: kind is missing; a shape needs one"),
+    "one part": ({"m": {"mixture": {"rod": 1.0}, "granules": 9}}, "mixture"),
+}  # fmt: skip
+FILES = {
+    f"shapes, {name}": (
+        {f"shapes.{shape}": value for shape, value in ({"rod": DISC, "rod2": DISC} | shapes).items()},
+        words,
+    )
+    for name, (shapes, words) in SHAPES.items()
+}  # fmt: skip
