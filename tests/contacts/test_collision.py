@@ -136,7 +136,6 @@ def test_published_benchmark_of_two_spheres():
     assert_allclose(leaving(time, overlap[:, 0]), 4.0339e-5, rtol=1e-4)
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize("law", LAWS)
 def test_elastic_collisions_follow_the_force_of_the_books(law):
     """Contact time and greatest overlap of unequal discs, by the equation of motion of one body."""

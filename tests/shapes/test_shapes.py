@@ -73,7 +73,6 @@ EXTREME = {
 }
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize("name", [*FORMS, *EXTREME])
 def test_check_shape_accepts_what_keeps_the_laws(name):
     """All shapes of the registry, long and nearly flat ones and one without symmetry."""
