@@ -49,6 +49,13 @@ def check(number):
 
 NO_LAW = "law is 'hertz'; it must be a law of contacts, such as dem.Hertz()"
 CALLS = {f"law, {words}": check(k) for k, words in enumerate(BROKEN)} | {
+    "rolling below zero": (
+        lambda: dem.Rolling(-0.1), "Rolling.granule is -0.1; it must be at least 0.",
+    ),
+    "rolling of ellipses": (
+        lambda: dem.Scene(dem.Ellipse([1e-3], [5e-4]), rolling=dem.Rolling()),
+        "rolling is for discs, and shape is Ellipse; rolling must be None, because",
+    ),
     "law, a word": (lambda: dem.check_law("hertz"), NO_LAW),
     "law of a scene, a word": (lambda: dem.Scene(dem.Disc([1.0]), law="hertz"), "such as dem.Hertz()"),
 }  # fmt: skip
