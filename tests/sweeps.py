@@ -1,11 +1,14 @@
-"""Small sweeps that several tests share, made whole in a folder."""
+"""Small sweeps that several tests share, made whole in a folder; runs that cost nothing."""
 
+import json
 from contextlib import chdir
 from pathlib import Path
 
 import netCDF4
 import numpy as np
+import pytest
 import xarray as xr
+import yaml
 from pictures import assert_not_blank
 from project import CONFIG
 from typer.testing import CliRunner
@@ -88,9 +91,130 @@ def smoke(**changes):
     return parse(load(CONFIG / "smoke.yaml").dump() | changes)
 
 
-def discs(seeds, **changes):
-    """The smoke sweep's discs at both densities, all runs in one chunk."""
-    return smoke(**{"batch": 100, "sweep": {"case": ["c1", "c12"], "seed": seeds}} | changes)
+# An experiment that costs nothing
+DRAWN = '''
+"""Numbers that are drawn, with the density as their mean. A curve is far off outside the window.
+
+orders.json: errors by density and seed, and `left`, the runs until the process ends. runs.txt: those that were made.
+"""
+import builtins
+import json
+import os
+import time
+from pathlib import Path
+
+import numpy as np
+
+from dem.base import errors
+from dem.experiment.kinds import drag
+
+SECTIONS = {"cylinder": True, "record": True}
+VARIABLES = {"force": ((), "N", "a drawn number"), "offset": ((), "N", "one about zero")}
+
+
+def run(replicate, bed=None, progress=lambda done: None, checkpoint=None):
+    c = replicate.configuration
+    rough = "rough " if c.friction.granule > 0.4 else ""
+    key = f"{rough}{replicate.density:g} {replicate.seed}"
+    generator = np.random.default_rng([replicate.seed, int(replicate.density)])
+    number = generator.standard_normal()
+    if checkpoint:
+        np.savez(checkpoint, number=number)
+    orders = json.loads(Path("orders.json").read_text())
+    if "left" in orders:
+        orders["left"] -= 1
+        if orders["left"] < 0:
+            del orders["left"]
+        Path("orders.json").write_text(json.dumps(orders))
+        if "left" not in orders:
+            raise KeyboardInterrupt
+    if "sleeps" in orders:
+        Path("begun").touch()
+        time.sleep(orders["sleeps"])
+    with open("runs.txt", "a") as file:
+        file.write(f"{replicate.id} {key}\\n")
+    if key in orders.get("fails", {}):
+        name = orders["fails"][key]
+        if name == "death":
+            os._exit(1)
+        raise {**vars(builtins), **vars(errors)}[name](f"{name} of {key}")
+    force = replicate.density * (1.0 + 0.3 * number)
+    sizes = c.module.sizes(replicate)
+    values = {
+        name: np.full([sizes[dim] for dim in dims], force)
+        for name, (dims, *_) in c.module.layout.items()
+    }
+    if "drag" in values:
+        at, (start, stop) = drag.axes(c)["displacement"], c.record.window
+        off = 1e3 * force * generator.standard_normal(len(at))
+        values["drag"] = np.where((start <= at) & (at <= stop), force, off)
+    if "granule_x" in values:
+        places = {"granule_x": bed.position[:, 0], "granule_y": bed.position[:, 1]}
+        values |= {name: np.tile(x, (c.record.snapshots, 1)) for name, x in places.items()}
+        values["granule_diameter"] = np.full(len(bed.position), 1e-3)
+    offset = number + (50.0 if replicate.density == 200.0 else 0.0)
+    return values | {"force": force, "offset": offset}
+'''
+OBSERVED = """
+OBSERVED = True
+SIZES = {"displacement": "record.bins", "snapshot": "record.snapshots", "bound": 2, "wall": 4}
+
+
+def axes(configuration):
+    return drag.axes(configuration)
+"""
+DISC = {"kind": "disc", "granules": 14}
+VALUES = {
+    "extends": str(SMOKE),
+    "results": "results/drawn",
+    "experiment": "drawn.py",
+    "box_width": 6e-3,
+    "packing": {"fraction": 0.4, "size_spread": 0.2},
+    "shapes": {"c1": DISC | {"diameter": 1e-3}, "c2": DISC | {"diameter": 1.1e-3}},
+    "cases": {
+        "a": {"shape": "c1", "density": 100},
+        "b": {"shape": "c2", "density": 200},  # of other beds
+        "c": {"shape": "c1", "density": 300},
+    },
+    "record": {"bins": 12, "snapshots": 3, "observables": ["drag"]},
+    "sweep": {"case": ["a", "b"], "seed": [1, 2]},
+}
+
+
+def drawn(observed: bool = False, **values) -> Path:
+    """A sweep file of drawn numbers in the working folder.
+
+    observed: whether the runs have a bed and a checkpoint, and record what those of the paper do.
+    """
+    Path("drawn.py").write_text(DRAWN + observed * OBSERVED)
+    Path("sweep.yaml").write_text(yaml.safe_dump(VALUES | values))
+    if not Path("orders.json").exists():
+        order()
+    return Path("sweep.yaml")
+
+
+def varied(*cases: str, seed) -> dict:
+    """What varies in a sweep of drawn numbers."""
+    return {"case": list(cases), "seed": seed}
+
+
+def order(**orders) -> None:
+    """What runs of drawn numbers do: `left` and `fails`, as drawn.py says."""
+    Path("orders.json").write_text(json.dumps(orders))
+
+
+def made() -> list[str]:
+    """The runs that were made, also those that failed: identity, density and seed."""
+    return Path("runs.txt").read_text().splitlines() if Path("runs.txt").exists() else []
+
+
+def interrupted(file: Path, left: int) -> SweepState:
+    """A sweep that is stopped after so many runs."""
+    orders = json.loads(Path("orders.json").read_text())
+    order(**orders, left=left)
+    with pytest.raises(KeyboardInterrupt):
+        of_file(file)
+    return SweepState.of(file)
 
 
 def planned(sweep, folder):

@@ -1,85 +1,142 @@
-"""What a dry run says of time."""
+"""What a dry run, the status and a partial file say of a sweep that is under way, and of the time that it takes."""
 
 import re
-from contextlib import chdir
+from contextlib import chdir, suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
 from pictures import text_of
-from sweeps import SMOKE
+from project import posix
+from sweeps import drawn, interrupted, of_file, order, varied
+from typer.testing import CliRunner
 
-from dem.cli import show
-from dem.io.dataset import read
+import dem
+from dem.base.files import lock
+from dem.cli.app import app
+from dem.cli.show import watched
+from dem.io.progress import span
 from dem.report.status import status
-from dem.sweep.combine import combine_block
 from dem.sweep.config import parse
 from dem.sweep.estimate import effort
+from dem.sweep.estimate import summary as dry_run
 from dem.sweep.state import SweepState
+
+
+@pytest.fixture
+def stopped(tmp_path, monkeypatch):
+    """A sweep of two cases with ten seeds, in batches of eight, that stopped after eleven runs, of which two failed."""
+    monkeypatch.chdir(tmp_path)
+    order(fails={"100 2": "PackingError", "300 2": "OverlapError"})
+    sweep = varied("a", "c", seed="1 to 10")
+    return interrupted(drawn(sweep=sweep, batch=8, failures=0.9, observed=True), 11)
+
+
+def rows(state):
+    """The table of a sweep's status, by the name of the case, and the whole text."""
+    text = text_of(status(state))
+    (names,) = (line.split() for line in text.splitlines() if line.startswith("case "))
+    lines = (line.split() for line in text.splitlines() if line.startswith(("a ", "c ")))
+    return {line[0]: dict(zip(names, line, strict=False)) for line in lines}, text
+
+
+@pytest.mark.quick
+@posix
+def test_what_is_said_of_a_sweep_under_way_is_what_the_store_holds(stopped):
+    """By case and in all, also of batches that have not ended; a run that a process holds is under way. It
+    changes no file."""
+    runs = [run for run in stopped.block("drag").unique()]
+    files = {path: path.read_bytes() for path in Path("results").rglob("*") if path.is_file()}
+    store = stopped.store
+    whole = {run: row for batch in store.batches() for run, row in store.rows_of(batch.id, "drag").items()}
+    kept = {run.id: row for run in runs if (row := store.kept(run.id))}
+    assert len(whole) == 8 and len(kept) == 3
+    there, inside = whole | kept, slice(4, 10)  # bins of the window, of twelve
+    means = {
+        run.id: there[run.id]["drag"][inside].mean() for run in runs if run.id in there and not there[run.id]["failure"]
+    }
+    held = next(run for run in runs if run.id not in there)
+    with lock(store.run_of(held.id, ".lock")):
+        table, text = rows(SweepState.of(Path("sweep.yaml")))
+    for case, density in {"a": 100.0, "c": 300.0}.items():
+        of_case = [run.id for run in runs if run.density == density]
+        drag = [means[run] for run in of_case if run in means]
+        failed = sum(run in there and run not in means for run in of_case)
+        waiting = len(of_case) - len(drag) - failed - (held.density == density)
+        expected = {"runs": 10, "done": len(drag), "waiting": waiting, "failed": failed}
+        assert {name: int(table[case].get(name, 0)) for name in expected} == expected, text
+        assert float(table[case]["drag"]) == pytest.approx(np.mean(drag), rel=1e-2), text
+    assert "Runs under way: 1, waiting: 8." in text
+    for words in ("1 failed: PackingError of 100 2", "1 failed: OverlapError of 300 2"):
+        assert words in text
+    assert "under way: 0, waiting: 9." in rows(stopped)[1]  # the lock is there, and nobody holds it
+    assert "20 runs (case 2, seed 10), 9 finished, 2 failed" in dry_run(stopped, 1)
+    assert "9 to be made" in dry_run(stopped, 1) and "11 to be made" in dry_run(stopped, 1, retry=True)
+    assert stopped.counts() == (11, 20)
+    words = "combine --config sweep.yaml --observable drag -o part.nc --partial".split()
+    assert CliRunner().invoke(app, words).exit_code == 0
+    with dem.open_results("part.nc") as part:
+        assert part.attrs["partial"] == "11 of 20 runs"
+        for run in runs:
+            of_run = part.sel(case="a" if run.density == 100.0 else "c", seed=run.seed)
+            mean = float(of_run["drag"][inside].mean())
+            assert mean == pytest.approx(means[run.id]) if run.id in means else np.isnan(mean)
+            assert str(of_run["run_id"].values) == (run.id if run.id in there else "")
+    locks = {path for path in Path("results").rglob("*.lock")}
+    after = {path: path.read_bytes() for path in Path("results").rglob("*") if path.is_file()}
+    assert {p: c for p, c in after.items() if p not in locks} == {p: c for p, c in files.items() if p not in locks}
+
+
+@pytest.mark.quick
+def test_a_sweep_that_has_not_begun_waits_and_writes_nothing(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    until = {"until": "10 %", "of": "force", "most": 120}
+    state = SweepState.of(drawn(sweep=varied("a", "c", seed=until)))
+    assert "waiting: 20." in rows(state)[1] and "takes 20 to 240 runs" in dry_run(state, 2)
+    assert not Path("results").exists()
+
+
+READERS = (
+    "status sweep.yaml",
+    "sweep sweep.yaml --dry-run",
+    "combine --config sweep.yaml --observable drag -o part.nc --partial",
+)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("words", READERS)
+def test_a_command_that_reads_does_not_count_damaged_runs_and_leaves_them(stopped, words):
+    file = min(Path("results/store/runs").rglob("[!.]*[0-9a-f].npz"))
+    file.write_bytes(file.read_bytes()[:100])
+    files = {path: path.read_bytes() for path in Path("results").rglob("*.n*")}
+    run = CliRunner().invoke(app, words.split())
+    assert run.exit_code == 0, run.output
+    assert files == {path: path.read_bytes() for path in Path("results").rglob("*.n*")}
+
+
+@pytest.mark.quick
+def test_a_time_is_said_in_parts_that_add_up_to_it():
+    """Rounded down to its smallest part: seconds below an hour, then minutes."""
+    sizes = {"h": 3600, "min": 60, "s": 1}
+    for seconds in (1, 59, 60, 61, 719, 3599, 3600, 3661, 18600, 86399, 90061, 1000000):
+        parts = re.findall(r"(\d+) (h|min|s)", span(seconds))
+        total = sum(int(number) * sizes[unit] for number, unit in parts)
+        assert total == seconds - (seconds % 60 if seconds >= 3600 else 0), span(seconds)
+        assert all(int(number) < 60 for number, unit in parts if unit != "h")
+    assert [span(seconds) for seconds in (59.4, 60, 18600)] == ["59 s", "1 min 0 s", "5 h 10 min"]
 
 
 def test_the_estimated_time_of_a_run_is_in_proportion_to_its_steps():
     """At any step fraction: stiffness bounds short steps, damping long ones."""
     ratios = []
     for fraction in (0.05, 0.3, 0.95):
-        values = {
-            "results": "results/told",
-            "sweep": {"shape": "c1", "numerics.step_fraction": [fraction]},
-        }
-        sweep = parse({"extends": "config/smoke.yaml"} | values, "a sweep")
-        run = sweep.block("drag").first
-        result = run.configuration.module.run(run)
-        ratios.append(effort(run) / int(result["steps"]))
+        sweep = {"shape": "c1", "numerics.step_fraction": [fraction]}
+        values = {"extends": "config/smoke.yaml", "results": "results/told", "sweep": sweep}
+        run = parse(values, "a sweep").block("drag").first
+        ratios.append(effort(run) / int(run.configuration.module.run(run)["steps"]))
     assert max(ratios) < 1.25 * min(ratios)
 
 
-SPENT = 100.0  # s a run
-
-
-VALUES = {
-    "extends": str(SMOKE),
-    "results": "results",
-    "batch": 8,
-    "record": {"observables": ["drag"]},
-    "sweep": {"shape": "c1", "seed": "1 to 12"},
-}
-
-
-def finish(state, count):
-    """Keep what so many runs of a first batch would have given: the drag is 100 N and their seed."""
-    state.begin("drag")
-    for replicate in list(state.block("drag").unique())[:count]:
-        experiment = replicate.configuration.module
-        sizes = experiment.sizes(replicate)
-        row = {
-            name: np.full([sizes[dimension] for dimension in dimensions], 100.0 + replicate.seed)
-            for name, (dimensions, *_) in experiment.layout.items()
-        }
-        row |= {"failure": 0, "failure_reason": "", "spent": SPENT}
-        state.store.keep(replicate.id, row)
-
-
-@pytest.fixture
-def stopped(tmp_path):
-    """A sweep of twelve runs in batches of eight and four that stopped when three runs were finished."""
-    with chdir(tmp_path):
-        state = SweepState(parse(VALUES))
-        finish(state, 3)
-        yield state
-
-
-def test_status_knows_the_mean_of_finished_runs_before_their_batch_ends(stopped):
-    assert re.search(r"c1 +12 +3 +9 +102 ", text_of(status(stopped)))
-
-
-def test_a_partial_file_holds_finished_runs_before_their_batch_ends(stopped):
-    combine_block(stopped, "drag", "drag", Path("part.nc"), partial=True)
-    values, attrs = read(Path("part.nc"), ("drag",))
-    drag = values["drag"].mean(axis=-1).ravel()
-    assert attrs["partial"] == "3 of 12 runs"
-    assert drag[:3].tolist() == [101.0, 102.0, 103.0] and np.isnan(drag[3:]).all()
-
-
 def test_watching_ends_when_nothing_is_left(monkeypatch):
-    monkeypatch.setattr(show.time, "sleep", lambda seconds: pytest.fail("it goes on"))
-    show.watched(lambda: ("a table", False))
+    monkeypatch.setattr("time.sleep", lambda seconds: pytest.fail("it goes on"))
+    watched(lambda: ("a table", False))

@@ -1,279 +1,219 @@
-"""What goes wrong around a sweep: runs that fail, a folder that others use, clocks, Ctrl-C."""
+"""What goes wrong around a sweep: runs that fail, a folder that others use, Ctrl-C."""
 
-import errno
-import io
-import os
 import re
 import signal
 import socket
 import subprocess
 import sys
 import time
+from contextlib import chdir
 from pathlib import Path
-from types import SimpleNamespace
 
 import netCDF4
 import numpy as np
 import pytest
-from pictures import assert_not_blank
-from project import CONFIG, posix
-from rich.console import Console
-from sweeps import Killed, combined, discs, killed_at, planned, simulate, smoke
+import xarray as xr
+from pictures import assert_not_blank, text_of
+from project import posix
+from sweeps import SMOKE, contents, drawn, made, of_file, order, varied
 from typer.testing import CliRunner
 
 from dem.analysis.drag import change, summarise
-from dem.base.errors import InputError, OverlapError, PackingError, RunError
-from dem.base.files import atomic
+from dem.base.errors import RunError
 from dem.cli.app import app
-from dem.experiment.bed import make_bed
-from dem.experiment.kinds import drag
 from dem.figures.catalogue import draw
-from dem.io.dataset import read
 from dem.io.lazily import open_lazily
-from dem.io.progress import span
 from dem.report.build import build
 from dem.report.info import summary
-from dem.sweep import batch as making
-from dem.sweep import state as working
-from dem.sweep.combine import combine_block
-from dem.sweep.config import save
-from dem.sweep.estimate import summary as estimated
+from dem.sweep.batch import make
 from dem.sweep.restart import prepare
 from dem.sweep.state import SweepState
-from dem.sweep.store import Store
-from dem.sweep.workers import Workers
+
+ERRORS = "PackingError", "OverlapError", "StateError", "RunError", "ZeroDivisionError"
+SEEDS = len(ERRORS) + 2
+ORDERS = {f"{density} {seed}": name for density, few in ((100, 2), (300, 5)) for seed, name in enumerate(ERRORS[:few], 1)}
+
+
+@pytest.fixture(scope="module")
+def failed(tmp_path_factory):
+    """A folder with the files of a sweep of two cases, of which runs fail for every reason."""
+    folder = tmp_path_factory.mktemp("failed")
+    with chdir(folder):
+        order(fails=ORDERS)
+        record = {"bins": 12, "snapshots": 3, "observables": ["drag", "snapshots"]}
+        cases = {f"c{n}": {"shape": "c1", "density": density} for n, density in ((1, 100), (2, 300))}
+        sweep = varied(*cases, seed=f"1 to {SEEDS}")
+        of_file(drawn(observed=True, record=record, cases=cases, sweep=sweep, failures=0.6))
+        assert len(made()) == 2 * SEEDS
+    return folder / "results/drawn"
+
+
+@pytest.mark.quick
+def test_runs_that_fail_are_gaps_with_their_reason(failed):
+    """Named by the flags of the file. What they would have given is NaN, and nothing else is."""
+    with netCDF4.Dataset(failed / "drag.nc") as file:
+        file.set_auto_mask(False)
+        flags = np.atleast_1d(file["failure"].flag_values).tolist()
+        meanings = dict(zip(flags, file["failure"].flag_meanings.split(), strict=True))
+        known = {name: name for name in ERRORS[:3]} | dict.fromkeys(ERRORS[3:], "other")
+        gaps = np.zeros((2, SEEDS), bool)
+        for place, flag in np.ndenumerate(file["failure"][:]):
+            error = ORDERS.get(f"{(100, 300)[place[0]]} {place[1] + 1}")
+            assert meanings[int(flag)] == (known[error] if error else "none"), place
+            gaps[place] = error is not None
+        assert "PackingError of 100 1" in file["failure"].comment
+        for name, variable in file.variables.items():
+            if variable.dimensions[:2] == ("case", "seed") and variable.dtype.kind == "f":
+                missing = np.isnan(variable[:]).reshape(2, SEEDS, -1)
+                assert (missing == gaps[..., None]).all(), name
+
+
+@pytest.mark.quick
+def test_numbers_of_a_sweep_with_failed_runs_are_those_of_the_others(failed):
+    """Means of all that are there, and changes of the seeds that both cases have."""
+    drag = contents(failed / "drag.nc")["drag"][:, :, 4:10].mean(axis=-1)  # the bins of the window
+    with open_lazily(failed / "drag.nc") as dataset:
+        numbers = summarise(dataset)
+        for case, runs in zip(("c1", "c2"), drag, strict=True):
+            assert float(numbers["mean"].sel(case=case)) == pytest.approx(np.nanmean(runs))
+        one, two = drag[:, len(ERRORS) :].mean(axis=1)
+        assert change(numbers["run_mean"], "c1", "c2")[0] == pytest.approx(two / one - 1.0)
+
+
+def test_what_is_shown_of_a_sweep_with_failed_runs_has_no_gaps(failed, tmp_path, monkeypatch):
+    """Figures, tables and the page hold numbers, and the count of runs."""
+    monkeypatch.chdir(tmp_path)
+    for name, file in {"all": "drag.nc", "figure10": "snapshots.nc"}.items():
+        draw(name, failed / file, Path("figures"))
+    pictures = list(Path("figures").glob("*.png"))
+    for picture in pictures:
+        assert_not_blank(picture)
+    build(failed / "drag.nc", Path("report.html"))
+    page, table = Path("report.html").read_text(), text_of(summary(failed / "drag.nc"), 160)
+    assert len(pictures) > 3 and not re.search(r"\bnan\b", page + table)
+    words = f"{len(ORDERS)} of {2 * SEEDS} runs failed"
+    assert words in table and re.search(rf"\b{2 * SEEDS - len(ORDERS)} runs\b", page)
 
 
 @pytest.fixture
-def two_fail(monkeypatch):
-    """The bed of seed 2, and the run of seed 3 at the higher density, fail; how often they are tried."""
-    attempts, make_bed, run = [], making.make_bed, drag.run
-
-    def bed(replicate, checkpoint):
-        if replicate.seed == 2:
-            attempts.append((replicate.seed, replicate.density))
-            raise PackingError("seed 2 cannot be made.")
-        return make_bed(replicate, checkpoint)
-
-    def running(replicate, *rest, **more):
-        if (replicate.seed, replicate.density) == (3, 3.9e4):
-            attempts.append((replicate.seed, replicate.density))
-            raise OverlapError("granule 7 at step 12.")
-        return run(replicate, *rest, **more)
-
-    monkeypatch.setattr(making, "make_bed", bed)
-    monkeypatch.setattr(drag, "run", running)
-    return attempts
-
-
-def done(sweep, folder):
-    """A sweep at work, its only chunk made."""
-    work, chunk = planned(sweep, folder)
-    making.make(work.store, chunk)
-    return work
-
-
-def test_runs_that_fail_are_gaps_where_the_sweep_allows_them(tmp_path, two_fail):
-    """They are tried once, drag.nc says why they are missing, and numbers are those of the others."""
-    sweep = discs([1, 2, 3], failures=0.5)
-    work = done(sweep, tmp_path)
-    assert len(two_fail) == 3 and done(sweep, tmp_path) and len(two_fail) == 3
-    with netCDF4.Dataset(combined(work, tmp_path)) as file:
-        flags = dict(
-            zip(file["failure"].flag_meanings.split(), file["failure"].flag_values, strict=True)
-        )
-        none, packing, overlap = (flags[name] for name in ("none", "PackingError", "OverlapError"))
-        np.testing.assert_array_equal(
-            file["failure"][:], [[none, packing, none], [none, packing, overlap]]
-        )
-        gaps = np.isnan(np.ma.filled(file["drag"][:], np.nan)).all(axis=-1)
-    np.testing.assert_array_equal(gaps, [[False, True, False], [False, True, True]])
-    with open_lazily(tmp_path / "drag.nc") as dataset:
-        numbers = summarise(dataset)
-        runs = numbers["run_mean"].sel(case="c1").values[[0, 2]]
-        assert float(numbers["mean"].sel(case="c1")) == pytest.approx(runs.mean())
-        pair = numbers["run_mean"].sel(seed=1).values  # the only seed with both
-        assert change(numbers["run_mean"], "c1", "c12")[0] == pytest.approx(pair[1] / pair[0] - 1.0)
-
-
-def test_what_is_shown_of_a_sweep_with_failed_runs_has_no_gaps(tmp_path, monkeypatch, two_fail):
-    """Figures, tables and the page hold numbers, and the count of runs."""
+def folder(tmp_path, monkeypatch):
+    """The working folder; processes know of no experiment of another test."""
     monkeypatch.chdir(tmp_path)
-    work = done(discs([1, 2, 3], failures=0.5, results="results"), tmp_path)
-    drag, beds = combined(work, tmp_path), tmp_path / "snapshots.nc"
-    combine_block(work, "drag", "snapshots", beds)
-    for name in ("all", "figure09", "figure10"):
-        draw(name, drag if name == "all" else beds, tmp_path / "figures")
-    for picture in (tmp_path / "figures").glob("*.png"):
-        assert_not_blank(picture)
-    assert len(list((tmp_path / "figures").glob("*.png"))) > 3
-    build(drag, tmp_path / "report.html")
-    page = (tmp_path / "report.html").read_text()
-    assert not re.search(r"\bnan\b", page) and re.search(r"\b3 runs\b", page)
-    console = Console(width=160, file=io.StringIO())
-    console.print(summary(drag))
-    assert "3 of 6 runs failed" in console.file.getvalue()
-    assert not re.search(r"\bnan\b", console.file.getvalue())
+    path = [name for name in sys.path if not Path(name, "drawn.py").exists()]
+    monkeypatch.setattr("sys.path", path)
+    return tmp_path
+
+
+TOO_MANY = {
+    "a case without any run": (0.9, 4, "c1 at 100 kg/m3: none of its 4 runs could be made"),
+    "more than are allowed": (
+        0.2,
+        2,
+        r"2 of 8 runs .* failures allows 0.2 .* c1 at 100 kg/m3, seed 1: StateError of 100 1",
+    ),
+    "one where none is allowed": (0.0, 1, r"1 of 8 runs .* failures allows 0 of them"),
+}
 
 
 @pytest.mark.quick
-def test_a_case_without_any_run_stops_a_sweep(tmp_path, two_fail):
-    """There is nothing to show of it, however many failures the sweep allows."""
-    work = done(discs([2], failures=0.9), tmp_path)
-    with pytest.raises(RunError, match="c1 at 3900 kg/m3: none of its 1 runs could be made"):
-        combined(work, tmp_path)
-
-
-@pytest.mark.parametrize("failures", [0.0, 0.4])
-def test_runs_that_fail_stop_a_sweep_that_does_not_allow_so_many(tmp_path, two_fail, failures):
-    """The first is named with its reason; no drag.nc is left, and what could be made is kept."""
-    work = done(discs([1, 2, 3], failures=failures), tmp_path)
-    sentence = (
-        rf"3 of 6 runs .* failures allows {failures:g} .* c1 at 3900 kg/m3, seed 2: seed 2 cannot"
-    )
-    with pytest.raises(RunError, match=sentence):
-        combined(work, tmp_path)
-    assert not (tmp_path / "drag.nc").exists()
-    values, _ = read(work.files("drag")[0], ("failure", "failure_reason", "seed"))
-    assert (values["failure"] == 0).sum() == 3
-    assert set(values["failure_reason"][values["seed"] == 2]) == {"seed 2 cannot be made."}
-
-
-@pytest.mark.quick
-def test_a_run_that_failed_is_tried_again_when_it_is_asked_for(tmp_path, monkeypatch, two_fail):
-    """Or other values make it another run; those that did not fail are kept as they are."""
-    sweep = discs([1, 2, 3], failures=0.5)
-    work = done(sweep, tmp_path)
-    (file,), names = work.files("drag"), ("drag", "failure", "spent", "steps")
-    old, _ = read(file, names)
-    assert work.retry() == 3 and len(two_fail) == 3
-    monkeypatch.undo()
-    done(sweep, tmp_path)
-    new, _ = read(file, names)
-    success = old["failure"] == 0
-    assert not new["failure"].any() and np.isfinite(new["drag"]).all()
-    for name in names:
-        np.testing.assert_array_equal(old[name][success], new[name][success])
-    assert work.retry() == 0 and file.is_file()
-    rough = discs([1, 2, 3], friction={"granule": 0.1, "wall": 0.1, "cylinder": 0.1})
-    assert not set(rough.block("drag").points) & set(sweep.block("drag").points)
+@pytest.mark.parametrize("case", TOO_MANY)
+def test_runs_that_fail_stop_a_sweep_that_does_not_allow_so_many(folder, case):
+    """The first is named with its reason; no file is combined. What could be made is kept, what failed is
+    made when it is asked for, and nothing else is."""
+    failures, count, words = TOO_MANY[case]
+    order(fails={f"100 {seed}": "StateError" for seed in range(1, count + 1)})
+    file = drawn(sweep=varied("a", "c", seed="1 to 4"), failures=failures)
+    for _ in range(2):
+        with pytest.raises(RunError, match=words):
+            of_file(file)
+    assert not Path("results/drawn/drawn.nc").exists() and len(made()) == 8
+    state = SweepState.of(file)
+    (batch,) = state.files("drag")
+    before = contents(batch, without=())
+    order()
+    assert state.retry() == count
+    of_file(file)
+    after = contents(batch, without=())
+    assert len(made()) == 8 + count and not after["failure"].any() and state.retry() == 0
+    for name in ("force", "spent"):
+        kept = before["failure"] == 0
+        np.testing.assert_array_equal(before[name][kept], after[name][kept])
 
 
 @pytest.mark.quick
-def test_a_run_that_failed_in_another_batch_is_tried_again(tmp_path, two_fail):
+def test_a_run_that_failed_in_the_batch_of_another_sweep_is_tried_again(folder):
     """Where two sweeps were planned before it was made; the second takes over what did not fail."""
-    store, results = Store(tmp_path / "store"), []
-    sweeps = [
-        SweepState(discs([1, 2], results=f"results/{name}"), store, root=tmp_path) for name in "ab"
-    ]
-    for work in sweeps:
-        work.begin("drag")
-    for tries, work in zip((2, 4), sweeps, strict=True):
-        (path,) = (making.make(store, batch.id) for batch in work.batches("drag"))
-        assert len(two_fail) == tries
-        results.append(read(path, ("failure", "spent"))[0])
-    one, other = results
-    success = one["failure"] == 0
-    assert success.sum() == 2 and (success == (other["failure"] == 0)).all()
-    np.testing.assert_array_equal(one["spent"][success], other["spent"][success])
+    order(fails={"100 2": "RunError"})
+    states = [SweepState.of(drawn(results=f"results/{name}", sweep=varied("a", seed=[1, 2]))) for name in "ab"]
+    for state in states:
+        state.begin("drag")
+    for count, state in zip((2, 3), states, strict=True):
+        for batch in state.batches("drag"):
+            make(state.store, batch.id)
+        assert len(made()) == count and state.store.rows(state.runs())
 
 
-def test_a_dry_run_counts_failed_runs_of_a_chunk_under_way(tmp_path, two_fail):
-    """Apart from those that are there."""
-    work, chunk = planned(discs([1, 2]), tmp_path)
-    with pytest.raises(Killed):
-        making.make(work.store, chunk, progress=killed_at(3))
-    assert "2 finished, 1 failed" in estimated(work, 1)
-    path = making.make(work.store, chunk)
-    assert "2 finished, 2 failed" in estimated(work, 1)
-    path.write_bytes(path.read_bytes()[:-1])
-    with pytest.raises(InputError, match="delete it and run again"):
-        estimated(work, 1)
+def command(*words):
+    return CliRunner().invoke(app, ["sweep", "sweep.yaml", "-j", "1", *words])
 
 
-def test_the_command_ends_with_1_where_runs_failed_and_tries_them_again(tmp_path, monkeypatch):
+def test_the_command_ends_with_1_where_runs_failed_and_tries_them_again(folder):
     """One sentence; with --retry the failed runs are made, and the same command ends well."""
-    monkeypatch.chdir(tmp_path)
-    sweep = discs([1, 2], results="results/few")
-    save(sweep, tmp_path / "few.yaml")
-    arguments = ["sweep", "few.yaml", "-j", "1"]
-    monkeypatch.setattr(working, "make_batches", in_this_process)
-    monkeypatch.setattr(making, "make_bed", failing)
-    result = CliRunner().invoke(app, arguments)
-    assert result.exit_code == 1, (result.output, result.exception)
-    (line,) = [line for line in result.stderr.splitlines() if "could be made" in line]
-    assert "c1 at 3900 kg/m3: none of its 2 runs" in line
-    monkeypatch.setattr(making, "make_bed", make_bed)
-    assert CliRunner().invoke(app, arguments).exit_code == 1
-    output = CliRunner().invoke(app, [*arguments, "--dry-run"]).stdout
-    assert "0 finished, 4 failed (dem sweep --retry makes these" in output
-    assert "About" not in output
-    output = CliRunner().invoke(app, [*arguments, "--dry-run", "--retry"]).stdout
+    order(fails={f"{density} {seed}": "RunError" for density in (100, 300) for seed in (1, 2)})
+    drawn(sweep=varied("a", "c", seed=[1, 2]))
+    for _ in range(2):
+        result = command()
+        assert result.exit_code == 1, (result.output, result.exception)
+        (line,) = [line for line in result.stderr.splitlines() if "could be made" in line]
+        assert "c1 at 100 kg/m3: none of its 2 runs" in line
+    output = command("--dry-run").stdout
+    assert "0 finished, 4 failed (dem sweep --retry makes these" in output and "About" not in output
+    output = command("--dry-run", "--retry").stdout
     assert "4 failed (these are made again)" in output and "About" in output
-    result = CliRunner().invoke(app, [*arguments, "--retry"])
+    order()
+    result = command("--retry")
     assert result.exit_code == 0 and "4 failed runs are tried again" in result.stderr, result.output
-    assert (tmp_path / "results/few/drag.nc").is_file()
+    assert Path("results/drawn/drawn.nc").is_file()
 
 
-SHORT = {"bins": 4, "snapshots": 2, "window": [0.4e-3, 1e-3], "observables": ["drag"]}
-
-
-def test_a_sweep_says_how_many_runs_of_its_file_will_be_gone(tmp_path, monkeypatch):
+def test_a_sweep_says_how_many_runs_of_its_file_will_be_gone(folder):
     """Of the same file, changed, or of another one of the same folder."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(working, "make_batches", in_this_process)
-    for name, seeds, lost in (
-        ("one.yaml", [1, 2, 3], ""),
-        ("one.yaml", [3, 4], "drag.nc: 2 of the 3 runs that it held are no longer"),
-        ("two.yaml", [1], "drag.nc: 2 of the 2 runs that it held are no longer"),
-        ("results/few/config.yaml", [1], ""),
+    path = Path("results/drawn/drawn.nc")
+    for seeds, lost in (
+        ([1, 2, 3], ""),
+        ([3, 4], "drawn.nc: 2 of the 3 runs that it held are no longer"),
+        ([1], "drawn.nc: 2 of the 2 runs that it held are no longer"),
+        ([1], ""),
     ):
-        if not name.startswith("results"):
-            varied = {"case": ["c1"], "seed": seeds}
-            save(smoke(results="results/few", record=SHORT, sweep=varied), name)
-        result = CliRunner().invoke(app, ["sweep", name, "-j", "1"])
+        drawn(sweep=varied("a", seed=seeds))
+        result = command()
         assert result.exit_code == 0 and lost in result.output, result.output
         assert bool(lost) == ("no longer" in result.output)
-        with netCDF4.Dataset("results/few/drag.nc") as file:
-            assert file["seed"][:].tolist() == seeds
+        assert contents(path)["seed"].tolist() == seeds
 
 
-def failing(replicate, *options):
-    raise PackingError("it cannot be made.")
-
-
-def in_this_process(store, chunks, jobs, progress):
-    for chunk in chunks:
-        making.make(store, chunk.id)
-
-
-def test_a_sweep_that_makes_no_run_changes_no_file(tmp_path, monkeypatch):
+@pytest.mark.quick
+def test_a_sweep_that_makes_no_run_changes_no_file(folder):
     """Also later: what was combined of the same runs has the same bytes, and is not newer."""
-    monkeypatch.chdir(tmp_path)
-    work = SweepState(smoke(sweep={"case": ["c1"], "seed": [1, 2]}, batch=1))
-    work.make(Workers())
-    files = {p: (p.read_bytes(), p.stat().st_mtime_ns) for p in tmp_path.rglob("*") if p.is_file()}
+    of_file(drawn(batch=1))
+    files = {p: (p.read_bytes(), p.stat().st_mtime_ns) for p in Path("results").rglob("*") if p.is_file()}
     time.sleep(1.1)  # times in files are of seconds
-    SweepState(work.sweep).make(Workers())
+    of_file(Path("sweep.yaml"))
     for path, (content, written) in files.items():
         assert path.read_bytes() == content and path.stat().st_mtime_ns == written, path
-    retitled = smoke(sweep={"case": ["c1"], "seed": [1, 2]}, batch=1, title="another")
-    SweepState(retitled).make(Workers())
-    assert read(work.combined("drag")[0], ())[1]["title"] == "another"
+    of_file(drawn(batch=1, title="another"))
+    with xr.open_dataset("results/drawn/drawn.nc") as dataset:
+        assert dataset.title == "another" and len(made()) == 4
 
 
 def test_a_folder_is_held_until_its_process_ends(tmp_path):
     """However it ends: SIGKILL leaves no lock behind."""
-    code = f"""
-from pathlib import Path
-from dem.sweep.restart import prepare
-lock = prepare(*[Path({str(tmp_path)!r})] * 2)
-print('held', flush=True)
-input()
-"""
-    process = subprocess.Popen(
-        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    code = (
+        "from pathlib import Path; from dem.sweep.restart import prepare; "
+        f"lock = prepare(*[Path({str(tmp_path)!r})] * 2); print('held', flush=True); input()"
     )
+    command = [sys.executable, "-c", code]
+    process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     assert process.stdout.readline() == "held\n"
     with pytest.raises(RunError, match="another run works in this folder; wait for it or stop it"):
         prepare(tmp_path, tmp_path)
@@ -282,106 +222,77 @@ input()
     prepare(tmp_path, tmp_path).release()
 
 
-@posix
-@pytest.mark.parametrize("number", [errno.ENOLCK, 524, errno.ENOSYS, errno.EOPNOTSUPP])
-def test_a_disk_without_locks_is_one_sentence_that_says_what_to_do(tmp_path, monkeypatch, number):
-    """Also where files of locks are left from a time when it had them."""
-    prepare(tmp_path, tmp_path).release()
-
-    def flock(*_):
-        raise OSError(number, os.strerror(number))
-
-    monkeypatch.setattr("fcntl.flock", flock)
-    words = r"/.lock: it cannot be locked \(this disk gives no locks; work on another, or mount it"
-    with pytest.raises(OSError, match=words):
-        prepare(tmp_path, tmp_path)
+STREAMS = {"full": "> /dev/full", "both closed": ">&- 2>&-"}
+SAYING = "--help", "--version", f"sweep {SMOKE} -n", "store"
 
 
 @posix
 @pytest.mark.parametrize(
-    ("disk", "words"),
-    [
-        ({"f_files": 9, "f_favail": 0}, r"\(the disk has no inode left for another file\)"),
-        (
-            {"f_files": 0, "f_favail": 0},
-            r"\(\[Errno 28\] No space left on device\)",
-        ),  # it counts none
-    ],
+    ("words", "stream"), [*((words, "full") for words in SAYING), *((words, "both closed") for words in SAYING[2:])]
 )
-def test_a_disk_that_is_full_is_named_with_what_it_lacks(tmp_path, monkeypatch, disk, words):
-    disk |= {"f_frsize": 4096, "f_bavail": 10**6, "f_blocks": 10**7, "f_bfree": 10**6}
-    monkeypatch.setattr("os.statvfs", lambda folder: SimpleNamespace(**disk))
-    with (
-        pytest.raises(OSError, match=f"file.nc: it cannot be written {words}; mend that"),
-        atomic(tmp_path / "file.nc"),
-    ):
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-
-STREAMS = {"full": "> /dev/full", "closed": ">&-", "both closed": ">&- 2>&-"}
-
-
-@posix
-@pytest.mark.parametrize("stream", STREAMS)
-@pytest.mark.parametrize("words", ["--help", "--version", f"sweep {CONFIG}/smoke.yaml -n", "store"])
-def test_a_verb_says_at_most_one_sentence_where_it_cannot_write(tmp_path, stream, words):
+def test_a_verb_says_at_most_one_sentence_where_it_cannot_write(tmp_path, words, stream):
     """On a full disk, or into what is closed; no traceback."""
     if stream == "full" and not Path("/dev/full").exists():
         pytest.skip("a system without /dev/full")
+    (tmp_path / "results/store").mkdir(parents=True)
     command = f"{sys.executable} -m dem {words} {STREAMS[stream]}"
     options = {"cwd": tmp_path, "stderr": subprocess.PIPE, "text": True, "shell": True}
-    (tmp_path / "results/store").mkdir(parents=True)
     run = subprocess.run(command, check=False, **options)
-    full = stream == "full"
-    assert run.returncode == full
-    assert run.stderr == ("[Errno 28] No space left on device\n" if full else "")
+    assert run.returncode == (stream == "full")
+    assert run.stderr == ("[Errno 28] No space left on device\n" if stream == "full" else "")
 
 
-def test_a_time_is_said_as_a_reader_would_say_it():
-    texts = [span(seconds) for seconds in (59.4, 60, 3599, 3600, 90000)]
-    assert texts == ["59 s", "1 min 0 s", "59 min 59 s", "1 h 0 min", "25 h 0 min"]
+def started(folder, *words):
+    """A command of dem in a process of its own."""
+    options = {"cwd": folder, "stderr": subprocess.PIPE, "text": True, "start_new_session": True}
+    return subprocess.Popen([sys.executable, "-m", "dem", *words], **options)
 
 
-SAYS_WHEN_IT_PACKS = """
-from dem.cli.app import app
-from dem.experiment import bed
-make_bed = bed.make_bed
-bed.make_bed = lambda *of: print("packing", flush=True) or make_bed(*of)
-app()
+def wait_until(process, condition):
+    while not condition():
+        assert process.poll() is None, process.stderr.read()
+        time.sleep(0.05)
+
+
+SLOW = """
+import time
+from pathlib import Path
+
+VARIABLES = {"slow": (("snapshot",), "1", "what takes long")}
+
+
+def look(simulation):
+    Path("begun").touch()
+    time.sleep(60)
 """
 
 
 @posix
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_stopped_command_says_one_sentence_and_leaves_no_file(tmp_path, number):
-    words = simulate(tmp_path / "out.nc") + ["shapes.c1.granules=10000", "box_width=0.1"]
-    command = [sys.executable, "-c", SAYS_WHEN_IT_PACKS, *words]  # of a large bed, so that it lasts
-    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen(command, **streams) as process:
-        assert process.stdout.readline() == "packing\n"
+def test_a_stopped_command_says_one_sentence_and_leaves_no_file(folder, number):
+    Path("slow.py").write_text(SLOW)
+    Path("slow.yaml").write_text(f"extends: {SMOKE}\nresults: results/slow\nrecord: {{observables: [drag, slow.py]}}\n")
+    words = "simulate --config slow.yaml --shape c1 --density 3900 --seed 1 -o out.nc"
+    with started(folder, *words.split()) as process:
+        wait_until(process, Path("begun").exists)
         process.send_signal(number)
         text = process.stderr.read()
     assert process.returncode == 128 + number
     assert text.endswith("Interrupted; no half-written file is left.\n") and "Traceback" not in text
-    assert not list(tmp_path.iterdir())
+    assert {path.name for path in folder.glob("[!_]*")} == {"slow.py", "slow.yaml", "begun"}
 
 
 @posix
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("again", [(), (0.02,), (0.05, 0.05, 0.1, 0.1)])
-def test_a_stopped_sweep_keeps_what_is_finished_and_says_how_to_go_on(tmp_path, number, again):
+def test_a_stopped_sweep_keeps_what_is_finished_and_says_how_to_go_on(folder, number, again):
     """No worker is left alive, and no half-written file; also where it is stopped again, so many s
     later."""
-    (tmp_path / "many.yaml").write_text(
-        f"extends: {CONFIG}/smoke.yaml\nresults: results/many\nsweep: {{case: [c1], seed: 1 to 400}}\n"
-    )
-    command = [sys.executable, "-m", "dem", "sweep", "many.yaml", "-j2"]
-    options = {"cwd": tmp_path, "stderr": subprocess.PIPE, "text": True, "start_new_session": True}
-    runs = tmp_path / "results/store/runs"
-    with subprocess.Popen(command, **options) as process:
-        while not list(runs.rglob("*.npz")):
-            assert process.poll() is None
-            time.sleep(0.05)
+    order(sleeps=0.05)
+    drawn(sweep=varied("a", seed="1 to 400"))
+    runs = Path("results/store/runs")
+    with started(folder, "sweep", "sweep.yaml", "-j2") as process:
+        wait_until(process, lambda: list(runs.rglob("*.npz")))
         # as a process leaves it that is ended while it writes
         (runs / f".a.npz.{socket.gethostname()}.{2**22 + 1}.dem.part").touch()
         for wait in (0.0, *again):
@@ -392,4 +303,4 @@ def test_a_stopped_sweep_keeps_what_is_finished_and_says_how_to_go_on(tmp_path, 
     sentence = r"Interrupted; (\d+) of 400 runs are kept; run the same command to go on"
     match = re.fullmatch(sentence, output.splitlines()[-1])
     assert match and int(match[1]) > 0 and "Traceback" not in output, output
-    assert not list(tmp_path.rglob("*.part"))
+    assert not list(folder.rglob("*.part"))
