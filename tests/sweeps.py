@@ -131,14 +131,14 @@ def run(replicate, bed=None, progress=lambda done: None, checkpoint=None):
     if "sleeps" in orders:
         Path("begun").touch()
         time.sleep(orders["sleeps"])
+    force = replicate.density * (1.0 + 0.3 * number)
     with open("runs.txt", "a") as file:
-        file.write(f"{replicate.id} {key}\\n")
+        file.write(f"{replicate.id} {force} {key}\\n")
     if key in orders.get("fails", {}):
         name = orders["fails"][key]
         if name == "death":
             os._exit(1)
         raise {**vars(builtins), **vars(errors)}[name](f"{name} of {key}")
-    force = replicate.density * (1.0 + 0.3 * number)
     sizes = c.module.sizes(replicate)
     values = {
         name: np.full([sizes[dim] for dim in dims], force)
@@ -152,6 +152,7 @@ def run(replicate, bed=None, progress=lambda done: None, checkpoint=None):
         places = {"granule_x": bed.position[:, 0], "granule_y": bed.position[:, 1]}
         values |= {name: np.tile(x, (c.record.snapshots, 1)) for name, x in places.items()}
         values["granule_diameter"] = np.full(len(bed.position), 1e-3)
+        values |= {"box_height": bed.height, "cylinder_y": [0.5 * bed.height] * c.record.snapshots}
     offset = number + (50.0 if replicate.density == 200.0 else 0.0)
     return values | {"force": force, "offset": offset}
 '''
@@ -204,7 +205,7 @@ def order(**orders) -> None:
 
 
 def made() -> list[str]:
-    """The runs that were made, also those that failed: identity, density and seed."""
+    """The runs that were made, also those that failed: identity, force, density and seed."""
     return Path("runs.txt").read_text().splitlines() if Path("runs.txt").exists() else []
 
 

@@ -52,10 +52,11 @@ ROUNDS = "tests/sweep/test_replicates.py::test_{}"
 BED, SWEEP, STORE = (
     "tests/packing/test_packing.py",
     "tests/sweep/test_sweep.py",
-    "tests/sweep/test_stopping.py",
+    "tests/sweep/test_store.py",
 )
-WHOLE = f"{STORE}::test_a_file_is_written_whole_or_not_at_all"
-STOPPED = f"{STORE}::test_a_chunk_that_is_stopped_goes_on_with_the_run_under_way"
+STATES = "tests/sweep/test_by_chance.py"
+FILES = "tests/base/test_files.py"
+WHOLE = f"{FILES}::test_a_file_is_written_whole_or_not_at_all"
 ROWS = f"{SWEEP}::test_an_n_dimensional_file_holds_every_run"
 FAILED = "tests/sweep/test_faults.py"
 UNDER_WAY = f"{SWEEP}::test_prune_keeps_beds_and_checkpoints_of_runs_under_way"
@@ -132,14 +133,14 @@ MUTANTS = (
     Mutant("experiment/identity.py", "missing term", '"packing.fraction", "packing.friction"', '"packing.fraction"', KEYS),
     # sweeps, their store, files and numbers
     Mutant("sweep/grouping.py", "index", "for run in batch.runs:\n", "for run in batch.runs[1:]:\n", SWEEP),
-    Mutant("sweep/batch.py", "missing call", "    store.keep(replicate.id, values)\n", "", STORE),
-    Mutant("sweep/batch.py", "comparison", "list(_rows_of(store, batch)) == runs", "list(_rows_of(store, batch)) != runs", STORE),
-    Mutant("sweep/batch.py", "order", "    if list(_rows_of(store, batch)) != runs:  # another", "    store.forget(runs)\n    if list(_rows_of(store, batch)) != runs:  # another", f"{STORE}::test_a_chunk_that_cannot_be_written_loses_no_run"),
+    Mutant("sweep/batch.py", "missing call", "    store.keep(replicate.id, values)\n", "", STATES),
+    Mutant("sweep/batch.py", "comparison", "list(_rows_of(store, batch)) == runs", "list(_rows_of(store, batch)) != runs", STATES),
+    Mutant("sweep/batch.py", "order", "    if list(_rows_of(store, batch)) != runs:  # another", "    store.forget(runs)\n    if list(_rows_of(store, batch)) != runs:  # another", STATES),
     Mutant("sweep/batch.py", "index", "np.asarray(row.get(name, gap)", "np.asarray(rows[0].get(name, gap)", ROWS),
-    Mutant("sweep/batch.py", "comparison", "if (row := store.kept(replicate.id, aside=True)) is None:", "if (row := store.kept(replicate.id, aside=True)) is not None:", STOPPED),
-    Mutant("sweep/batch.py", "condition", "    if list(_rows_of(store, batch)) == runs:\n        return path", "    if path.exists():\n        return path", f"{STORE}::test_a_chunk_that_is_there_is_left_alone"),
+    Mutant("sweep/batch.py", "comparison", "if (row := store.kept(replicate.id, aside=True)) is None:", "if (row := store.kept(replicate.id, aside=True)) is not None:", STATES),
+    Mutant("sweep/batch.py", "condition", "    if list(_rows_of(store, batch)) == runs:\n        return path", "    if path.exists():\n        return path", STATES),
     Mutant("sweep/batch.py", "missing call", "            store.keep(run, rows[run])\n", "            pass\n", FAILED),
-    Mutant("sweep/batch.py", "condition", 'return None if row is None or row["failure"] else row', "return row", "tests/sweep/test_faults.py::test_a_run_that_failed_in_another_batch_is_tried_again"),
+    Mutant("sweep/batch.py", "condition", 'return None if row is None or row["failure"] else row', "return row", f"{FAILED}::test_a_run_that_failed_in_the_batch_of_another_sweep_is_tried_again"),
     Mutant("sweep/grouping.py", "order", "(batch_id(results, *b.runs) != b.id, -len", "(-len", f"{SWEEP}::test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs"),
     Mutant("sweep/prune.py", "index", 'path.name.partition(".")[0] not in', "path.stem not in", UNDER_WAY),
     Mutant("sweep/prune.py", "missing term", "runs.union(beds, (batch.id", "runs.union((batch.id", UNDER_WAY),
@@ -149,15 +150,15 @@ MUTANTS = (
     Mutant("sweep/combine.py", "index", "[list(rows)]", "[list(rows[::-1])]", ROWS),
     Mutant("sweep/combine.py", "condition", "if left and not (partial and file.dimensions):", "if left and not file.dimensions:", f"{SWEEP}::test_a_run_that_no_file_holds_is_named"),
     Mutant("sweep/combine.py", "missing call", "            _check(sweep, block, failed)\n", "            pass\n", FAILED),
-    Mutant("sweep/combine.py", "comparison", "if count == groups[group]:", "if count > groups[group]:", "tests/sweep/test_faults.py::test_a_case_without_any_run_stops_a_sweep"),
+    Mutant("sweep/combine.py", "comparison", "if count == groups[group]:", "if count > groups[group]:", f"{FAILED}::test_runs_that_fail_stop_a_sweep_that_does_not_allow_so_many"),
     Mutant("base/files.py", "order", "        yield part\n", "        try:\n            yield part\n        except BaseException:\n            part.replace(path)\n            raise\n", WHOLE),
     Mutant("base/files.py", "missing call", "        part.unlink(missing_ok=True)\n", "        pass\n", WHOLE),
-    Mutant("sweep/restart.py", "condition", "            if not alive:\n", "            if alive:\n", STORE),
+    Mutant("sweep/restart.py", "condition", "            if not alive:\n", "            if alive:\n", FILES),
     Mutant("sweep/precision.py", "limit", "GROWTH * now[other]", "100 * now[other]", ROUNDS.format("a_round_at_most_doubles_the_replicates")),
     Mutant("base/statistics.py", "sign", "for sign in (-1.0, 1.0))", "for sign in (1.0, -1.0))", "tests/base/test_statistics.py"),
     Mutant("sweep/precision.py", "condition", 'return math.nan, str(row["failure_reason"])', 'return 0.0, str(row["failure_reason"])', ROUNDS.format("a_failed_run_counts_and_is_not_replaced")),
     Mutant("sweep/state.py", "condition", "if any(len(values[point]) < count for point, count in block.counts.items()):", "if False:", ROUNDS.format("a_stopped_sweep_goes_on_to_the_same_runs")),
-    Mutant("sweep/state.py", "missing call", "                if not self.grow(name):\n                    break\n", "                break\n", ROUNDS.format("replicates_are_added_until_the_mean_is_as_well_known_as_asked")),
+    Mutant("sweep/state.py", "missing call", "                if not self.grow(name):\n                    break\n", "                break\n", ROUNDS.format("replicates_are_added_until_a_mean_is_known_as_well_as_asked_and_no_longer")),
     Mutant("base/statistics.py", "constant", "stdtrit(freedom, 0.5 + 0.5 * level)", "stdtrit(freedom, level)", "tests/base/test_statistics.py"),
     Mutant("analysis/onset.py", "sign", "return y @ share - slope * middle", "return y @ share + slope * middle", "tests/experiment/test_onset.py"),
     # how kernels are compiled

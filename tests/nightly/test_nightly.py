@@ -1,12 +1,15 @@
-"""What a night finds out: faults of the code that no quick test notices, and sweeps that are disturbed."""
+"""What a night finds out: faults of the code that no quick test notices, and sweeps that are disturbed, and what chance finds."""
 
 import os
 import random
 import shutil
 
 import pytest
+from bad_input import KINDS, make_good, spoil
+from hypothesis import settings
 from nightly import cluster, faults
 from nightly.mutants import MUTANTS, PROJECT, notices, notices_patch
+from store_states import Sweeps
 
 PATCHES = sorted((PROJECT / "tests" / "faults").glob("*.patch"))
 
@@ -49,3 +52,13 @@ def test_kills_lose_nothing(checkout, kills, count):
 )
 def test_a_dask_cluster_without_the_files_of_the_client_gives_the_same_values():
     cluster.main()
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
+def test_bad_input_ends_in_a_sentence_and_loses_nothing(tmp_path_factory, kind):
+    good = make_good(tmp_path_factory.mktemp("good"))
+    spoil(good, kind, settings(settings.get_profile("night"), max_examples=500))
+
+
+class TestSweeps(Sweeps.TestCase):
+    settings = settings(settings.get_profile("night"), max_examples=1000, stateful_step_count=25)

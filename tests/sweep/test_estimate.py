@@ -1,14 +1,13 @@
 """What a dry run, the status and a partial file say of a sweep that is under way, and of the time that it takes."""
 
 import re
-from contextlib import chdir, suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
 from pictures import text_of
 from project import posix
-from sweeps import drawn, interrupted, of_file, order, varied
+from sweeps import drawn, interrupted, order, varied
 from typer.testing import CliRunner
 
 import dem
@@ -48,12 +47,18 @@ def test_what_is_said_of_a_sweep_under_way_is_what_the_store_holds(stopped):
     runs = [run for run in stopped.block("drag").unique()]
     files = {path: path.read_bytes() for path in Path("results").rglob("*") if path.is_file()}
     store = stopped.store
-    whole = {run: row for batch in store.batches() for run, row in store.rows_of(batch.id, "drag").items()}
+    whole = {
+        run: row
+        for batch in store.batches()
+        for run, row in store.rows_of(batch.id, "drag").items()
+    }
     kept = {run.id: row for run in runs if (row := store.kept(run.id))}
     assert len(whole) == 8 and len(kept) == 3
     there, inside = whole | kept, slice(4, 10)  # bins of the window, of twelve
     means = {
-        run.id: there[run.id]["drag"][inside].mean() for run in runs if run.id in there and not there[run.id]["failure"]
+        run.id: there[run.id]["drag"][inside].mean()
+        for run in runs
+        if run.id in there and not there[run.id]["failure"]
     }
     held = next(run for run in runs if run.id not in there)
     with lock(store.run_of(held.id, ".lock")):
@@ -71,9 +76,20 @@ def test_what_is_said_of_a_sweep_under_way_is_what_the_store_holds(stopped):
         assert words in text
     assert "under way: 0, waiting: 9." in rows(stopped)[1]  # the lock is there, and nobody holds it
     assert "20 runs (case 2, seed 10), 9 finished, 2 failed" in dry_run(stopped, 1)
-    assert "9 to be made" in dry_run(stopped, 1) and "11 to be made" in dry_run(stopped, 1, retry=True)
+    assert "9 to be made" in dry_run(stopped, 1) and "11 to be made" in dry_run(
+        stopped, 1, retry=True
+    )
     assert stopped.counts() == (11, 20)
-    words = "combine --config sweep.yaml --observable drag -o part.nc --partial".split()
+    words = [
+        "combine",
+        "--config",
+        "sweep.yaml",
+        "--observable",
+        "drag",
+        "-o",
+        "part.nc",
+        "--partial",
+    ]
     assert CliRunner().invoke(app, words).exit_code == 0
     with dem.open_results("part.nc") as part:
         assert part.attrs["partial"] == "11 of 20 runs"
@@ -84,7 +100,9 @@ def test_what_is_said_of_a_sweep_under_way_is_what_the_store_holds(stopped):
             assert str(of_run["run_id"].values) == (run.id if run.id in there else "")
     locks = {path for path in Path("results").rglob("*.lock")}
     after = {path: path.read_bytes() for path in Path("results").rglob("*") if path.is_file()}
-    assert {p: c for p, c in after.items() if p not in locks} == {p: c for p, c in files.items() if p not in locks}
+    assert {p: c for p, c in after.items() if p not in locks} == {
+        p: c for p, c in files.items() if p not in locks
+    }
 
 
 @pytest.mark.quick

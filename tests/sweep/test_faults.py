@@ -44,7 +44,9 @@ def failed(tmp_path_factory):
     with chdir(folder):
         order(fails=ORDERS)
         record = {"bins": 12, "snapshots": 3, "observables": ["drag", "snapshots"]}
-        cases = {f"c{n}": {"shape": "c1", "density": density} for n, density in ((1, 100), (2, 300))}
+        cases = {
+            f"c{n}": {"shape": "c1", "density": density} for n, density in ((1, 100), (2, 300))
+        }
         sweep = varied(*cases, seed=f"1 to {SEEDS}")
         of_file(drawn(observed=True, record=record, cases=cases, sweep=sweep, failures=0.6))
         assert len(made()) == 2 * SEEDS
@@ -83,16 +85,16 @@ def test_numbers_of_a_sweep_with_failed_runs_are_those_of_the_others(failed):
         assert change(numbers["run_mean"], "c1", "c2")[0] == pytest.approx(two / one - 1.0)
 
 
-def test_what_is_shown_of_a_sweep_with_failed_runs_has_no_gaps(failed, tmp_path, monkeypatch):
+def test_what_is_shown_of_a_sweep_with_failed_runs_has_no_gaps(failed, monkeypatch):
     """Figures, tables and the page hold numbers, and the count of runs."""
-    monkeypatch.chdir(tmp_path)
+    monkeypatch.chdir(failed)
     for name, file in {"all": "drag.nc", "figure10": "snapshots.nc"}.items():
-        draw(name, failed / file, Path("figures"))
+        draw(name, Path(file), Path("figures"))
     pictures = list(Path("figures").glob("*.png"))
     for picture in pictures:
         assert_not_blank(picture)
-    build(failed / "drag.nc", Path("report.html"))
-    page, table = Path("report.html").read_text(), text_of(summary(failed / "drag.nc"), 160)
+    build(Path("drag.nc"), Path("report.html"))
+    page, table = Path("report.html").read_text(), text_of(summary(Path("drag.nc")), 160)
     assert len(pictures) > 3 and not re.search(r"\bnan\b", page + table)
     words = f"{len(ORDERS)} of {2 * SEEDS} runs failed"
     assert words in table and re.search(rf"\b{2 * SEEDS - len(ORDERS)} runs\b", page)
@@ -147,7 +149,10 @@ def test_runs_that_fail_stop_a_sweep_that_does_not_allow_so_many(folder, case):
 def test_a_run_that_failed_in_the_batch_of_another_sweep_is_tried_again(folder):
     """Where two sweeps were planned before it was made; the second takes over what did not fail."""
     order(fails={"100 2": "RunError"})
-    states = [SweepState.of(drawn(results=f"results/{name}", sweep=varied("a", seed=[1, 2]))) for name in "ab"]
+    states = [
+        SweepState.of(drawn(results=f"results/{name}", sweep=varied("a", seed=[1, 2])))
+        for name in "ab"
+    ]
     for state in states:
         state.begin("drag")
     for count, state in zip((2, 3), states, strict=True):
@@ -199,7 +204,9 @@ def test_a_sweep_says_how_many_runs_of_its_file_will_be_gone(folder):
 def test_a_sweep_that_makes_no_run_changes_no_file(folder):
     """Also later: what was combined of the same runs has the same bytes, and is not newer."""
     of_file(drawn(batch=1))
-    files = {p: (p.read_bytes(), p.stat().st_mtime_ns) for p in Path("results").rglob("*") if p.is_file()}
+    files = {
+        p: (p.read_bytes(), p.stat().st_mtime_ns) for p in Path("results").rglob("*") if p.is_file()
+    }
     time.sleep(1.1)  # times in files are of seconds
     of_file(Path("sweep.yaml"))
     for path, (content, written) in files.items():
@@ -231,7 +238,8 @@ SAYING = "--help", "--version", f"sweep {SMOKE} -n", "store"
 
 @posix
 @pytest.mark.parametrize(
-    ("words", "stream"), [*((words, "full") for words in SAYING), *((words, "both closed") for words in SAYING[2:])]
+    ("words", "stream"),
+    [*((words, "full") for words in SAYING), *((words, "both closed") for words in SAYING[2:])],
 )
 def test_a_verb_says_at_most_one_sentence_where_it_cannot_write(tmp_path, words, stream):
     """On a full disk, or into what is closed; no traceback."""
@@ -274,7 +282,9 @@ def look(simulation):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_stopped_command_says_one_sentence_and_leaves_no_file(folder, number):
     Path("slow.py").write_text(SLOW)
-    Path("slow.yaml").write_text(f"extends: {SMOKE}\nresults: results/slow\nrecord: {{observables: [drag, slow.py]}}\n")
+    Path("slow.yaml").write_text(
+        f"extends: {SMOKE}\nresults: results/slow\nrecord: {{observables: [drag, slow.py]}}\n"
+    )
     words = "simulate --config slow.yaml --shape c1 --density 3900 --seed 1 -o out.nc"
     with started(folder, *words.split()) as process:
         wait_until(process, Path("begun").exists)

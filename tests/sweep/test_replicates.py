@@ -119,7 +119,11 @@ def test_a_mean_of_a_run_is_that_within_the_window():
     sizes = module.sizes(run)
     for name, (dims, *_) in module.layout.items():
         if not {"granule", "wall"} & {*dims}:
-            row = {name: np.broadcast_to(np.arange(sizes[dims[-1]]) if dims else 3.0, [sizes[d] for d in dims])}
+            row = {
+                name: np.broadcast_to(
+                    np.arange(sizes[dims[-1]]) if dims else 3.0, [sizes[d] for d in dims]
+                )
+            }
             mean, why = precision.run_mean(run, name, row | {"failure": 0, "failure_reason": ""})
             expected = {"displacement": 6.5, "snapshot": 2.5}.get("".join(dims[-1:]), 3.0)
             assert mean == pytest.approx(expected) and why == "", name
@@ -141,7 +145,9 @@ def test_replicates_of_a_curve_are_added_until_it_is_known_within_the_window():
     shown = means(Path("results/drawn/drag.nc"))
     np.testing.assert_allclose(shown["drag"], runs.mean())
     np.testing.assert_allclose(shown["drag_half_interval"], half)
-    assert re.search(rf"{runs.mean():.5g} +{half:.5g}", text_of(summary_of(Path("results/drawn/drag.nc"))))
+    assert re.search(
+        rf"{runs.mean():.5g} +{half:.5g}", text_of(summary_of(Path("results/drawn/drag.nc")))
+    )
     assert re.search(rf"\ba\b.* {runs.mean():.3g}\b", text_of(status(state)))
 
 
@@ -185,7 +191,9 @@ def test_a_stopped_sweep_goes_on_to_the_same_runs():
 def test_blocks_that_share_runs_are_made():
     """The second is planned with runs that a later round of the first takes."""
     seeds = {"one": until()["seed"], "two": "1 to 20"}
-    file = drawn(sweep={"blocks": {name: {"case": "a", "seed": seed} for name, seed in seeds.items()}})
+    file = drawn(
+        sweep={"blocks": {name: {"case": "a", "seed": seed} for name, seed in seeds.items()}}
+    )
     state = SweepState.of(file)
     for _ in state.rounds("one"):  # as Snakemake asks: round by round, all in one process
         state.begin("one")
@@ -227,7 +235,9 @@ def test_a_failed_run_counts_and_is_not_replaced():
     assert np.isnan(dataset["force"].sel(seed=3))
     values = state.values(state.block("drag"))[1,]
     np.testing.assert_array_equal(values, dataset["force"].values[present])
-    assert float(half_interval(dataset["force"].dropna("seed"))) <= 0.25 * float(dataset["force"].mean())
+    assert float(half_interval(dataset["force"].dropna("seed"))) <= 0.25 * float(
+        dataset["force"].mean()
+    )
 
 
 def test_a_point_whose_mean_may_be_zero_is_said_and_all_files_are_written():
@@ -255,5 +265,3 @@ def test_a_sweep_that_varies_seeds_alone_has_one_point():
     """Of one shape, whose point has no axis beside that of the seeds."""
     asked, sample = precision.Until(until="1 %"), np.random.default_rng(1).normal(100.0, 10.0, 10)
     assert precision.counts(asked, {(): sample}, {(): None}) == {(): 20}
-
-

@@ -1,4 +1,4 @@
-"""Who makes the runs of a sweep: this process, any executor, the workers of a Dask cluster."""
+"""Who makes the runs of a sweep: this process, any executor, the workers of a Dask cluster, Snakemake."""
 
 import os
 import re
@@ -14,15 +14,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
-from project import CONFIG, FILES
+from project import ROOT, posix
+from sweeps import contents, drawn, made, of_file, order, varied
 from typer.testing import CliRunner
+from workflows import snakemake
 
 import dem
 from dem.base.errors import InputError, RunError
 from dem.base.source_hash import cache_folder
 from dem.cli.app import app
-from dem.io.dataset import read
 from dem.sweep import cluster, workers
 from dem.sweep.cluster import Cluster
 from dem.sweep.state import SweepState
@@ -32,47 +32,58 @@ from dem.sweep.workers import Workers, make_batch, task_of
 SEEDS = [1, 2, 3, 4]
 
 
-@pytest.fixture
-def file(tmp_path, monkeypatch):
-    """A sweep of four discs' beds in two batches, in the working folder."""
-    return write(tmp_path, monkeypatch)
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """The working folder; processes know of no experiment of another test."""
+    monkeypatch.chdir(tmp_path)
+    path = [name for name in sys.path if not Path(name, "drawn.py").exists()]
+    monkeypatch.setattr("sys.path", path)
+    return tmp_path
 
 
-def write(folder, monkeypatch, **more):
-    monkeypatch.chdir(folder)
-    values = {
-        "extends": str(CONFIG / "smoke.yaml"),
-        "results": "results/few",
-        "batch": 2,
-        "record": {"observables": ["drag"]},
-        "sweep": {"case": ["c1"], "seed": SEEDS},
-    }
-    (folder / "few.yaml").write_text(yaml.dump(values | more))
-    return folder / "few.yaml"
+def few(**values):
+    """A sweep file of four runs in two batches."""
+    return drawn(sweep=varied("a", seed=SEEDS), batch=2, **values)
 
 
-def drag_of(file, executor=None) -> np.ndarray:
-    with dem.run_sweep(file, executor) as dataset:
-        return dataset["drag"].values
-
-
-def test_any_executor_leaves_what_this_process_leaves(file):
-    """And stays open."""
-    alone, files = drag_of(file), left()
-    shutil.rmtree("results")
-    with ProcessPoolExecutor(2, get_context("spawn")) as pool:
-        np.testing.assert_array_equal(drag_of(file, pool), alone)
-        assert pool.submit(abs, -1).result() == 1
-    assert files == left()
+def forces(executor=None) -> list[float]:
+    with dem.run_sweep("sweep.yaml", executor) as dataset:
+        return dataset["force"].values.ravel().tolist()
 
 
 def left():
     return sorted(path for path in Path("results").rglob("*.*") if path.suffix in (".nc", ".yaml"))
 
 
-def unseen(plan):
-    """The task of a plan that no worker sees."""
-    return *task_of(plan)[:2], 0
+def test_any_executor_leaves_what_this_process_leaves():
+    """And stays open."""
+    few()
+    alone, files = forces(), left()
+    shutil.rmtree("results")
+    with ProcessPoolExecutor(2, get_context("spawn")) as pool:
+        assert forces(pool) == alone
+        assert pool.submit(abs, -1).result() == 1
+    assert files == left() and len(made()) == 8
+
+
+@pytest.mark.quick
+def test_a_worker_that_does_not_see_the_store_sends_the_file_of_a_batch(monkeypatch):
+    """And leaves nothing in its own store, but what speeds it up. A process makes one run at a time."""
+    state = SweepState.of(few())
+    state.begin("drag")
+    batches = state.batches("drag")
+    tasks = [task_of(state.store.plan_of(batch.id)) for batch in batches]
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "machine")
+    with workers.BUSY, pytest.raises(InputError, match="one run at a time"):
+        make_batch(tasks[0])
+    assert make_batch(tasks[0]) is None and state.store.file_of(batches[0].id).is_file()
+    content = make_batch((*tasks[1][:2], 0))  # the number that the plan has on another disk
+    assert not state.store.file_of(batches[1].id).exists() and not list(
+        Path("machine").rglob("*.nc")
+    )
+    state.store.add(batches[1].id, content)
+    of_file(Path("sweep.yaml"))
+    assert len(made()) == 4 and np.isfinite(contents(Path("results/drawn/drawn.nc"))["force"]).all()
 
 
 def without_folder(folder):
@@ -80,29 +91,25 @@ def without_folder(folder):
     sys.path[:] = [path for path in sys.path if path != folder]
 
 
-def test_a_cluster_of_dask_leaves_what_this_process_leaves(tmp_path, monkeypatch):
+def test_a_cluster_of_dask_leaves_what_this_process_leaves(folder, monkeypatch):
     """Also where its workers see neither the store of the client nor files of the user; and it stays open.
 
     A worker with other packages is refused by its name.
     """
     distributed = pytest.importorskip("distributed")
-    (tmp_path / "rotation.py").write_text("import turning\n" + FILES["rotation.py"])
-    (tmp_path / "turning.py").write_text("")
-    record = {"observables": ["drag", "snapshots", "rotation.py"]}
-    file = write(tmp_path, monkeypatch, record=record)
-    alone = drag_of(file)
-    machine = tmp_path / "machine"  # the cache folder of the workers, with what is compiled
+    few()
+    text = Path("drawn.py").read_text()
+    Path("drawn.py").write_text(text.replace("import builtins", "import builtins\nimport turning"))
+    Path("turning.py").write_text("")
+    alone = forces()
+    machine = folder / "machine"  # the cache folder of the workers, with what is compiled
     machine.mkdir()
     for path in cache_folder().iterdir():
         if path.name != "store":
             (machine / path.name).symlink_to(path)
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(machine))
-    with (
-        distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, dashboard_address=":0"
-        ) as local,
-        distributed.Client(local) as client,
-    ):
+    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": ":0"}
+    with distributed.LocalCluster(**options) as local, distributed.Client(local) as client:
         upload = client.upload_file
 
         def upload_and_spoil(path, load):
@@ -110,13 +117,13 @@ def test_a_cluster_of_dask_leaves_what_this_process_leaves(tmp_path, monkeypatch
             upload(path, load)
             Path(path).write_text(Path(path).read_text() + "\n1 / 0\n")
 
-        for sent in (task_of, unseen):
-            client.run(without_folder, str(tmp_path))
+        for sent in (task_of, lambda plan: (*task_of(plan)[:2], 0)):
+            client.run(without_folder, str(folder))
             monkeypatch.setattr(cluster, "task_of", sent)
             shutil.rmtree("results")
-            np.testing.assert_array_equal(drag_of(file, client), alone)
+            assert forces(client) == alone
             monkeypatch.setattr(client, "upload_file", upload_and_spoil)
-        assert all("1 / 0" in path.read_text() for path in tmp_path.glob("*.py"))
+        assert all("1 / 0" in path.read_text() for path in folder.glob("*.py"))
         assert not [*machine.glob("store/batches/*.[nj]*")]
         executed = client.run(lambda dask_worker: dask_worker.state.executed_count)
         assert sum(executed.values()) == 4 and min(executed.values()) > 0
@@ -139,51 +146,31 @@ class Deadly(Workers):
         return future
 
 
-def test_only_the_run_that_kills_its_worker_is_a_failed_one(tmp_path, monkeypatch):
-    state = SweepState.of(write(tmp_path, monkeypatch, failures=0.3))
+@pytest.mark.quick
+def test_only_the_run_that_kills_its_worker_is_a_failed_one():
+    state = SweepState.of(few(failures=0.3))
     state.make(Deadly())
-    values, _ = read(state.combined("drag")[0], ("failure", "drag"))
-    assert values["failure"].ravel().astype(bool).tolist() == [seed == 3 for seed in SEEDS]
-    assert np.isfinite(values["drag"]).all(-1).ravel().tolist() == [seed != 3 for seed in SEEDS]
-    reasons = [
-        reason
-        for path in state.files("drag")
-        for reason in read(path, ("failure_reason",))[0]["failure_reason"].tolist()
-        if reason.strip()
-    ]
-    assert reasons == ["MemoryError: each worker that ran it died"]
+    rows = state.store.rows(state.runs(), "force")
+    for run in state.block("drag").unique():
+        row, dies = rows[run.id], run.seed == 3
+        assert bool(row["failure"]) == np.isnan(row["force"]) == dies
+        assert (
+            str(row["failure_reason"]).strip() == dies * "MemoryError: each worker that ran it died"
+        )
 
 
-class Gone(Workers):
-    """Workers whose scheduler ends after the first batch."""
-
-    def submit(self, plan):
-        if not getattr(self, "started", False):
-            self.started = True
-            return super().submit(plan)
-        future = Future()
-        future.cancel()
-        future.set_running_or_notify_cancel()
-        return future
-
-
-def test_a_sweep_whose_workers_are_gone_keeps_what_is_finished(file):
-    state = SweepState.of(file)
-    with pytest.raises(RunError, match="run the same again: finished runs are kept"):
-        state.make(Gone())
+def test_a_sweep_whose_processes_are_killed_keeps_what_is_finished():
+    """It says what to do; then only the others are made, and counted."""
+    order(fails={"100 3": "death"})
+    state = SweepState.of(few())
+    kept = pytest.raises(RunError, match="run the same again: finished runs are kept")
+    with ProcessPoolExecutor(1, get_context("spawn")) as pool, kept:
+        state.make(Workers(pool))
     assert state.counts() == (2, 4)
+    order()
     counts = []
     state.make(Workers(), lambda *count: counts.append(count))
-    assert state.counts() == (4, 4) and counts[-1] == (4, 0)
-
-
-def test_a_process_makes_one_run_at_a_time(file):
-    """A second batch of a process is refused, as of an executor of threads."""
-    state = SweepState.of(file)
-    (batch, _) = state.batches("drag")
-    state.begin("drag")
-    with workers.BUSY, pytest.raises(InputError, match="one run at a time"):
-        make_batch(task_of(state.store.plan_of(batch.id)))
+    assert state.counts() == (4, 4) and counts[-1] == (4, 0) and len(made()) == 5
 
 
 @pytest.fixture(scope="module")
@@ -194,12 +181,13 @@ def idle():
         yield local.scheduler_address
 
 
-def test_a_scheduler_that_cannot_be_used_is_one_sentence(file, idle):
+def test_a_scheduler_that_cannot_be_used_is_one_sentence(idle):
     """Status 2, or 1 where no worker comes in time; soon, and nothing is written."""
+    file = few()
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         nobody = f"tcp://127.0.0.1:{free.getsockname()[1]}"
-    (file.parent / "other.json").write_text("{}")
+    Path("other.json").write_text("{}")
     for address, status, words in (
         (nobody, 2, "no Dask scheduler answers there"),
         ("gopher://here", 2, "no Dask scheduler answers there"),
@@ -211,22 +199,16 @@ def test_a_scheduler_that_cannot_be_used_is_one_sentence(file, idle):
         assert run.exit_code == status, (address, run.output)
         assert re.search(words, run.output) and address in run.output
         assert time.monotonic() - started < 60.0 and "Traceback" not in run.output
-        assert not (file.parent / "results").exists()
+        assert not Path("results").exists()
 
 
-def test_a_scheduler_that_is_not_there_leaves_no_traceback_when_python_ends(file):
+def test_a_scheduler_that_is_not_there_leaves_no_traceback_when_python_ends():
     """Its client, which is half made, ends at once."""
     pytest.importorskip("distributed")
-    command = [sys.executable, "-m", "dem", "sweep", str(file), "--scheduler", "nosuch.json"]
-    run = subprocess.run(command, cwd=file.parent, capture_output=True, text=True, check=False)
+    words = ["sweep", str(few()), "--scheduler", "nosuch.json"]
+    command = [sys.executable, "-m", "dem", *words]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
     assert run.returncode == 2 and "no Dask scheduler answers there" in run.stderr.splitlines()[-1]
-
-
-def test_an_executor_is_something_that_submits(file):
-    with pytest.raises(InputError, match="executor is 4; it must be one of"):
-        dem.run_sweep(file, 4)
-    with pytest.raises(InputError, match="block is"):
-        dem.run_sweep(file, block="wide")
 
 
 def test_nothing_of_a_pool_outlives_a_sweep_that_is_interrupted():
@@ -238,3 +220,45 @@ def test_nothing_of_a_pool_outlives_a_sweep_that_is_interrupted():
             time.sleep(0.01)
         raise KeyboardInterrupt
     assert [thread for thread in threading.enumerate() if thread not in before] == []
+
+
+def workflow(*words):
+    """Snakemake with the sweep of the working folder."""
+    words = "-s", str(ROOT / "Snakefile"), *words
+    return snakemake(Path.cwd(), *words, configfile="sweep.yaml")
+
+
+@posix
+def test_snakemake_makes_the_same_replicates_and_adds_those_of_a_finer_precision():
+    """Also to a file that is there, of which it does not ask what it was made of."""
+    file = Path("results/drawn/drawn.nc")
+    until = {"of": "force", "least": 4, "most": 60}
+    coarse, fine = (varied("a", "b", seed={"until": f"{p} %"} | until) for p in (60, 30))
+    of_file(drawn(sweep=fine))
+    whole, counts = contents(file), []
+    for name in ("store", "drawn"):
+        Path(f"results/{name}").rename(f"{name}-before")
+    for sweep, option in ((coarse, "-j2"), (fine, "-j2"), (fine, "-n")):
+        drawn(sweep=sweep)
+        process = workflow(option, str(file))
+        assert process.returncode == 0, process.stderr
+        counts.append(contents(file)["replicates"].sum())
+    assert "Nothing to be done" in process.stdout + process.stderr and counts[1] > 1.5 * counts[0]
+    for name, values in contents(file).items():
+        np.testing.assert_array_equal(values, whole[name], name)
+
+
+@posix
+@pytest.mark.parametrize("by", ["dem", "snakemake"])
+def test_a_mean_that_may_be_zero_ends_with_1_and_one_sentence(by):
+    """As failed runs do."""
+    until = {"until": "10 %", "of": "offset", "least": 4, "most": 8}
+    file = drawn(sweep=varied("a", "b", seed=until))
+    words = [sys.executable, "-m", "dem", "sweep", str(file), "-j1"]
+    run = (
+        workflow("-j1")
+        if by == "snakemake"
+        else subprocess.run(words, capture_output=True, text=True, check=False)
+    )
+    assert run.returncode == 1 and run.stderr.count("may be zero") == 1, run.stderr
+    assert contents(Path("results/drawn/drawn.nc"))["replicates"].tolist() == [8, 4]

@@ -1,0 +1,113 @@
+"""Files are written whole or not at all; what a disk lacks is one sentence; what killed processes left goes."""
+
+import errno
+import os
+import socket
+import time
+from types import SimpleNamespace
+
+import pytest
+from project import posix
+
+from dem.base.files import arrays_of, atomic
+from dem.sweep.restart import clear_parts, prepare
+
+FULL = OSError(errno.ENOSPC, "No space left on device")
+HDF = RuntimeError("NetCDF: HDF error")  # all that netCDF says
+NO_INODES = {"f_files": 9, "f_favail": 0}
+WRONG = {
+    "a fault of the code": (ZeroDivisionError("a fault"), {}, "^a fault$"),
+    "a disk that netCDF cannot write": (HDF, {}, r"cannot be written .*run the same command again"),
+    "a full disk of netCDF": (HDF, {"f_bavail": 0}, r"\(the disk is full\)"),
+    "a full disk": (FULL, {"f_bavail": 0}, r"\(the disk is full\)"),
+    "a disk without inodes": (FULL, NO_INODES, r"\(the disk has no inode left for another file\)"),
+    "a disk that counts none": (FULL, NO_INODES | {"f_files": 0}, r"\(\[Errno 28\] No space left"),
+}
+
+
+@posix
+@pytest.mark.quick
+@pytest.mark.parametrize("wrong", WRONG)
+def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch, wrong):
+    """What is wrong with the disk is one sentence with the file, whatever netCDF says of it."""
+    error, lacks, words = WRONG[wrong]
+    disk = {"f_frsize": 4096, "f_bavail": 10**6, "f_blocks": 10**7, "f_bfree": 10**6}
+    disk |= {"f_files": 9, "f_favail": 9} | lacks
+    monkeypatch.setattr("os.statvfs", lambda folder: SimpleNamespace(**disk))
+    file = tmp_path / "file.txt"
+    file.write_text("before")
+    kind = ZeroDivisionError if isinstance(error, ZeroDivisionError) else OSError
+    with pytest.raises(kind, match=words) as raised, atomic(file) as part:
+        part.write_text("half")
+        raise error
+    assert file.read_text() == "before" and [file] == list(tmp_path.iterdir())
+    assert kind is ZeroDivisionError or str(raised.value).startswith(
+        f"{file}: it cannot be written"
+    )
+
+
+@pytest.mark.quick
+def test_a_file_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
+    """Else the name may be that of a file of zeros when power fails."""
+    file, named = tmp_path / "file.txt", []
+    monkeypatch.setattr("os.fsync", lambda fd: named.append((os.fstat(fd).st_size, file.exists())))
+    with atomic(file) as part:
+        part.write_text("whole")
+    assert named == [(5, False)] and file.read_text() == "whole"
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    "error",
+    [PermissionError(errno.EACCES, "Denied"), OSError(errno.ESTALE, "Stale"), MemoryError("8 GiB")],
+    ids=["of another user", "a disk of the network that is away", "no memory"],
+)
+def test_what_cannot_be_read_now_is_not_damaged(tmp_path, monkeypatch, error):
+    file = tmp_path / "run.npz"
+    file.write_bytes(b"half")
+    assert arrays_of(file) is None
+
+    def fails(*_, **__):
+        raise error
+
+    monkeypatch.setattr("io.open", fails)
+    with pytest.raises((OSError, MemoryError)) as raised:
+        arrays_of(file)
+    if isinstance(error, OSError):
+        words = f"it cannot be read ({error.strerror}); mend that and run the same command again."
+        assert str(raised.value) == f"{file}: {words}"
+
+
+@posix
+@pytest.mark.parametrize("number", [errno.ENOLCK, 524, errno.ENOSYS, errno.EOPNOTSUPP])
+def test_a_disk_without_locks_is_one_sentence_that_says_what_to_do(tmp_path, monkeypatch, number):
+    """Also where files of locks are left from a time when it had them."""
+    prepare(tmp_path, tmp_path).release()
+
+    def flock(*_):
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr("fcntl.flock", flock)
+    words = r"/.lock: it cannot be locked \(this disk gives no locks; work on another, or mount it"
+    with pytest.raises(OSError, match=words):
+        prepare(tmp_path, tmp_path)
+
+
+@pytest.mark.quick
+def test_what_killed_processes_left_is_cleared_away(tmp_path):
+    """Half-written files of processes that are no more go, those of living ones stay, and those of
+    other computers for a day. What anybody else left is not touched, however old it is."""
+    with atomic(tmp_path / "a.nc") as part:
+        living = tmp_path / part.name
+        part.touch()
+    end, dead, host = f".{os.getpid()}.", f".{2**22 + 1}.", socket.gethostname()
+    stale = tmp_path / living.name.replace(end, dead)
+    other, old = (tmp_path / living.name.replace(host, name) for name in ("one", f"x{host}.org"))
+    names = "notes.part", ".thesis.doc.part", ".77.dem.part", f"a.nc.host{dead}dem.part"
+    theirs = [tmp_path / name for name in names]
+    for file in (stale, living, other, old, *theirs):
+        file.touch()
+    for file in (stale, old, *theirs):
+        os.utime(file, (time.time() - 2e5,) * 2)
+    assert clear_parts(tmp_path) == 2
+    assert {*tmp_path.iterdir()} == {tmp_path / "a.nc", living, other, *theirs}

@@ -1,0 +1,322 @@
+"""The store under everything that happens to one: sweeps planned, made, stopped, extended, pruned, damaged.
+
+Two sweeps share a store. Hypothesis chooses what happens and in which order; runs cost nothing. No finished run is made
+again unless its file was damaged or nobody needed it, no file of a user's is touched, and what is read, counted or
+said is right, or refused with its name.
+"""
+
+import contextlib
+import errno
+import os
+import re
+import tempfile
+from collections import Counter
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+import xarray as xr
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
+from pictures import text_of
+from sweeps import DRAWN, OBSERVED, VALUES, Killed, contents, made, order, varied
+
+from dem.base.errors import InputError
+from dem.io.dataset import read
+from dem.report.status import status
+from dem.sweep.batch import make
+from dem.sweep.combine import combine_block
+from dem.sweep.config import parse
+from dem.sweep.estimate import summary
+from dem.sweep.prune import prune
+from dem.sweep.state import SweepState
+from dem.sweep.store import Store
+
+SEEDS = range(1, 7)
+FAILS = 6  # the run of this seed fails, while it does
+NAMES = "a", "b"
+NO_SPACE = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+ENDS = "none", "killed in a run", "killed before a file is there", "killed after it", "disk full"
+DAMAGE = {
+    "flipped": bytes,
+    "cut": lambda content: content[: len(content) // 2],
+    "empty": lambda content: b"",
+    "zeros": lambda content: bytes(len(content)),
+    "another file": lambda content: b"x" + content,
+    "gone": bytes,
+}
+RUN = re.compile(r"[0-9a-f]{32}\.npz")
+
+
+class Sweeps(RuleBasedStateMachine):
+    """seeds of two sweeps; allowed: how often each run may have been made again; user_files: texts of the user's
+    own files; damaged: contents that a file of the store got."""
+
+    def __init__(self):
+        super().__init__()
+        self.place = contextlib.ExitStack()
+        self.folder = Path(self.place.enter_context(tempfile.TemporaryDirectory())).resolve()
+        self.place.enter_context(contextlib.chdir(self.folder))
+        Path("drawn.py").write_text(DRAWN + OBSERVED)
+        self.seeds = dict.fromkeys(NAMES, ())
+        self.allowed, self.left, self.user_files = Counter(), {}, {}
+        self.damaged: dict[Path, list[bytes]] = {}
+        self.store, self.failing = Store(), True
+        self.really = Path.replace
+        patch = mock.patch.object(Path, "replace", lambda part, target: self.replace(part, target))
+        self.place.enter_context(patch)
+
+    def teardown(self):
+        self.place.close()
+
+    def fails(self):
+        return {f"{density} {FAILS}": "RunError" for density in (100, 300) if self.failing}
+
+    # A process or a disk that ends in the middle of its work
+
+    def count(self, what):
+        """Whether the end that was chosen comes now."""
+        if what in self.left:
+            self.left[what] -= 1
+        return self.left.get(what) == 0
+
+    def replace(self, part, target):
+        """Path.replace: how each file of the store comes into its place."""
+        target = Path(target)
+        full = self.count("disk full")
+        if full or self.count("killed before a file is there"):
+            if RUN.fullmatch(target.name):  # of this run nothing is left
+                self.allowed[target.stem] += 1
+            raise NO_SPACE if full else Killed
+        self.really(part, target)
+        if self.count("killed after it"):
+            raise Killed
+        return target
+
+    # What happens
+
+    def state(self, name):
+        values = VALUES | {
+            "sweep": varied("a", "c", seed=list(self.seeds[name])),
+            "results": f"results/{name}",
+            "batch": 3,
+            "failures": 0.99,
+            "beside": str(self.folder),
+        }
+        return SweepState(parse(values))
+
+    @rule(name=st.sampled_from(NAMES), seeds=st.sets(st.sampled_from(SEEDS)))
+    def plan(self, name, seeds):
+        """A sweep has other seeds; what it had is made again only where it was pruned meanwhile."""
+        self.seeds[name] = tuple(sorted({1} | seeds))
+        self.state(name).begin("drag")
+
+    @precondition(lambda self: any(self.seeds.values()))
+    @rule(
+        end=st.sampled_from(ENDS),
+        when=st.integers(1, 30),
+        both=st.booleans(),
+        name=st.sampled_from(NAMES),
+    )
+    def make(self, end, when, both, name):
+        """One sweep, or both at a time, planned first and made in turns."""
+        names = [sweep for sweep in (NAMES if both else (name,)) if self.seeds[sweep]]
+        in_run = end == ENDS[1]
+        order(fails=self.fails(), **({"left": when} if in_run else {}))
+        self.left = {end: when} if not in_run else {}
+        try:
+            at_work = [self.state(sweep) for sweep in names]
+            jobs = []
+            for work in at_work:
+                batches = work.batches("drag")
+                jobs.append(
+                    [(work, b.id) for b in batches if not self.store.file_of(b.id).exists()]
+                )
+            for work in at_work:
+                work.begin("drag")
+            turns = [job for turn in zip(*jobs, strict=False) for job in turn]
+            for work, batch in [*turns, *(job for batches in jobs for job in batches)]:
+                make(work.store, batch)
+            for sweep, work in zip(names, at_work, strict=True):
+                combine_block(work, "drag", "drag", Path(f"results/{sweep}/drag.nc"))
+        except (Killed, OSError) as error:
+            assert self.left.get(end) == 0, error
+            part = self.folder / f"results/store/runs/ab/.x.npz.{os.uname().nodename}.1.dem.part"
+            part.parent.mkdir(parents=True, exist_ok=True)
+            part.write_bytes(b"half")
+        except KeyboardInterrupt:
+            assert in_run
+        except InputError as error:  # it names a damaged file, which the user then removes
+            (path,) = [file for file in self.damaged if str(file) in str(error)]
+            path.unlink(missing_ok=True)
+        else:
+            for sweep in names:
+                self.check(self.state(sweep), Path(f"results/{sweep}/drag.nc"))
+        self.left = {}
+
+    def check(self, work, path, there=None):
+        """A combined file has all runs of its sweep, each with what it gave; there: those of a partial file."""
+        with xr.open_dataset(path) as dataset:
+            dataset.load()
+        force = self.forces()
+        for (case, seed), run in work.block("drag").runs.items():
+            row = dataset.isel(case=case, seed=seed)
+            missing = there is not None and run.id not in there
+            assert row.seed == run.seed and row.run_id == ("" if missing else run.id)
+            gap = missing or row.failure
+            np.testing.assert_equal(float(row.drag[5]), np.nan if gap else force[run.id])
+
+    @precondition(lambda self: self.files())
+    @rule(data=st.data(), how=st.sampled_from(sorted(DAMAGE)))
+    def damage(self, data, how):
+        """A disk loses or changes what a file of the store holds; its runs may then be made again."""
+        path = data.draw(st.sampled_from(self.files()))
+        if path.suffix == ".damaged":
+            return
+        runs = [path.stem] if RUN.fullmatch(path.name) else []
+        if path.suffix == ".nc":
+            with contextlib.suppress(InputError):
+                runs = read(path, ("run_id",))[0]["run_id"].tolist()
+        self.allowed.update(runs)
+        content = path.read_bytes()
+        if how == "flipped":
+            at = data.draw(st.integers(0, max(0, len(content) - 1)))
+            content = (
+                content[:at] + bytes(byte ^ 1 for byte in content[at : at + 1]) + content[at + 1 :]
+            )
+        self.damaged.setdefault(path, []).append(DAMAGE[how](content))
+        if how == "gone":
+            path.unlink()
+        else:
+            path.write_bytes(self.damaged[path][-1])
+
+    @precondition(lambda self: any(self.seeds.values()))
+    @rule(name=st.sampled_from(NAMES), mended=st.booleans())
+    def retry(self, name, mended):
+        """The failed runs of a sweep are wanted again, and perhaps do not fail now."""
+        self.failing = not mended
+        if self.seeds[name] and not self.spoiled():
+            held, work = self.held(), self.state(name)
+            failed = {run for run in work.runs() if held.get(run)}
+            assert work.retry() == len(failed)
+            assert self.held() == {run: value for run, value in held.items() if run not in failed}
+
+    @precondition(lambda self: any(self.seeds.values()))
+    @rule(name=st.sampled_from(NAMES))
+    def look(self, name):
+        """Status, dry run and a partial file say what the store holds, and change no file of it."""
+        if not self.seeds[name] or self.spoiled():
+            return
+        before, work, held = self.bytes(), self.state(name), self.held()
+        runs = work.runs()
+        failed = sum(held.get(run, False) for run in runs)
+        finished = sum(run in held for run in runs) - failed
+        left = len(runs) - finished - failed
+        line, table = summary(work, 1).splitlines()[0], text_of(status(work))
+        assert f"{len(runs)} runs (" in line and f"), {finished} finished" in line, line
+        assert f"{left} to be made" in line and work.counts() == (finished + failed, len(runs)), (
+            line
+        )
+        assert sum(map(int, re.findall(r"^(\d+) failed: ", table, re.M))) == failed, table
+        assert re.findall(r"under way: 0, waiting: (\d+)\.", table) == [str(left)] * bool(left), (
+            table
+        )
+        if finished:
+            combine_block(work, "drag", "drag", Path("part.nc"), partial=True)
+            self.check(work, Path("part.nc"), held)
+        assert before == self.bytes()
+
+    @rule()
+    def prune(self):
+        """What no sweep needs goes, and nothing else; where that cannot be known, nothing goes."""
+        of_sweeps = [self.state(name).block("drag").unique() for name in NAMES if self.seeds[name]]
+        runs = [run for some in of_sweeps for run in some]
+        needed, beds = {run.id for run in runs}, {run.bed_id for run in runs}
+        files = self.files()
+        try:
+            prune(self.store)
+        except InputError:
+            assert self.files() == files
+        else:
+            self.allowed.update(self.forces().keys() - needed)
+            gone = set(files) - set(self.files())
+            removed = {path.name.partition(".")[0] for path in gone if path.suffix != ".damaged"}
+            assert not removed & (needed | beds)  # checkpoints and beds too
+            left = {path.name.partition(".")[0] for path in self.files()}
+            assert not {name for name in left if len(name) == 32} - needed - beds
+
+    @rule(
+        name=st.sampled_from(["store/batches/notes.txt", "store/beds/ab/mine.npz", "a/notes.txt"])
+    )
+    def user_file(self, name):
+        """The user puts a file of his own somewhere."""
+        path = Path("results") / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(name)
+        self.user_files[path] = name
+
+    @rule(days=st.integers(-400, 400))
+    def clock(self, days):
+        """The clock jumps, and with it the times of files."""
+        for path in self.files():
+            os.utime(path, (path.stat().st_mtime + 86400 * days,) * 2)
+
+    # What holds at any time
+
+    def files(self):
+        return list(self.store.files())
+
+    def bytes(self):
+        return {path: path.read_bytes() for path in self.files()}
+
+    def forces(self):
+        """What each run gave, by its identity."""
+        return {run: float(force) for run, force, *_ in map(str.split, made())}
+
+    def spoiled(self):
+        """Whether a file is there as it was damaged."""
+        files = self.bytes()
+        return any(files.get(path) in some for path, some in self.damaged.items())
+
+    def held(self):
+        """The runs that the store holds, and whether each failed."""
+        runs = {}
+        for path in sorted(self.files(), key=lambda path: path.suffix):  # batches first
+            if path.suffix == ".nc":
+                values = contents(path)
+                for run, failure in zip(values["run_id"], values["failure"], strict=True):
+                    runs[str(run)] = bool(failure) and runs.get(str(run), True)
+            elif RUN.fullmatch(path.name) and path.parts[2] == "runs":
+                with np.load(path) as file:
+                    runs.setdefault(path.stem, bool(file["failure"]))
+        return runs
+
+    @invariant()
+    def no_run_is_made_again_without_a_reason(self):
+        """But one that failed, which whoever asks next tries again."""
+        counts = Counter(run for run, *_, seed in map(str.split, made()) if int(seed) != FAILS)
+        for run, count in counts.items():
+            assert count <= 1 + self.allowed[run]
+
+    @invariant()
+    def files_of_the_user_are_as_they_were(self):
+        for path, content in self.user_files.items():
+            assert path.read_text() == content
+
+    @invariant()
+    def what_is_put_aside_was_damaged_and_keeps_its_bytes(self):
+        for path, content in self.bytes().items():
+            if path.suffix == ".damaged":
+                assert content in self.damaged[path.with_suffix("")]
+
+    @invariant()
+    def what_is_read_is_right_or_refused_by_name(self):
+        force = self.forces()
+        for path in Path("results/store/batches").glob("*.nc"):
+            try:
+                values, _ = read(path, ("run_id", "failure", "drag"))
+            except InputError as error:
+                assert path.name in str(error)
+            else:
+                for run, failure, drag in zip(*values.values(), strict=True):
+                    assert failure or drag[5] == force[run]
