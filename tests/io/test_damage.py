@@ -9,7 +9,7 @@ from pathlib import Path
 import netCDF4
 import pytest
 import xarray as xr
-from sweeps import FOREIGN, combined, foreign, planned, smoke
+from sweeps import FOREIGN, foreign, smoke
 from typer.testing import CliRunner
 
 from dem.base.errors import InputError
@@ -17,8 +17,8 @@ from dem.cli.app import app
 from dem.io.dataset import AXES, LABELS, read
 from dem.io.lazily import open_lazily
 from dem.report.build import build
-from dem.sweep import batch as making
-from dem.sweep.combine import combine_block
+from dem.sweep.state import SweepState
+from dem.sweep.workers import Workers
 
 HOSTILE = "</script><script>alert(1)</script>"
 TITLE = "a [red]title[/red] [/nothing]"
@@ -29,12 +29,10 @@ def results(tmp_path_factory):
     """A folder with the batch of two runs, and their drag.nc and snapshots.nc."""
     folder = tmp_path_factory.mktemp("made")
     with contextlib.chdir(folder):
-        sweep = smoke(sweep={"case": ["c1"], "seed": [1, 2]}, results="results")
-        work, chunk = planned(sweep, folder)
-        shutil.copy(making.make(work.store, chunk), folder / "runs.nc")
-        combined(work, folder)
-        combine_block(work, "drag", "snapshots", folder / "snapshots.nc")
-    return folder
+        state = SweepState(smoke(sweep={"case": ["c1"], "seed": [1, 2]}, results="results"))
+        state.make(Workers())
+        shutil.copy(state.files("drag")[0], "results/runs.nc")
+    return folder / "results"
 
 
 @pytest.fixture(scope="module")

@@ -15,9 +15,9 @@ import time
 from pathlib import Path
 
 import yaml
+from project import ROOT
 from sweeps import contents, differing
 
-ROOT = Path(__file__).parents[2]
 DEM = [sys.executable, "-m", "dem"]
 PORT = 8797
 SCHEDULER = f"tcp://127.0.0.1:{PORT}"

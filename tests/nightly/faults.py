@@ -19,9 +19,9 @@ from pathlib import Path
 
 import numpy as np
 import yaml
+from project import ROOT
 from sweeps import contents, differing
 
-ROOT = Path(__file__).parents[2]
 # stage: what Snakemake says when it begins, the longest that a kill then waits (s), and what is taken
 # away so that it has something to do
 STAGES = {
@@ -225,34 +225,6 @@ def kills_of_compiling(checkout: Checkout, count: int, rng: random.Random) -> st
     return f"{number} while kernels are compiled: same bits"
 
 
-def kills_of_a_run(checkout: Checkout, count: int, rng: random.Random) -> str:
-    """dem simulate, saving itself all the time, killed until it has ended so often."""
-    code = "from dem.experiment.kinds import drag; from dem.cli.app import app; drag.SAVED_EVERY = 0.0; app()"
-    words = (
-        "simulate --config config/long.yaml --shape d1 --density 3900 --seed 1 "
-        "-o long.nc --checkpoint long.npz"
-    )
-    command = [sys.executable, "-c", code, *words.split()]
-    checkout.sweep("long", record={"bins": 1200, "window": [0.4e-3, 1.0e-3], "snapshots": 61})
-    whole = [word.replace("long.n", "longwhole.n") for word in command]
-    began = time.monotonic()
-    assert checkout.run(whole).returncode == 0
-    longest, done, gone_on = time.monotonic() - began, 0, 0
-    while done < count:
-        with (checkout.folder / "long.log").open("w") as log:
-            process = checkout.start(command, log)
-            try:
-                process.wait(rng.uniform(0.4 * longest, longest))
-            except subprocess.TimeoutExpired:
-                kill(process)
-                done += 1
-                gone_on += (checkout.folder / "long.npz").exists()
-    assert checkout.run(command).returncode == 0
-    one, two = (contents(checkout.folder / name) for name in ("longwhole.nc", "long.nc"))
-    assert differing(one, two) == []
-    return f"{done} while a run saves itself ({gone_on} left a checkpoint): same bits"
-
-
 def sentence(run, words: str) -> str:
     """The line that holds these words, in what a run has said."""
     lines = (run.stdout + run.stderr).splitlines()
@@ -268,34 +240,6 @@ def same_as_whole(checkout: Checkout, name: str) -> str:
     assert not list(checkout.results(name).parent.rglob(".*.part"))
     assert not (lost or changed), f"{lost} lost, {changed} differing"
     return f"after that: {lost} lost, {changed} differing"
-
-
-def half(path: Path) -> None:
-    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-
-
-def a_spoiled_batch(checkout: Checkout, name: str, spoil, words: str) -> str:
-    config = checkout.sweep(name)
-    checkout.forget()
-    checkout.finish(name)
-    victim = sorted(batches(checkout.store))[0]
-    spoil(victim)
-    (checkout.results(name) / "drag.nc").unlink()
-    message = sentence(checkout.run([*WORKFLOW, config]), words)
-    victim.unlink()
-    checkout.finish(name)
-    return f"{message}\n    {same_as_whole(checkout, name)}"
-
-
-def truncated(checkout: Checkout) -> str:
-    """A batch that is half as long as it was."""
-    return a_spoiled_batch(checkout, "truncated", half, "delete it and run again")
-
-
-def foreign(checkout: Checkout) -> str:
-    """Another result in the place of a batch."""
-    other = checkout.results("whole") / "drag.nc"
-    return a_spoiled_batch(checkout, "foreign", lambda p: shutil.copyfile(other, p), "another file")
 
 
 def two_at_once(checkout: Checkout) -> str:
@@ -465,8 +409,6 @@ FAULTS = (
     pruned,
     alone,
     interrupted,
-    truncated,
-    foreign,
     disk_full,
     disk_full_everywhere,
     read_only,

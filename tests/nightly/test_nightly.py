@@ -41,7 +41,7 @@ def test_a_disturbed_sweep_goes_on_to_the_same_bits(checkout, fault):
 
 @pytest.mark.parametrize(
     ("kills", "count"),
-    [(faults.kills_of_compiling, 10), (faults.kills_of_a_run, 10), (faults.kills, 80)],
+    [(faults.kills_of_compiling, 10), (faults.kills, 80)],
 )
 def test_kills_lose_nothing(checkout, kills, count):
     print(kills(checkout, count, random.Random(0)))

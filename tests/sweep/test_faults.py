@@ -102,10 +102,8 @@ def test_what_is_shown_of_a_sweep_with_failed_runs_has_no_gaps(failed, monkeypat
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """The working folder; processes know of no experiment of another test."""
+    """The working folder."""
     monkeypatch.chdir(tmp_path)
-    path = [name for name in sys.path if not Path(name, "drawn.py").exists()]
-    monkeypatch.setattr("sys.path", path)
     return tmp_path
 
 

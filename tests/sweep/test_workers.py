@@ -34,10 +34,8 @@ SEEDS = [1, 2, 3, 4]
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """The working folder; processes know of no experiment of another test."""
+    """The working folder."""
     monkeypatch.chdir(tmp_path)
-    path = [name for name in sys.path if not Path(name, "drawn.py").exists()]
-    monkeypatch.setattr("sys.path", path)
     return tmp_path
 
 
