@@ -15,10 +15,8 @@ from project import CONFIG
 from typer.testing import CliRunner
 
 from dem.figures.catalogue import FIGURES, draw, possible
-from dem.sweep.combine import combine_block
 from dem.sweep.config import load, parse
 from dem.sweep.state import SweepState
-from dem.sweep.store import Store
 from dem.sweep.workers import Workers
 
 SMOKE = Path(__file__).parent.parent / "config/smoke.yaml"
@@ -219,21 +217,6 @@ def interrupted(file: Path, left: int) -> SweepState:
     with pytest.raises(KeyboardInterrupt):
         of_file(file)
     return SweepState.of(file)
-
-
-def planned(sweep, folder):
-    """A sweep at work with a store in a folder, its plan written; and its only chunk."""
-    work = SweepState(sweep, Store(folder / "store"), root=folder)
-    (chunk,) = work.batches("drag")
-    work.begin("drag")
-    return work, chunk.id
-
-
-def combined(work, folder):
-    """drag.nc of a sweep whose chunks are made."""
-    path = folder / "drag.nc"
-    combine_block(work, "drag", "drag", path)
-    return path
 
 
 def simulate(output, *options):
