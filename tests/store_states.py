@@ -114,7 +114,7 @@ class Sweeps(RuleBasedStateMachine):
     @precondition(lambda self: any(self.seeds.values()))
     @rule(
         end=st.sampled_from(ENDS),
-        when=st.integers(1, 30),
+        when=st.integers(1, 12),
         both=st.booleans(),
         name=st.sampled_from(NAMES),
     )

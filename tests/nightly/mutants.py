@@ -133,7 +133,7 @@ MUTANTS = (
     Mutant("experiment/identity.py", "missing term", '"packing.fraction", "packing.friction"', '"packing.fraction"', KEYS),
     # sweeps, their store, files and numbers
     Mutant("sweep/grouping.py", "index", "for run in batch.runs:\n", "for run in batch.runs[1:]:\n", SWEEP),
-    Mutant("sweep/batch.py", "missing call", "    store.keep(replicate.id, values)\n", "", STATES),
+    Mutant("sweep/batch.py", "missing call", "    store.keep(replicate.id, values)\n", "", STORE),
     Mutant("sweep/batch.py", "comparison", "list(_rows_of(store, batch)) == runs", "list(_rows_of(store, batch)) != runs", STATES),
     Mutant("sweep/batch.py", "order", "    if list(_rows_of(store, batch)) != runs:  # another", "    store.forget(runs)\n    if list(_rows_of(store, batch)) != runs:  # another", STATES),
     Mutant("sweep/batch.py", "index", "np.asarray(row.get(name, gap)", "np.asarray(rows[0].get(name, gap)", ROWS),

@@ -5,7 +5,7 @@ from bad_input import KINDS, make_good, spoil
 from hypothesis import settings
 from store_states import Sweeps
 
-FEW = settings(settings.get_profile("suite"), max_examples=4, stateful_step_count=25)
+FEW = settings(settings.get_profile("suite"), max_examples=8, stateful_step_count=25)
 
 
 @pytest.fixture(scope="module")
