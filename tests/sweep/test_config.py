@@ -3,9 +3,11 @@
 import json
 import re
 
+import numpy as np
 import pytest
 import yaml
 from jsonschema import Draft202012Validator
+from numpy.testing import assert_allclose
 from project import CONFIG
 
 from dem.base.errors import InputError
@@ -34,9 +36,7 @@ def changed(path, value):
     return data
 
 
-@pytest.mark.parametrize(
-    ("faults", "last"), [(20, "cases.c19 is 1;"), (21, "and 1 more."), (200, "and 180 more.")]
-)
+@pytest.mark.parametrize(("faults", "last"), [(20, "cases.c19 is 1;"), (21, "and 1 more.")])
 def test_all_faults_are_told_at_once_but_of_many_only_twenty(faults, last):
     with pytest.raises(InputError) as error:
         parse(changed(["cases"], {f"c{n}": 1 for n in range(faults)}), "my.yaml")
@@ -55,7 +55,7 @@ def test_a_missing_value_is_described(key):
 
 
 @pytest.mark.parametrize(
-    "files", [["0"], ["1", "0"], [*map(str, range(1, 100)), "base"]], ids=["itself", "two", "many"]
+    "files", [["1", "0"], [*map(str, range(1, 100)), "base"]], ids=["circle", "many"]
 )
 def test_files_that_extend_each_other_without_end_are_refused(tmp_path, files):
     (tmp_path / "base.yaml").write_text(PAPER)
@@ -68,28 +68,25 @@ def test_files_that_extend_each_other_without_end_are_refused(tmp_path, files):
         load(tmp_path / "0.yaml")
 
 
-@pytest.mark.parametrize("key", ["extends", "experiment", "shapes.c1.kind"])
-def test_a_name_that_is_too_long_for_a_file_is_a_wrong_value(key):
-    name = 300 * "n"
-    ends = {"extends": ".yaml", "experiment": ".py"}
-    with pytest.raises(InputError, match=name):
-        parse(changed(key.split("."), name + ends.get(key, ".Own")) | {"results": "results/own"})
-
-
-def test_keys_for_anchors_are_ignored(tmp_path):
-    """At the top of a file and of that which it extends, also by editors; elsewhere they are no keys."""
+def test_a_file_extends_another(tmp_path):
+    """Values beside those of the other file; what varies is its own, and results must be. Keys for anchors are
+    ignored at the top of both, also by editors; elsewhere they are no keys."""
     (tmp_path / "base.yaml").write_text(f"x-notes: [1, 2]\n{PAPER}")
     path = tmp_path / "own.yaml"
     text = "x-rough: &rough {granule: 0.5, wall: 0.5}\nextends: base.yaml\nresults: results/own\nfriction: {<<: *rough, wall: 0.1}\n"
-    path.write_text(text)
+    path.write_text(f"{text}sweep: {{shape: c1}}\n")
     sweep = load(path)
-    assert (sweep.friction.granule, sweep.friction.wall) == (0.5, 0.1)
-    assert "x-rough" not in sweep.dump() and not list(
-        Draft202012Validator(schema()).iter_errors(read(path))
-    )
-    path.write_text(text + "numerics: {x-a: 1}\n")
-    with pytest.raises(InputError, match=r"numerics\.x-a is not a known key"):
-        load(path)
+    friction = sweep.friction
+    assert (friction.granule, friction.wall, friction.cylinder) == (0.5, 0.1, 0.3)
+    assert sweep.blocks == {"drag": {"shape": "c1"}} and "x-rough" not in sweep.dump()
+    assert not list(Draft202012Validator(schema()).iter_errors(read(path)))
+    for wrong, words in (
+        (text + "numerics: {x-a: 1}\n", r"numerics\.x-a is not a known key"),
+        (text.replace("results: results/own\n", ""), "results is missing"),
+    ):
+        path.write_text(wrong)
+        with pytest.raises(InputError, match=words):
+            load(path)
 
 
 def test_a_whole_number_may_be_a_text():
@@ -101,8 +98,7 @@ def test_a_whole_number_may_be_a_text():
 def test_paper_has_eleven_cases_and_55_replicates():
     """The published sweep: 11 cases of five seeds, at two densities, as in Table 1."""
     sweep = load(CONFIG / "paper.yaml")
-    assert len(sweep.cases) == 11 and sweep.block("drag").shape == (11, 5)
-    assert len(list(sweep.block("drag").unique())) == 55
+    assert sweep.block("drag").shape == (11, 5) and len(list(sweep.block("drag").unique())) == 55
     assert {case.density for case in sweep.cases.values()} == {3.9e3, 3.9e4}
     ratios = {"c1": 1, "d1": 2, "c2": 1, "e1": 1.125, "e2": 1.25, "e3": 1.375, "e0": 1}
     assert {label: shape.ratio for label, shape in sweep.shapes.items()} == ratios
@@ -119,13 +115,11 @@ def test_every_number_of_the_paper_says_where_it_is_from():
 
 def test_diameters_are_within_the_spread():
     """Seed by seed others."""
-    sweep, totals = load(CONFIG / "paper.yaml"), set()
-    for seed in range(1, 6):
-        sizes = sample_diameters(sweep.shapes["c1"], 0.2, seed)
-        assert sizes.min() >= 0.8 * 1092e-6 and sizes.max() <= 1.2 * 1092e-6
-        assert abs(sizes.mean() / 1092e-6 - 1.0) < 0.03 and sizes.std() > 0.1 * 1092e-6
-        totals.add(sizes.sum())
-    assert len(totals) == 5
+    section = load(CONFIG / "paper.yaml").shapes["c1"]
+    sizes = np.array([sample_diameters(section, 0.2, seed) for seed in range(1, 6)]) / 1092e-6
+    assert sizes.min() >= 0.8 and sizes.max() <= 1.2 and (sizes.std(axis=1) > 0.1).all()
+    assert_allclose(sizes.mean(axis=1), 1.0, atol=0.03)
+    assert len(set(sizes[:, 0])) == 5
 
 
 def test_the_schema_of_editors_is_that_of_the_code():
@@ -133,22 +127,11 @@ def test_the_schema_of_editors_is_that_of_the_code():
     assert json.loads((CONFIG / "schema.json").read_text(encoding="utf-8")) == schema()
 
 
-def as_editors_read(data):
-    """Values as YAML 1.2 has them, where 3.9e3 is a number, and keys are texts."""
-    if isinstance(data, dict):
-        return {str(key): as_editors_read(value) for key, value in data.items()}
-    if isinstance(data, list):
-        return [as_editors_read(value) for value in data]
-    try:
-        return float(data) if isinstance(data, str) else data
-    except ValueError:
-        return data
-
-
 @pytest.mark.parametrize("path", FILES, ids=lambda path: "/".join(path.parts[-2:]))
 def test_editors_take_each_file_that_comes_with_the_code(path):
     """Its first line names the schema for them; they refuse what is mistyped."""
-    data, validator = as_editors_read(read(path)), Draft202012Validator(schema())
+    data = json.loads(json.dumps(read(path)))  # whose keys are texts
+    validator = Draft202012Validator(schema())
     head = path.read_text(encoding="utf-8").partition("\n")[0]
     named = path.parent / head.removeprefix("# yaml-language-server: $schema=")
     assert named.samefile(CONFIG / "schema.json") and not list(validator.iter_errors(data))
@@ -157,14 +140,8 @@ def test_editors_take_each_file_that_comes_with_the_code(path):
 
 
 @pytest.mark.parametrize(
-    "words, seeds",
-    [
-        ("1 to 5", [1, 2, 3, 4, 5]),
-        ("7, 1 to 3", [1, 2, 3, 7]),
-        ("12", [12]),
-        ([3, 1, 2], [1, 2, 3]),
-        (4, [4]),
-    ],
+    ("words", "seeds"),
+    [("1 to 3", [1, 2, 3]), ("7, 1 to 3", [1, 2, 3, 7]), ("12", [12]), ([3, 1], [1, 3]), (4, [4])],
 )
 def test_seeds_may_be_words(words, seeds):
     """And are kept as words: a sweep of a million has a short file."""
