@@ -31,27 +31,17 @@ CELL = {"inertial_number": 0.1, "pressure": 1e7, "settle": 4.0, "strain": 0.01, 
 SMALL = {"box_width": 4e-3, "packing.fraction": 0.74, "cylinder.diameter": 1e-3, "cylinder.stroke": 2e-5,
          "cylinder.start": 0.4, "record.bins": 4, "record.window": [0.0, 2e-5], "record.snapshots": 2,
          "numerics.step_fraction": 0.05, "record.observables": ["drag", "snapshots", "solids"], "shapes": {"x": DISC}}  # fmt: skip
-PLATE = {
-    "cylinder.outline": "plate",
-    "cylinder.aspect_ratio": 4.0,
-    "cylinder.angle": 0.2,
-    "cylinder.diameter": 1.6e-3,
-}
-ALONE = {"cylinder": None, "packing.friction": 0.2}
+PLATE = {"cylinder.outline": "plate", "cylinder.aspect_ratio": 4.0, "cylinder.angle": 0.2, "cylinder.diameter": 1.6e-3}  # fmt: skip
 SCENES = {
-    "discs": {"cylinder.material": SOFT, "cylinder.spin": 50.0, "gravity": 9.81, "walls": WALLS},
-    "rolling": {"rolling": ROLLING},
-    "linear": {"contact": {"law": "linear", "stiffness": 1e6}},
-    "two cylinders": {"second": SECOND, "cylinder.direction": 0.3},
-    "plate": PLATE,
-    "square": {"cylinder.outline": "square", "cylinder.diameter": 1.6e-3, "packing.fraction": 0.7},
-    "pressure": {"packing.fraction": None, "packing.pressure": 3e7, "periodic": "x"},
-    "friction": {"packing.fraction": 0.8, "packing.friction": 0.2},
+    "discs": {"cylinder.material": SOFT, "cylinder.spin": 50.0, "gravity": 9.81, "walls": WALLS, "rolling": ROLLING},
+    "two cylinders": {"second": SECOND, "cylinder.direction": 0.3, "contact": {"law": "linear", "stiffness": 1e6}},
+    "plate": PLATE | {"packing.fraction": None, "packing.pressure": 3e7, "periodic": "x"},
+    "square": {"cylinder.outline": "square", "cylinder.diameter": 1.3e-3, "packing.fraction": 0.8, "packing.friction": 0.2},
     "settled": {"packing.preparation": "settled", "packing.fraction": 0.5, "gravity": 1e3, "material.young_modulus": 2e9},
     "ellipses": {"shapes": {"x": DISC | {"kind": "ellipse", "aspect_ratio": 1.4}}},
     "materials": {"shapes": {"x": {"granules": 20, "mixture": {"y": 0.5, "z": 0.5}}, "z": DISC | {"diameter": 7e-4},
                              "y": DISC | {"material": SOFT | {"density": 5e3}}}},
-    "jamming": {"experiment": "jamming", **ALONE},
+    "jamming": {"experiment": "jamming", "cylinder": None, "packing.friction": 0.2},
     "onset": {"experiment": "onset", "cylinder": None},
     "shear": {"experiment": "shear", "cylinder": None, "record": None, "shear": CELL, "periodic": "x",
               "packing.fraction": 0.83, "numerics.step_fraction": 0.3, "material.young_modulus": 2e10, "shapes": {"x": DISC | {"granules": 40}}},
@@ -62,7 +52,7 @@ ABSENT = {"1": (0.37, 2.0), "m": (1e-3,), "s": (1e-9,), "Pa": (3e7,), "rad": (0.
           "kg m-3": (5e3,), "N m-1": (1e6,), "m s-2": (9.81,)}  # fmt: skip
 # values by which granules move while they are packed, and the scenes whose kernels others have for that
 MOVED = "packing.friction", "packing.preparation"
-IN_MOTION = "discs", "friction", "settled", "onset"
+IN_MOTION = "discs", "square", "settled", "onset"
 # values, of a scene or of all, that need not change what a run gives
 SILENT = {
     "numerics.max_overlap": "a run that reaches it ends",
@@ -78,26 +68,17 @@ NEEDLESS = {
 
 
 @cache
-def configuration(scene):
-    return load(CONFIG / "smoke.yaml").changed(SMALL | SCENES[scene], "c1")
-
-
-def run(values, label="x", density=3900.0, seed=3):
-    return values.replicate(label, density, seed)
-
-
-@cache
 def first(scene):
     """The run of a scene, its bed and what it gives."""
-    replicate = run(configuration(scene))
+    values = load(CONFIG / "smoke.yaml").changed(SMALL | SCENES[scene], "c1")
+    replicate = values.replicate("x", 3900.0, 3)
     bed = make_bed(replicate)
     return replicate, bed, given(replicate, bed)
 
 
 def given(replicate, bed):
     """What a run gives, but for times."""
-    experiment = replicate.configuration.module
-    values = experiment.run(replicate, bed)
+    values = replicate.configuration.module.run(replicate, bed)
     return {name: value for name, value in values.items() if name != "run_time"}
 
 
@@ -117,37 +98,34 @@ def options(entry, value):
         return [t for t in known if t != value and f"none: {t}" not in entry.about]
     if not value:
         return ABSENT[entry.units]
-    return (
-        [2 * value, value + 1] if isinstance(value, int) else [1.1 * value, 0.5 * value, 2 * value]
-    )
+    return [2 * value, value + 1] if isinstance(value, int) else [1.1 * value, 0.5 * value]
+
+
+def changed(scene, changes):
+    """The run of a scene with other values, by path; the density and the seed are values too."""
+    of_scene, inner = first(scene)[0], dict(changes)
+    density, seed = inner.pop("density", of_scene.density), inner.pop("seed", of_scene.seed)
+    return of_scene.configuration.changed(inner, "x").replicate("x", density, seed)
 
 
 @cache
 def others(scene):
-    """The run with another value, by path; and by path the sentence where none is taken."""
-    values, runs, refused = configuration(scene), {}, {}
+    """Another value, and the run with it, by path; and by path the sentence where none is taken."""
+    values, taken, refused = first(scene)[0].configuration, {}, {}
+    tried = {"density": [4e3], "seed": [4]}
     for path, entry in values.entries.items():
-        if values.at(path.rpartition(".")[0]) is None and "." in path:
-            continue  # a section that is not there
-        for value in options(entry, values.at(path)):
+        if (
+            "." not in path or values.at(path.rpartition(".")[0]) is not None
+        ):  # its section is there
+            tried[path] = options(entry, values.at(path))
+    for path, some in tried.items():
+        for value in some:
             try:
-                runs[path] = value, run(values.changed({path: value}, "x"))
+                taken[path] = value, changed(scene, {path: value})
                 break
             except InputError as error:
                 refused[path] = str(error)
-    coordinates = {"density": {"density": 4e3}, "seed": {"seed": 4}}
-    runs |= {name: (None, run(values, **change)) for name, change in coordinates.items()}
-    return runs, {path: words for path, words in refused.items() if path not in runs}
-
-
-def together(scene, paths):
-    """The run with other values at several paths at once."""
-    values, runs = configuration(scene), others(scene)[0]
-    changes = {path: runs[path][0] for path in paths if path in values.entries}
-    coordinates = {
-        name: getattr(runs[name][1], name) for name in ("density", "seed") if name in paths
-    }
-    return run(values.changed(changes, "x"), **coordinates)
+    return taken, {path: words for path, words in refused.items() if path not in taken}
 
 
 def alike(one, two):
@@ -166,23 +144,18 @@ def is_free(path):
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_runs_share_a_bed_where_it_has_the_same_bits(scene):
-    """All values that the bed is not known by are changed together."""
-    replicate, bed, _ = first(scene)
-    runs = others(scene)[0].items()
-    other = together(scene, [path for path, (_, run) in runs if run.bed_id == replicate.bed_id])
-    assert other.bed_id == replicate.bed_id
-    assert alike(bed[:2], make_bed(other)[:2])
-
-
-@pytest.mark.parametrize("scene", SCENES)
-def test_a_run_is_known_by_all_that_it_reads(scene):
-    """All values that it is not known by are changed together: no result differs by a bit."""
+def test_a_bed_and_a_run_are_known_by_all_that_they_read(scene):
+    """All values that one is not known by are changed together: none of its numbers differs by a bit."""
     replicate, bed, values = first(scene)
-    unread = [path for path, (_, run) in others(scene)[0].items() if run.id == replicate.id]
+    taken = others(scene)[0].items()
+    shared = changed(
+        scene, {p: value for p, (value, run) in taken if run.bed_id == replicate.bed_id}
+    )
+    assert shared.bed_id == replicate.bed_id and alike(bed[:2], make_bed(shared)[:2])
+    unread = {path: value for path, (value, run) in taken if run.id == replicate.id}
     assert all(map(is_free, unread)) or replicate.configuration.module.constants.get("BED_ALONE")
-    other = together(scene, unread)
-    assert other.id == replicate.id and alike(values.values(), given(other, bed).values())
+    same = changed(scene, unread)
+    assert same.id == replicate.id and alike(values.values(), given(same, bed).values())
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -191,8 +164,8 @@ def test_each_value_changes_what_a_run_gives_or_is_refused(scene):
     replicate, bed, values = first(scene)
     packed, simulated = parts(replicate, bed)
     silent, needless = set(), set()
-    runs, refused = others(scene)
-    for path, (_, other) in runs.items():
+    taken, refused = others(scene)
+    for path, (_, other) in taken.items():
         if path in MOVED and scene not in IN_MOTION:
             continue
         granules, scene_of_other = parts(other, bed)
@@ -211,9 +184,8 @@ def test_each_value_changes_what_a_run_gives_or_is_refused(scene):
 
 
 def test_every_value_is_taken_in_some_scene():
-    labels = re.compile(r"shapes\.\w+")
-    known, taken = (
-        {labels.sub("shapes.x", path) for scene in SCENES for path in table(scene)}
-        for table in (lambda scene: configuration(scene).entries, lambda scene: others(scene)[0])
-    )
-    assert known - {"experiment"} <= taken
+    def paths(tables):
+        return {re.sub(r"shapes\.\w+", "shapes.x", path) for table in tables for path in table}
+
+    known = paths(first(scene)[0].configuration.entries for scene in SCENES)
+    assert known - {"experiment"} <= paths(others(scene)[0] for scene in SCENES)
