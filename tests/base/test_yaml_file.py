@@ -22,7 +22,6 @@ NO_CONFIGURATION = {
     "a: [1": "line 1: expected ',' or ']'",
     "\t- x: {": "line 1: found character '\\t' that cannot start any token.",
     "a: b\n\0": "special characters are not allowed",
-    "just words": "it must hold keys with values",
     "": "it must hold keys with values",
     "a: 1\n---\nb: 2": "line 2: but found another document.",
     "a: !!python/object:os.system x": "line 1: could not determine a constructor for the tag",
@@ -39,13 +38,12 @@ LISTS = "".join(f"\nx-{n}: &l{n} [{parts}]" for n, parts in LEVELS)
 GROUPS = "".join(f"\nx-{n}: &l{n} {{<<: [{parts}]}}" for n, parts in LEVELS)
 NO_CONFIGURATION |= {
     f"a: 1\nb: {'[' * 70}{']' * 70}": f"line 2: {TOO_MUCH}",
-    f"b: {'[' * 5000}": TOO_MUCH,
+    f"b: {'[' * 2000}": TOO_MUCH,
     "sweep: &s {case: *s}": f"line 1: {TOO_MUCH}",
     "sweep: {seed: &s [1, *s]}": f"line 1: {TOO_MUCH}",
     f"x-0: &l0 [1, 2]{LISTS}": TOO_MUCH,
     f"x-0: &l0 {{k: 2}}{GROUPS}": TOO_MUCH,
     'a: 1\nbeside: "a\\0b"': f"line 2: a text is 'a\\x00b'; {NO_TEXT}",
-    'title: "a \\ud83d"': f"line 1: a text is 'a \\ud83d'; {NO_TEXT}",
     'shapes: {"c\\udc00": 1}': f"line 1: a text is 'c\\udc00'; {NO_TEXT}",
     f"title: {'long ' * 1000}": f"line 1: a text is '{'long ' * 8}'; {NO_TEXT}",
 }
@@ -67,27 +65,20 @@ def test_files_that_are_no_configuration_are_refused(tmp_path, text):
 PLAIN = {
     "1e3": 1e3,
     "8.0e9": 8e9,
-    "+.5": 0.5,
     "0x1F": 31,
     "0o17": 15,
     "08": 8,
     "y": "y",
     "~": None,
-    "TRUE": True,
     "'010'": "010",
-    "'no'": "no",
     "1 to 20": "1 to 20",
-    "5 %": "5 %",
     "010": "write 10, or '010'.",
-    "-0100": "write -100, or '-0100'.",
     "!!int 010": "write 10, or '010'.",
     "1:30": "write '1:30'.",
     "1_000": "write '1_000'.",
     "0b11": "write '0b11'.",
     "no": "write 'no'.",
-    "On": "write 'On'.",
     "2026-11-28": "write '2026-11-28'.",
-    "2026-13-45": "write '2026-13-45'.",
 }
 
 

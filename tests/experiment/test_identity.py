@@ -18,32 +18,31 @@ from dem.sweep.config import load
 
 LINE = "\nEDITED = True\n"
 USED = "experiment/kinds/drag.py", "experiment/observables/drag.py"  # by the run
-EDITS = {  # file: what is added, or what is put in place of what
-    "contacts/loops.py": LINE,
-    "contacts/force_law.py": ("if zeta < 1.0:", "if zeta <= 1.0:"),
-    "jit/compilation.py": ('{"contract", "arcp", "nsz"}', '{"arcp", "nsz"}'),
-    "shapes/superellipse.py": LINE,
-    "experiment/granule_sizes.py": ("default_rng([seed, 0])", "default_rng([seed, 1])"),
-    "experiment/run.py": ("or plain.restitution", "or 0.9"),
-    "experiment/kinds/drag.py": ("BINS_A_CALL = 20", "BINS_A_CALL = 21"),
-    "experiment/observables/drag.py": LINE,
-}
-HARMLESS = {
+EDITS = dict.fromkeys(  # file: what is added, or what is put in place of what
+    (
+        "contacts/force_law.py",
+        "jit/compilation.py",
+        "shapes/superellipse.py",
+        "experiment/run.py",
+        "experiment/observables/drag.py",
+    ),
+    LINE,
+)
+EDITS["experiment/kinds/drag.py"] = "BINS_A_CALL = 20", "BINS_A_CALL = 21"
+HARMLESS = dict.fromkeys(
+    (
+        "base/files.py",
+        "io/dataset.py",
+        "experiment/config.py",
+        "sweep/store.py",
+        "analysis/drag.py",
+    ),
+    LINE,
+) | {
     "contacts/loops.py": "\n# a comment\n",
     "experiment/scene.py": ('"""The scene of the run."""', '"""Another word."""'),
     "experiment/kinds/drag.py": ("checkpoint: Path | None", "checkpoint: str | None"),
-    "base/files.py": LINE,
-    "io/dataset.py": LINE,
-    "experiment/config.py": LINE,
-    "experiment/identity.py": LINE,
-    "experiment/run_checkpoint.py": LINE,
     "experiment/kinds/heat.py": "SECTIONS = {}\n",
-    "experiment/observables/heat.py": "VARIABLES = {}\n",
-    "sweep/store.py": LINE,
-    "analysis/drag.py": LINE,
-    "figures/style.py": LINE,
-    "report/build.py": LINE,
-    "cli/app.py": LINE,
 }
 
 

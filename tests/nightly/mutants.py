@@ -57,10 +57,9 @@ BED, SWEEP, STORE = (
 STATES = "tests/sweep/test_by_chance.py"
 FILES = "tests/base/test_files.py"
 WHOLE = f"{FILES}::test_a_file_is_written_whole_or_not_at_all"
-ROWS = f"{SWEEP}::test_an_n_dimensional_file_holds_every_run"
+ROWS = f"{SWEEP}::test_a_combined_file_holds_every_run_at_its_place"
 FAILED = "tests/sweep/test_faults.py"
-UNDER_WAY = f"{SWEEP}::test_prune_keeps_beds_and_checkpoints_of_runs_under_way"
-PRUNED = f"{SWEEP}::test_prune_removes_what_no_sweep_needs"
+NEEDED = f"{SWEEP}::test_prune_removes_what_no_sweep_needs"
 
 MUTANTS = (
     # the force law, and what a contact does with it
@@ -142,10 +141,10 @@ MUTANTS = (
     Mutant("sweep/batch.py", "missing call", "            store.keep(run, rows[run])\n", "            pass\n", FAILED),
     Mutant("sweep/batch.py", "condition", 'return None if row is None or row["failure"] else row', "return row", f"{FAILED}::test_a_run_that_failed_in_the_batch_of_another_sweep_is_tried_again"),
     Mutant("sweep/grouping.py", "order", "(batch_id(results, *b.runs) != b.id, -len", "(-len", f"{SWEEP}::test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs"),
-    Mutant("sweep/prune.py", "index", 'path.name.partition(".")[0] not in', "path.stem not in", UNDER_WAY),
-    Mutant("sweep/prune.py", "missing term", "runs.union(beds, (batch.id", "runs.union((batch.id", UNDER_WAY),
-    Mutant("sweep/prune.py", "missing term", "if not batch.runs or runs.intersection", "if runs.intersection", f"{SWEEP}::test_prune_removes_nothing_whose_runs_are_unknown"),
-    Mutant("sweep/prune.py", "missing term", "for run in combined_runs(path)}, set()", "for run in ()}, set()", PRUNED),
+    Mutant("sweep/prune.py", "index", 'path.name.partition(".")[0] not in', "path.stem not in", NEEDED),
+    Mutant("sweep/prune.py", "missing term", "runs.union(beds, (batch.id", "runs.union((batch.id", NEEDED),
+    Mutant("sweep/prune.py", "missing term", "if not batch.runs or runs.intersection", "if runs.intersection", NEEDED),
+    Mutant("sweep/prune.py", "missing term", "for run in combined_runs(path)}, set()", "for run in ()}, set()", f"{SWEEP}::test_prune_keeps_runs_that_a_combined_file_names"),
     Mutant("sweep/prune.py", "order", "list(store.files()), list(", "store.files(), list(", f"{SWEEP}::test_prune_leaves_the_plans_of_a_sweep_that_starts_meanwhile"),
     Mutant("sweep/combine.py", "index", "[list(rows)]", "[list(rows[::-1])]", ROWS),
     Mutant("sweep/combine.py", "condition", "if left and not (partial and file.dimensions):", "if left and not file.dimensions:", f"{SWEEP}::test_a_run_that_no_file_holds_is_named"),

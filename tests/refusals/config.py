@@ -85,14 +85,9 @@ SINGLE = [
 ]
 FILES = {f"{key}: {words}": ({key: value}, words) for key, value, words in SINGLE}
 
-FILES |= {
-    f"aspect ratio of a {name}": (
-        {"cylinder.outline": name, "cylinder.aspect_ratio": 2},
-        f"aspect_ratio is 2 and outline {name}; leave it out, or let outline be ellipse or plate",
-    )
-    for name in ("circle", "square", "wedge")
-}
+WEDGE = {"cylinder.outline": "wedge", "cylinder.aspect_ratio": 2}
 TOGETHER = [
+    (WEDGE, "is 2 and outline wedge; leave it out, or let outline be ellipse or plate"),
     (PRESSED | {"periodic": "y"}, "a pressure needs a top wall, let periodic be none or x"),
     (PRESSED | {"packing.friction": 0.3}, FRICTIONLESS),
     (PRESSED | {"packing.preparation": "grown"}, FRICTIONLESS),

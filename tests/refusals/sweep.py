@@ -27,12 +27,9 @@ KEYS = [
     ("sweep.cylinder/start", [0.25, 0.01], "asks for an impossible run"),
     ("sweep.p", {"a": {"gravity": 1}, "b": 3}, "sweep: p is no value that can vary"),
     ("sweep.p", {"a": {"gravity": [1, 2]}}, "sweep.p.a.gravity is [1, 2]; it must be a number"),
-    ("sweep.p", {"a": {"density": {"times": 2}}}, "sweep.p.a.density is {'times': 2}; it must be"),
-    ("sweep.p", {"a": {"shape": "zz"}}, "sweep.p.a.shape is 'zz', which is not one of shapes"),
     ("sweep.p", {"a": {"density": 0.0}}, "sweep.p.a.density is 0.0; it must be positive"),
     ("sweep.p", {1: {}, "1": {}}, "has '1' twice"),
     ("sweep.m n", {"a": {"gravity": 1}}, f"a name in sweep is 'm n'; {A_LABEL}"),
-    ("sweep.p", {"a": {"record.bins": 60}}, "record.bins, which runs of one block share; use"),
     ("sweep.p", POINTS | {"over": GRAVITY, "design": "grid"}, "sweep.p.design is 'grid'; it must"),
     ("sweep.p", POINTS | {"over": GRAVIT}, "the nearest is gravity"),
     ("sweep.p", POINTS | {"points": 12, "over": GRAVITY}, "is a power of two: take 8 or 16."),
@@ -48,8 +45,7 @@ KEYS = [
     ("sweep", {"blocks": {"a": C1, "b": C1 | {"needs": "a", "s": {"x": DERIVED}}}}, "leave friction"),
     ("sweep", {"blocks": {"a": C1}} | C1, "has blocks and shape"),
     ("sweep", C1 | {"friction.wall": [1], "friction_wall": {"a": {}}}, "two things named friction_w"),
-    ("sweep", C1 | {"friction_wall": {"a": {"friction.wall": 0.1}}}, "two things named friction_wa"),
     *(("sweep.seed", words, "sweep.seed") for words in
-      ["5 to 1", "1 to", "one to two", "1 to 99999999999", "1, 1", "", "-1 to 3", "2147483648", "1 to 2000000000"]),
+      ["5 to 1", "1 to", "one to two", "1 to 99999999999", "1, 1", "", "-1 to 3", "2147483648"]),
 ]  # fmt: skip
 FILES = {f"{key} {value} {words}": ({key: value}, words) for key, value, words in KEYS}
