@@ -38,6 +38,11 @@ class Measured(Findings):
         """How many cores it has, and how busy they were."""
         return self.dataset.attrs["comment"]
 
+    @property
+    def origin(self) -> str:
+        """Names the script by where it is now; the file keeps where it was."""
+        return super().origin.replace(self.dataset.attrs["made_with"], self.command)
+
 
 class Ensembles(Measured):
     """Processor time and peak memory of each command, by the number of runs."""
