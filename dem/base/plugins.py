@@ -2,13 +2,14 @@
 
 `kind: stones.Stone` is the class Stone of stones.py in the folder of the sweep file;
 `experiment: rest.py` and `observables: [drag, rotation.py]` are files there. They are modules like
-any other: their folder is put last on Python's path. Only `load` imports one, for who makes runs or
+any other, found where Python has none of their name. Only `load` imports one, for who makes runs or
 draws shapes as they are; all others parse it.
 """
 
 import importlib
 import os
 import sys
+from importlib.machinery import PathFinder
 from pathlib import Path
 from types import ModuleType
 
@@ -16,7 +17,7 @@ from dem.base import source_hash
 from dem.base.constants import constants, definitions
 from dem.base.errors import InputError
 
-_added: list[str] = []  # the folder of such files that is on Python's path for the last of them
+_beside: list[str] = []  # the folder of the last of such files that was imported
 _imported: dict[Path, dict[str, str]] = {}  # code of the files of users as this process runs them
 
 
@@ -128,9 +129,7 @@ def load(file: Path) -> ModuleType:
         imported = _file_of(name)  # perhaps from another folder of files of users
         if imported != path and any(imported.is_relative_to(other.parent) for other in _imported):
             sys.modules.pop(name)
-    sys.path[:] = [folder for folder in sys.path if folder not in _added]
-    _added[:] = [str(file.parent)] if str(file.parent) not in sys.path else []
-    sys.path += _added
+    _beside[:] = [str(file.parent)]
     importlib.invalidate_caches()
     prefix, sys.pycache_prefix = sys.pycache_prefix, os.devnull  # whose times are of seconds
     try:
@@ -148,6 +147,17 @@ def load(file: Path) -> ModuleType:
                 "file another name."
             )
     return module
+
+
+class _Last:
+    """Finds files beside the last one. On Python's path, processes that it starts would have their folder."""
+
+    @staticmethod
+    def find_spec(name, path=None, target=None):
+        return None if path else PathFinder.find_spec(name, _beside)
+
+
+sys.meta_path.append(_Last)
 
 
 def _file_of(name: str) -> Path:

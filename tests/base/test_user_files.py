@@ -115,7 +115,6 @@ HELPED = PRODUCT.replace("FACTOR = 2", "from factors import FACTOR")
 def file(tmp_path, monkeypatch):
     """A sweep of an experiment that takes no time, and imports a file beside it."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "path", sys.path.copy())  # that workers begin with
     return write(tmp_path / "mine", product=HELPED, factors="FACTOR = 2\n", sweep=PRODUCTS)
 
 
@@ -130,7 +129,10 @@ EDITS = {  # files that are written
 @pytest.mark.parametrize("edit", EDITS)
 @pytest.mark.parametrize("in_workers", [pytest.param(False, marks=quick), True])
 def test_a_process_that_lives_on_returns_no_numbers_of_old_code(file, edit, in_workers):
-    """An edited file is one sentence; a comment is no edit, and the old file is good again."""
+    """An edited file is one sentence; a comment is no edit, and the old file is good again. Files of the same
+    names that it had before, of another folder, are not those of its workers."""
+    other = {"product": HELPED, "factors": "FACTOR = 3\n", "sweep": PRODUCTS}
+    assert products(write(file.parents[1] / "other", **other)) == [3, 6, 9]
     with ProcessPoolExecutor(1, get_context("spawn")) if in_workers else nullcontext() as pool:
         assert products(file, pool) == [2, 4, 6]
         write(file.parent, **EDITS[edit])
