@@ -6,33 +6,29 @@ import runpy
 import shlex
 import shutil
 import sys
+import textwrap
 import tomllib
 import traceback
 from contextlib import chdir, suppress
-from itertools import chain
 from pathlib import Path
 
 import matplotlib
 import pytest
+import workflows
 import yaml
 from markdown_it import MarkdownIt
-from project import CONFIG, posix
+from project import ROOT, posix
 from sweeps import of_file
 from typer.main import get_command
 from typer.testing import CliRunner
-from workflows import snakemake
 
 import dem
 from dem.cli.app import app as dem_app
 from dem.sweep.state import SweepState
 from studies.__main__ import app as studies_app
 
-sys.path.append(str(CONFIG.parent / "docs/_ext"))
+sys.path.append(str(ROOT / "docs/_ext"))
 import findings
-
-ROOT = CONFIG.parent
-OURS = "dem", "studies"
-
 
 # Who shows a command: pages, and the docstrings of rules, modules and verbs.
 PAGES = [
@@ -44,7 +40,7 @@ PAGES = [
 # what the build writes
 LEFT_OUT = {"_build", "_generated", "jupyter_execute"}
 PAGES = [path for path in PAGES if not LEFT_OUT & set(path.parts)]
-SOURCES = [path for room in OURS for path in sorted((ROOT / room).rglob("*.py"))]
+SOURCES = [path for room in ("dem", "studies") for path in sorted((ROOT / room).rglob("*.py"))]
 RULES = [ROOT / "Snakefile", *sorted(ROOT.glob("rules/*.smk"))]
 
 
@@ -53,6 +49,12 @@ def blocks(text):
     for token in MarkdownIt().parse(text):
         if token.type in ("fence", "code_block"):
             yield token.info.strip(), token.content
+
+
+def pieces(page, of):
+    """What a page shows in a language."""
+    text = page.read_text(encoding="utf-8")
+    return [content for language, content in blocks(text) if language == of]
 
 
 def docstrings(path):
@@ -75,10 +77,10 @@ def lines():
                 yield from ((path, line) for line in re.findall(f"^{sign}(.*)", content, re.M))
     for path in (*RULES, *SOURCES):
         for text in docstrings(path):
-            for _, content in blocks(text):
-                shown = re.sub(r"  +[a-z].*", "", content)  # without words beside a command
-                yield from ((path, line) for line in shown.splitlines())
-            yield from ((path, line) for line in re.findall(r"Example: (.*)", text))
+            shown = "\n".join(content for _, content in blocks(text))
+            shown = re.sub(r"  +[a-z].*", "", shown)  # without words beside a command
+            found = [*shown.splitlines(), *re.findall(r"Example: (.*)", text)]
+            yield from ((path, line) for line in found)
 
 
 def commands():
@@ -99,7 +101,6 @@ PROGRAMS = "dem", "snakemake", "python", "make", "pip", "bash", "pytest", *THEIR
 # What a command takes that a test cannot give, and what is left out then.
 ENDLESS, ELSEWHERE = ("--watch",), ("--scheduler", "--wait")
 NOT_RUN = {
-    "dem figure scatter": "a figure of one's own, which test_pages.py puts into a copy of the package",
     "python -m studies calibration fit": "its interval takes hundreds of runs; test_calibration.py has them",
     "python docs/data/release.py": "it writes the files of this checkout; test_pages.py reads it",
     "python docs/write_pages.py": "it writes the pages of this checkout; test_pages.py compares them",
@@ -118,6 +119,7 @@ def small_checkout(copy, tmp_path_factory):
     folder = tmp_path_factory.mktemp("small") / "copy"
     shutil.copytree(copy, folder)
     (folder / "docs/data").mkdir()
+    shutil.copy(folder / "config/paper.yaml", folder / "config/whole.yaml")
     small, paper = (
         yaml.safe_load((folder / f"config/{name}.yaml").read_text()) for name in ("smoke", "paper")
     )
@@ -130,12 +132,10 @@ def small_checkout(copy, tmp_path_factory):
     (folder / "config/paper.yaml").write_text(yaml.safe_dump(paper))
     for path in PAGES:
         for language, content in blocks(path.read_text(encoding="utf-8")):
-            if language == "yaml" and (name := re.match(r"# (\w+\.yaml)\n", content)):
-                values = yaml.safe_load(content)
-                (folder / name[1]).write_text(
-                    yaml.safe_dump(values | {"sweep": smallest(values["sweep"])})
-                )
-            if language == "python" and (name := re.match(r"# (\w+\.py)\n", content)):
+            if name := re.match(r"# (\S+\.(?:py|yaml|csv))\n", content):
+                if language == "yaml":
+                    values = yaml.safe_load(content)
+                    content = yaml.safe_dump(values | {"sweep": smallest(values["sweep"])})
                 (folder / name[1]).write_text(content)
     with chdir(folder):
         for name in ("config/paper.yaml", "config/smoke.yaml", "friction.yaml"):
@@ -164,15 +164,28 @@ SHOWN = commands()
 VERBS = [words for words in SHOWN if words[0] == "dem" or words[:3] == ("python", "-m", "studies")]
 
 
+def called(words):
+    """The application that words call and its words; the verb among them, and what stands behind it."""
+    app, words = (dem_app, words[1:]) if words[0] == "dem" else (studies_app, words[3:])
+    command, rest = get_command(app), [*words]
+    while rest and rest[0] in getattr(command, "commands", ()):
+        command = command.commands[rest.pop(0)]
+    return app, words, command, rest
+
+
 @pytest.mark.parametrize("words", VERBS, ids=shlex.join)
 @posix
 def test_a_verb_runs_as_it_is_shown(small_checkout, monkeypatch, words):
-    """But for what needs a cluster or never ends; of a sweep the plan."""
+    """But for what needs a cluster or never ends; of a sweep the plan. A figure of one's own needs a file in the
+    package."""
     monkeypatch.chdir(small_checkout)
     for name, reason in NOT_RUN.items():
         if shlex.join(words).startswith(name):
             pytest.skip(reason)
-    app, rest = (dem_app, words[1:]) if words[0] == "dem" else (studies_app, words[3:])
+    if words[:3] == ("dem", "figure", "scatter"):
+        workflows.run("-m", *words, cwd=small_checkout, path=[small_checkout])
+        return
+    app, rest, _, _ = called(words)
     rest = without(without(rest, ENDLESS, values=0), ELSEWHERE)
     if rest[0] == "sweep" and "--dry-run" not in rest:
         rest = [*rest, "--dry-run"]
@@ -188,76 +201,45 @@ def verbs():
                 yield tuple(filter(None, (*program, name, verb)))
 
 
+BY_RULES = [
+    verb  # of a shell command
+    for path in RULES
+    for verb in re.findall(r"(?:\bdem|-m studies [{}\w.]+) ([{}\w.]+)", path.read_text("utf-8"))
+]
+
+
 @pytest.mark.parametrize("verb", [*verbs()], ids=shlex.join)
-def test_every_verb_has_help(verb):
-    """--help says what each verb does, and what each of its options is for."""
-    app, words = (dem_app, verb[1:]) if verb[0] == "dem" else (studies_app, verb[3:])
+def test_every_verb_has_help_and_is_shown_or_called_by_a_rule(verb):
+    """--help says what it does, and what each option is for. What runs above, and the targets below, enter all
+    verbs; one that is neither has no use."""
+    app, words, command, _ = called(verb)
     result = CliRunner().invoke(app, [*words, "--help"], env={"COLUMNS": "200", "TERM": "dumb"})
     assert result.exit_code == 0, result.output
-    command = get_command(app)
-    for word in words:
-        command = command.commands[word]
     assert command.help.split()[0] in result.output
     assert all(option.help for option in command.params)
-
-
-def called_by_rules():
-    """The verbs in the rules' shell commands, their names filled in."""
-    for path in RULES:
-        text = path.read_text(encoding="utf-8")
-        yield from re.findall(r"(?:\bdem|-m studies [{}\w.]+) ([{}\w.]+)", text)
-
-
-def test_every_verb_is_shown_or_called_by_a_rule():
-    """So that what runs above, and the targets below, enter all of them; what is neither has no use."""
-    called = set(called_by_rules())
-    unused = [
-        shlex.join(verb)
-        for verb in verbs()
-        if not any(words[: len(verb)] == verb for words in SHOWN) and verb[-1] not in called
-    ]
-    assert unused == []
-
-
-def mentioned():
-    """Commands of ours within the sentences of pages: page and words."""
-    for path in PAGES:
-        for block in MarkdownIt().parse(path.read_text(encoding="utf-8")):
-            for token in block.children or ():
-                if token.type == "code_inline" and re.match(
-                    r"dem [a-z]|python -m studies [a-z]", token.content
-                ):
-                    yield path, shlex.split(token.content)
+    assert verb[-1] in BY_RULES or any(words[: len(verb)] == verb for words in SHOWN)
 
 
 def test_verbs_and_options_within_sentences_exist():
-    wrong = []
-    for path, words in mentioned():
-        app, rest = (dem_app, words[1:]) if words[0] == "dem" else (studies_app, words[3:])
-        command = get_command(app)
-        while rest and hasattr(command, "commands") and rest[0] in command.commands:
-            command = command.commands[rest.pop(0)]
-        names = {"--help", *(name for parameter in command.params for name in parameter.opts)}
-        options = {re.sub(r"^(-\w).+", r"\1", word) for word in rest if word.startswith("-")}
-        if not options <= names or hasattr(command, "commands"):
-            wrong.append(f"{path}: {shlex.join(words)}")
-    assert wrong == []
-
-
-def options_of(words):
-    """Words of Snakemake as configuration file, profile and what is left, targets first."""
-    rest = without(words[1:], ("--configfile", "--profile", "--workflow-profile", "--report"))
-    return [word for word in rest if not word.startswith("-")]
+    for path in PAGES:
+        text = path.read_text(encoding="utf-8")
+        for shown in re.findall(r"`((?:dem|python -m studies) [a-z][^`]*)`", text):
+            _, _, command, rest = called(shlex.split(shown))
+            names = {"--help", *(name for parameter in command.params for name in parameter.opts)}
+            options = {re.sub(r"^(-\w).+", r"\1", word) for word in rest if word.startswith("-")}
+            assert options <= names and not hasattr(command, "commands"), f"{path}: {shown}"
 
 
 @posix
 def test_every_target_can_be_planned(copy):
     """All that Snakemake lists, at once; those that pages and rules show are among them."""
-    process = snakemake(copy, "--list-target-rules", configfile=None)
+    process = workflows.snakemake(copy, "--list-target-rules", configfile=None)
     targets = set(process.stdout.split())
-    shown = [options_of(words) for words in SHOWN if words[0] == "snakemake"]
-    assert len(targets) > 8 and set(chain(*shown)) <= targets
-    run = snakemake(copy, *sorted(targets), "-n", configfile=None)
+    options = "--configfile", "--profile", "--workflow-profile", "--report"
+    shown = [without(words[1:], options) for words in SHOWN if words[0] == "snakemake"]
+    shown = {word for words in shown for word in words if not word.startswith("-")}
+    assert len(targets) > 8 and shown <= targets
+    run = workflows.snakemake(copy, *sorted(targets), "-n", configfile=None)
     assert run.returncode == 0, run.stdout + run.stderr
 
 
@@ -275,22 +257,36 @@ def test_a_sweep_that_is_shown_can_be_planned(copy, small_checkout, monkeypatch,
     assert all(work.batches(name) for name in work.sweep.blocks if work.is_known(name))
 
 
-def pieces(path):
-    """The Python that a page shows."""
-    text = path.read_text(encoding="utf-8")
-    return [content for language, content in blocks(text) if language == "python"]
+HOWTO = sorted(ROOT.glob("docs/howto/*.md"))
 
 
-@pytest.mark.parametrize(
-    "path", [*filter(pieces, PAGES)], ids=lambda path: f"{path.relative_to(ROOT)}"
-)
+@pytest.mark.parametrize("path", HOWTO, ids=lambda path: path.stem)
+def test_the_sweeps_of_a_page_can_be_planned(small_checkout, monkeypatch, path):
+    """Whole files, named in their first line, and fragments, with where they belong."""
+    monkeypatch.chdir(small_checkout)
+    for content in pieces(path, "yaml"):
+        role = re.match(r"# (\w+\.yaml|below sweep|in place of sweep)\n", content)[1]
+        if role == "below sweep":
+            content = "sweep:\n" + textwrap.indent(content, "  ")
+        if "sweep" in role:
+            shape = "" if "shape:" in content else "  shape: [c1]\n"
+            content = f"extends: config/paper.yaml\nresults: results/shown\n{content}{shape}"
+        Path("shown.yaml").write_text(content.replace("config/paper.", "config/whole."))
+        run = CliRunner().invoke(dem_app, ["sweep", "shown.yaml", "--dry-run"])
+        assert run.exit_code == 0, run.output
+
+
+WITH_PYTHON = [path for path in PAGES if pieces(path, "python")]
+
+
+@pytest.mark.parametrize("path", WITH_PYTHON, ids=lambda path: f"{path.relative_to(ROOT)}")
 def test_python_of_a_page_runs_as_it_is_shown(small_checkout, monkeypatch, path):
     """One piece after another; a file that it names first is written."""
     monkeypatch.chdir(small_checkout)
     monkeypatch.syspath_prepend(small_checkout)
     names = {"__name__": "page", "dem": dem}  # which the cells of a notebook import
     with matplotlib.rc_context({"backend": "agg"}):
-        for piece in pieces(path):
+        for piece in pieces(path, "python"):
             if not re.match(r"# [\w/]+\.py\n", piece):
                 exec(compile(piece, path, "exec"), names)
 
@@ -301,14 +297,9 @@ def test_what_is_a_notebook_runs_in_the_build_of_the_pages():
     assert conf["nb_execution_mode"] == "force" and conf["nb_execution_raise_on_error"]
     assert conf["nb_execution_excludepatterns"] == []
     assert "make docs" in (ROOT / ".ci/run").read_text(encoding="utf-8")
-    cells = [
-        path
-        for path in PAGES
-        if any("{code-cell}" in kind for kind, _ in blocks(path.read_text(encoding="utf-8")))
-    ]
-    assert cells and all(
-        "file_format: mystnb" in path.read_text(encoding="utf-8")[:200] for path in cells
-    )
+    texts = [path.read_text(encoding="utf-8") for path in PAGES]
+    notebooks = [text for text in texts if re.search(r"^`{3,}\{code-cell\}", text, re.M)]
+    assert notebooks and all("file_format: mystnb" in text[:200] for text in notebooks)
 
 
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"][

@@ -5,46 +5,39 @@ import re
 import matplotlib
 import numpy as np
 import pytest
-from project import ROOT, code
+from project import ROOT
 
-TUTORIAL = "docs/tutorials/library.md"
+TUTORIAL = ROOT / "docs/tutorials/library.md"
 
 
-@pytest.fixture(scope="module")
-def tutorial(tmp_path_factory):
-    """Names after each section of the tutorial, by its heading."""
-    names, namespaces = {}, {}
-    with pytest.MonkeyPatch.context() as patch, matplotlib.rc_context({"backend": "agg"}):
-        patch.chdir(tmp_path_factory.mktemp("tutorial"))
-        for heading, block in code(TUTORIAL).items():
+def test_the_scenes_of_the_tutorial_obey_their_laws(tmp_path, monkeypatch):
+    """Its sections run one after another, with the names of those before."""
+    monkeypatch.chdir(tmp_path)
+    names, after, heading = {}, {}, ""
+    pieces = r"^##? (.*?)$|^```\{code-cell\} python\n(.*?)^```"
+    with matplotlib.rc_context({"backend": "agg"}):
+        for title, block in re.findall(pieces, TUTORIAL.read_text(), re.S | re.M):
+            heading = title or heading
             exec(compile(block, TUTORIAL, "exec"), names)
-            namespaces[heading] = dict(names)
-    return namespaces
+            after[heading] = dict(names)
 
-
-def test_discs_part_with_the_coefficient_of_restitution(tutorial):
-    velocity = tutorial["Two discs collide"]["result"].velocity[-1, :, 0]
+    # discs part with the coefficient of restitution
+    velocity = after["Two discs collide"]["result"].velocity[-1, :, 0]
     assert velocity == pytest.approx([-0.5, 0.5], rel=0.01)
 
-
-def test_floor_and_sides_carry_the_weight(tutorial):
-    """Ellipses come to rest; friction at the sides carries or adds little."""
-    names = tutorial["Ellipses settle in a box"]
-    floor = names["result"].wall_force[-5:, 2] / names["weight"]
+    # the floor carries the weight of ellipses at rest; friction at the sides carries or adds little
+    box = after["Ellipses settle in a box"]
+    floor = box["result"].wall_force[-5:, 2] / box["weight"]
     assert floor == pytest.approx(1.0, abs=0.1)
     assert floor == pytest.approx(floor.mean(), rel=1e-3)
 
+    # walls of a wedge at 60 degrees push with W / (2 cos 60 degrees) = W each
+    wedge = after["Discs settle in a wedge"]
+    assert wedge["found"].kinetic_energy < 1e-9  # J, spin included
+    weight = 9.81 * wedge["scene"].mass.sum()
+    assert wedge["result"].wall_force[-1] / weight == pytest.approx([1.0, 1.0], rel=1e-2)
 
-def test_a_wedge_without_friction_carries_the_weight_on_both_sides(tutorial):
-    """Walls at 60 degrees push with W / (2 cos 60 degrees) = W each."""
-    names = tutorial["Discs settle in a wedge"]
-    assert names["found"].kinetic_energy < 1e-9  # J, spin included
-    weight = 9.81 * names["scene"].mass.sum()
-    assert names["result"].wall_force[-1] / weight == pytest.approx([1.0, 1.0], rel=1e-2)
-
-
-def test_the_ledger_of_a_drawn_bed_adds_up(tutorial):
-    ledger = tutorial["Control the run between steps"]["ledger"]
+    ledger = after["Control the run between steps"]["ledger"]
     assert ledger.work > 0.0 and np.abs(ledger.residual) < 1e-2
 
 
