@@ -19,6 +19,19 @@ def needs_study(*names):
     return pytest.mark.skipif(not all(present), reason=f"needs the studies {', '.join(names)}")
 
 
+def code(document):
+    """Pieces of Python in a document, by the heading above them."""
+    pieces, heading = {}, ""
+    for title, block in re.findall(
+        r"^##? (.*?)$|^```(?:python|\{code-cell\} python)\n(.*?)^```",
+        (ROOT / document).read_text(),
+        re.S | re.M,
+    ):
+        heading = title or heading
+        pieces[heading] = pieces.get(heading, "") + block
+    return pieces
+
+
 PAGE = (ROOT / "docs/howto/shape.md").read_text()
 
 

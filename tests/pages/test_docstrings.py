@@ -42,8 +42,10 @@ def is_own(member, name):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_examples_run(name, monkeypatch, request):
-    """Every public name has an example, and it prints what it says."""
+def test_help_has_types_that_can_be_read_and_an_example_that_prints_what_it_says(
+    name, monkeypatch, request
+):
+    """One short line of types, without what checks the values."""
     monkeypatch.chdir(request.config.rootpath)
     failures = []
     tests = examples(name)
@@ -51,6 +53,10 @@ def test_examples_run(name, monkeypatch, request):
         doctest.DocTestRunner(optionflags=HOW).run(test, out=failures.append)
     assert not failures, "".join(failures)
     assert name in tests, f"{name} has no example"
+    thing = operator.attrgetter(name)(dem)
+    if not (inspect.isclass(thing) and issubclass(thing, Exception)):
+        types = str(inspect.signature(thing))
+        assert not re.search("Annotated|Validator|FieldInfo|Unit", types) and len(types) < 600
 
 
 def test_every_member_of_a_simulation_has_an_example():
@@ -59,15 +65,6 @@ def test_every_member_of_a_simulation_has_an_example():
     for name in members("Simulation"):
         used = name.replace("Simulation.", r"\brun\.")
         assert re.search(used + r"\b", source), f"{name} has no example"
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_help_begins_with_types_that_can_be_read(name):
-    """One short line, without what checks the values."""
-    thing = operator.attrgetter(name)(dem)
-    if not (inspect.isclass(thing) and issubclass(thing, Exception)):
-        types = str(inspect.signature(thing))
-        assert not re.search("Annotated|Validator|FieldInfo|Unit", types) and len(types) < 600
 
 
 @pytest.mark.parametrize("name", NAMES)

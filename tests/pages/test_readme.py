@@ -5,19 +5,17 @@ import re
 import matplotlib
 import numpy as np
 import pytest
-from project import ROOT
+from project import ROOT, code
 
-TUTORIAL = ROOT / "docs/tutorials/library.md"
+TUTORIAL = "docs/tutorials/library.md"
 
 
 def test_the_scenes_of_the_tutorial_obey_their_laws(tmp_path, monkeypatch):
     """Its sections run one after another, with the names of those before."""
     monkeypatch.chdir(tmp_path)
-    names, after, heading = {}, {}, ""
-    pieces = r"^##? (.*?)$|^```\{code-cell\} python\n(.*?)^```"
+    names, after = {}, {}
     with matplotlib.rc_context({"backend": "agg"}):
-        for title, block in re.findall(pieces, TUTORIAL.read_text(), re.S | re.M):
-            heading = title or heading
+        for heading, block in code(TUTORIAL).items():
             exec(compile(block, TUTORIAL, "exec"), names)
             after[heading] = dict(names)
 
