@@ -24,14 +24,7 @@ def pack(**changes):
     return dem.pack(**default | changes)
 
 
-def ellipse(**form):
-    return dem.Ellipse([1.0], [1.0], **form)
-
-
-def experiment(**changes):
-    return dem.run_experiment({"extends": f"{CONFIG}/smoke.yaml", "shape": "c1"} | changes)
-
-
+MISSPELT = {"extends": f"{CONFIG}/smoke.yaml", "shape": "c1", "frction": {"granule": 0.1}}
 FLOOR, SIDE, AGAIN = [0, -1, 0], [1, 0, 1], "walls[2] is where walls[0] is, so that"
 MISTAKES = [  # what is called, with what: a part of the sentence
     (dem.Friction, {"granule": -0.1}, "Friction.granule is -0.1; it must be at least 0."),
@@ -41,8 +34,6 @@ MISTAKES = [  # what is called, with what: a part of the sentence
     (dem.Material, {"young_modulus": "70 GPa"}, "is '70 GPa'; it must be a number, in Pa."),
     (scene, {"friction": 0.3}, "Scene.friction is 0.3; it must be an instance of Friction."),
     (scene, {"walls": (1e-2, 1e-2)}, "is (0.01, 0.01); it must have shape (n, 3), not (2,)."),
-    (scene, {"walls": [FLOOR, SIDE, FLOOR]}, AGAIN),
-    (scene, {"walls": [FLOOR, SIDE, [0, -0.9999, 0]]}, AGAIN),
     (scene, {"walls": [FLOOR, SIDE, [0, -1, 1e-9]]}, AGAIN),
     (scene, {"walls": [FLOOR, SIDE, dem.Wall(FLOOR, friction=0.1)]}, AGAIN),
     (scene, {"walls": [SIDE, [1, 1, 0]]}, "the normal (nx, ny) of row 1 must have length 1"),
@@ -52,15 +43,14 @@ MISTAKES = [  # what is called, with what: a part of the sentence
     (dem.State, {"position": PLACES, "velocity": [[0, 0]] * 3}, "it must have 2, as position."),
     (simulate, {"state": dem.State([[0, 0]])}, "state has 1 granules; it must have 2, as scene."),
     (dem.State, {"position": [[np.nan, 0.0]] * 2}, "and nan is at [0, 0]."),
-    (ellipse, {"contact": "chord"}, "it must be 'common_normal' or 'geometric_potential', or a"),
-    (ellipse, {"hertz_radius": "both"}, "it must be 'volume' or 'local'."),
-    (dem.Ellipse.of_size, {"diameter": [1.0], "aspect_ratio": 0.9}, "it must be at least 1."),
+    (
+        dem.Ellipse,
+        {"semi_major": [1.0], "semi_minor": [1.0], "contact": "chord"},
+        "it must be 'common_normal' or 'geometric_potential', or a",
+    ),
     (simulate, {"frames": 1.5}, "frames is 1.5; it must be a whole number."),
     (pack, {"periodic": "yx"}, "periodic is 'yx'; it must be 'none', 'x', 'y' or 'xy'."),
-    (pack, {"seed": -1}, "seed is -1; it must be at least 0."),
-    (experiment, {"frction": {"granule": 0.1}}, "the nearest is friction"),
-    (experiment, {"shape": "C1"}, "the nearest is c1"),
-    (experiment, {"box_width": "8 mm"}, "it must be a number, in m"),
+    (dem.run_experiment, {"values": MISSPELT}, "the nearest is friction"),
 ]
 CALLS = {
     f"{call.__qualname__}({values})": (lambda call=call, values=values: call(**values), words)
