@@ -163,14 +163,14 @@ def test_an_edited_file_that_was_only_planned_is_run_as_it_is_now(file):
 @quick
 def test_files_of_one_name_in_two_folders_are_two(file, tmp_path):
     """Also where only a helper has the name of another."""
-    files = {2: file}
+    files = [file]
     for factor, name in (3, "product"), (4, "other"):
         texts = {name: HELPED, "factors": f"FACTOR = {factor}\n"}
         sweep = PRODUCTS.replace("product.py", f"{name}.py")
-        files[factor] = write(tmp_path / name, sweep=sweep, **texts)
-    for factor, path in [*files.items()] * 2:
-        (values, *_) = dem.load_sweep(path)
-        assert float(dem.run_experiment(values)["product"]) == factor
+        files.append(write(tmp_path / name, sweep=sweep, **texts))
+    values = [next(dem.load_sweep(path)) for path in files]
+    results = [dem.run_experiment(each)["product"].item() for each in 2 * values]
+    assert results == 2 * [2, 3, 4]
 
 
 @quick
@@ -198,26 +198,24 @@ def test_an_edited_shape_is_one_sentence_and_nothing_is_written(file):
 
 RAISED = "raise dem.InputError('bulge is 1.0; it must lie in 0 to 0.12.')"
 BAD_SHAPES = {  # what is put for what is there: the end of the sentence that names shape and class
-    "no shape": ("@smooth(support)\n", "", "BadPebble0 is no shape; decorate it with smooth"),
-    "a size": ("unit = cls", f"{RAISED}\n        unit = cls", "bulge is 1.0; it must lie in 0 to"),
-    "larger granules": ("(0.5 *", "(0.5005 *", "BadPebble2.of_size gives a granule of "),
+    ("@smooth(support)\n", ""): "BadPebble0 is no shape; decorate it with smooth",
+    ("unit = cls", "raise dem.InputError('bulge is 1.0;')\n        unit = cls"): "bulge is 1.0;",
+    ("(0.5 *", "(0.5005 *"): "BadPebble2.of_size gives a granule of ",
 }
 
 
 @quick
-@pytest.mark.parametrize("fault", BAD_SHAPES)
-def test_what_is_wrong_with_granules_is_said_before_any_bed_is_packed(file, fault):
+@pytest.mark.parametrize("number", range(3), ids=["no shape", "a size", "larger granules"])
+def test_what_is_wrong_with_granules_is_said_before_any_bed_is_packed(file, number):
     """Such as a size that a class does not take; others would make a bed of another packing fraction."""
-    number = list(BAD_SHAPES).index(fault)
-    old, new, words = BAD_SHAPES[fault]
-    text = f"import dem\n{SHAPE.replace(old, new)}".replace("Pebble", f"BadPebble{number}")
-    name = f"bad_pebbles{number}"
-    sweep = OF_PEBBLES.replace("pebbles.Pebble", f"{name}.BadPebble{number}")
-    write(file.parent, sweep=sweep, **{name: text})
+    change, words = list(BAD_SHAPES.items())[number]
+    kind = f"bad_pebbles{number}.BadPebble{number}"
+    text = f"import dem\n{SHAPE.replace(*change)}".replace("Pebble", f"BadPebble{number}")
+    sweep = OF_PEBBLES.replace("pebbles.Pebble", kind)
+    write(file.parent, sweep=sweep, **{f"bad_pebbles{number}": text})
     with pytest.raises(dem.InputError) as error:
         dem.run_experiment(next(dem.load_sweep(file)))
-    sentence = str(error.value)
-    assert sentence.startswith(f"shapes.p ({name}.BadPebble{number}): ") and words in sentence
+    assert str(error.value).startswith(f"shapes.p ({kind}): ") and words in str(error.value)
 
 
 WRONG = {  # what is put instead of the result: why the run failed
@@ -321,12 +319,15 @@ def test_an_observable_gives_grids_and_lists_of_any_length(file):
 
 
 @quick
-def test_values_of_ones_own_are_read_where_the_file_is_away(file):
-    """As the values of runs are, which name no folder; and they are part of what a run is known by."""
-    sweep = f"{SMOKE}experiment: rest.py\nrest: {{layers: 2}}\n"
+def test_values_of_ones_own_are_read_where_the_file_is_away(file, tmp_path):
+    """As the values of runs are, which name no folder; and they are part of what a run is known by. A sweep may
+    be in another folder than its files."""
+    sweep = f"{SMOKE}experiment: rest.py\nrest: {{layers: 2}}\nbeside: ../mine\n"
     sweep += "sweep: {shape: c1, density: 3900, seed: 1, rest.margin: [0, 1e-3]}\n"
-    write(file.parent, rest=FILES["rest.py"], sweep=sweep)
-    one, two = load(file).block("drag").unique()
+    write(file.parent, rest=FILES["rest.py"])
+    elsewhere = load(write(tmp_path / "sweeps", sweep=sweep))
+    assert elsewhere.beside == parse(elsewhere.dump()).beside == str(file.parent)
+    one, two = elsewhere.block("drag").unique()
     assert one.id != two.id
     away = {name: value for name, value in two.values().items() if name != "beside"}
     assert of_values(away).configuration.rest.margin == two.configuration.rest.margin == 1e-3
@@ -334,28 +335,17 @@ def test_values_of_ones_own_are_read_where_the_file_is_away(file):
 
 
 @quick
-def test_beside_names_another_folder(tmp_path):
-    write(tmp_path / "shapes", pebbles=SHAPE)
-    path = write(tmp_path / "sweeps", sweep=f"{OF_PEBBLES}beside: ../shapes\n")
-    assert load(path).beside == str(tmp_path / "shapes")
-    assert parse(load(path).dump()).beside == str(tmp_path / "shapes")
-
-
-@quick
-def test_a_plan_finds_shapes_that_were_moved_since(tmp_path, monkeypatch):
+def test_a_plan_finds_shapes_that_were_moved_since(tmp_path):
     """A sweep that was stopped, and started again in another place."""
-    monkeypatch.chdir(tmp_path)
-    store, places = Store(tmp_path / "store"), []
+    store = Store(tmp_path / "store")
     for name in ("one", "two"):
-        file = write(tmp_path / name, pebbles=SHAPE, sweep=OF_PEBBLES)
-        work = SweepState(load(file), store)
-        places.append({chunk.id for chunk in work.batches("drag")})
+        work = SweepState(load(write(tmp_path / name, pebbles=SHAPE, sweep=OF_PEBBLES)), store)
+        (chunk,) = work.batches("drag")
         work.begin("drag")
-        for chunk in places[-1]:
-            (replicate,) = store.replicates(chunk)
-            assert replicate.configuration.beside == str(tmp_path / name)
+        (replicate,) = store.replicates(chunk.id)
+        assert replicate.configuration.beside == str(tmp_path / name)
         shutil.rmtree(tmp_path / name)
-    assert places[0] == places[1]
+    assert len([*(tmp_path / "store").rglob(f"{chunk.id}.*")]) == 1
 
 
 @posix
