@@ -26,19 +26,13 @@ def examples(name):
 
 
 def members(name):
-    """Qualified names of the public methods and properties that a class of the package defines."""
-    thing = operator.attrgetter(name)(dem)
-    attributes = vars(thing).items() if inspect.isclass(thing) else ()
-    return [
-        f"{name}.{key}"
-        for key, member in attributes
-        if not key.startswith("_") and is_own(member, f"{name}.{key}")
-    ]
-
-
-def is_own(member, name):
-    """Whether a member is a property or method, and not a field or a function of another module."""
-    return isinstance(member, property | classmethod) or getattr(member, "__qualname__", "") == name
+    """Qualified names of the public methods and properties that a class of the package defines, without fields
+    and functions of another module."""
+    for key, member in getattr(operator.attrgetter(name)(dem), "__dict__", {}).items():
+        qualified = f"{name}.{key}"
+        own = getattr(member, "__qualname__", "") == qualified
+        if key[0] != "_" and (own or isinstance(member, property | classmethod)):
+            yield qualified
 
 
 @pytest.mark.parametrize("name", NAMES)

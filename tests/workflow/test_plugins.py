@@ -12,6 +12,7 @@ import pytest
 import xarray as xr
 from project import FILES, PAGE, SHAPE, SHORT_LINE, posix
 from refusals.user_files import TELLING
+from sweeps import contents, differing
 from workflows import run, snakemake
 
 from dem.base.source_hash import ROOT
@@ -40,13 +41,6 @@ def swept(tmp_path_factory):
     return folder
 
 
-def test_a_shape_in_a_file_of_ones_own_is_swept(swept):
-    """Beds, runs, how they move: all is there, and nothing was written beside the sweep file."""
-    for name in ("drag.nc", "rotation.nc"):
-        assert (swept / "results/pebbles" / name).is_file()
-    assert len(list((swept / "mine").iterdir())) == 3
-
-
 ASK = """
 import sys
 from numba.core.event import install_recorder
@@ -59,8 +53,12 @@ print(len(recorder.buffer), float(found["drag"].mean()))
 """
 
 
-def test_the_next_process_compiles_nothing(swept, tmp_path):
-    """Nor where the class was imported by the user, nor in another folder."""
+def test_a_shape_in_a_file_of_ones_own_is_swept_and_compiled_once(swept, tmp_path):
+    """Beds, runs, how they move: all is there, and nothing was written beside the sweep file. The next process
+    compiles nothing, nor where the class was imported by the user, nor in another folder."""
+    for name in ("drag.nc", "rotation.nc"):
+        assert (swept / "results/pebbles" / name).is_file()
+    assert len(list((swept / "mine").iterdir())) == 3
     write(tmp_path / "copy")
     imported = f"from pebbles import Pebble\n{ASK}"
     (answer,) = {
@@ -110,17 +108,14 @@ def test_an_experiment_in_a_file_of_ones_own_is_swept(tmp_path):
     run("-m", "dem", "sweep", "mine/rest.yaml", cwd=tmp_path)
     data = tmp_path / "results/rest/rest.nc"
     with xr.open_dataset(data) as dataset:
-        runs = {"shape": 2, "rest_margin": 2, "seed": 2}
-        assert dict(dataset["rest_load"].sizes) == runs
-        assert dict(dataset["rest_granules"].sizes) == runs | {"layer": 3}
-        granules = dataset["rest_granules"].sum("layer")
-        assert (granules == dataset["granules"]).all()
+        sizes = {"shape": 2, "rest_margin": 2, "seed": 2, "layer": 3}
+        assert dict(dataset["rest_granules"].sizes) == sizes
+        assert (dataset["rest_granules"].sum("layer") == dataset["granules"]).all()
         assert dataset["layer"].values == pytest.approx([1 / 6, 1 / 2, 5 / 6])
         assert dataset["rest_margin"].attrs["units"] == "m"
         # at rest each contact between granules is one of the list, and walls have the others
-        everywhere, above = (
-            dataset["rest_force"].sel(rest_margin=margin).count("contact") for margin in (0.0, 1e-3)
-        )
+        listed = dataset["rest_force"].count("contact")
+        everywhere, above = (listed.sel(rest_margin=margin) for margin in (0.0, 1e-3))
         assert (everywhere >= 0.5 * (dataset["rest_contacts"] * dataset["granules"])).all()
         assert (above < everywhere).all()
     draw("sweep", data, data.parent / "figures", of="rest_force")
@@ -133,8 +128,7 @@ def test_an_experiment_in_a_file_of_ones_own_is_swept(tmp_path):
     edited = FILES["rest.py"].replace("bed.pressure", "2.0 * bed.pressure")
     (folder / "rest.py").write_text(TELLING + edited)
     assert "0 finished" in run(*dry, cwd=tmp_path)
-    for words in (["info", "results/rest/rest.nc"], ["store"]):
-        run("-m", "dem", *words, cwd=tmp_path)
+    run("-m", "dem", "info", data, cwd=tmp_path)
     assert not (folder / "ran").exists()
 
 
@@ -147,12 +141,8 @@ def test_a_shape_in_a_file_of_ones_own_is_swept_by_the_workflow(swept, copy, tmp
     process = snakemake(tmp_path, *targets, "-c2", configfile="mine/sweep.yaml")
     assert process.returncode == 0, process.stderr
     for name in ("drag.nc", "rotation.nc"):
-        one, other = (
-            xr.load_dataset(folder / "results/pebbles" / name) for folder in (swept, tmp_path)
-        )
-        assert one.drop_vars("run_time", errors="ignore").equals(
-            other.drop_vars("run_time", errors="ignore")
-        )
+        files = (folder / "results/pebbles" / name for folder in (swept, tmp_path))
+        assert differing(*map(contents, files)) == []
     shutil.move(tmp_path / "mine", tmp_path / "elsewhere")
     rerun = snakemake(tmp_path, *targets, "-n", configfile="elsewhere/sweep.yaml")
     assert "Nothing to be done" in rerun.stdout + rerun.stderr
@@ -190,23 +180,3 @@ def test_a_shape_in_the_package_is_one_file_and_an_edited_package_is_one_sentenc
     words = "has changed since this process read it; start Python, or the workers, again."
     assert refusals == 2 * [f"{tmp_path / 'dem/scene.py'} {words}"]
     assert not (tmp_path / "results").exists()
-
-
-CLASSES = """
-import runpy
-from dem.jit.compilation import CODE
-import pebbles
-counts = [len(CODE)]
-import inside
-runpy.run_path("script.py", run_name="__main__")
-print(*counts, len(CODE))
-"""
-
-
-def test_only_a_class_of_an_imported_file_is_known_by_its_code(tmp_path):
-    """A class in a script or a function may depend on more than its file."""
-    (tmp_path / "pebbles.py").write_text(SHAPE)
-    (tmp_path / "script.py").write_text(SHAPE.replace("Pebble", "Scripted"))
-    inside = "".join(f"    {line}\n" for line in SHAPE.replace("Pebble", "Inner").splitlines())
-    (tmp_path / "inside.py").write_text(f"def make():\n{inside}\nmake()\n")
-    assert run("-c", CLASSES, cwd=tmp_path).split() == ["1", "1"]

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import netCDF4
 import numpy as np
-import pytest
 from pictures import assert_alone, assert_not_blank
 from project import posix
 from sweeps import contents, differing
@@ -30,59 +29,45 @@ pytestmark = posix
 REDRAW = ("--profile", "profiles/figures", "figures")  # and no other option behind them
 
 
-def test_one_command_makes_all_results(checkout):
-    """One command leaves drag.nc, snapshots.nc, every run once and the figures."""
-    results = checkout / "results/smoke"
-    batches = map(contents, (checkout / "results/store/batches").glob("*.nc"))
+def test_one_command_makes_all_results(checkout_with_claims):
+    """Every run once, combined files and figures; of the study of claims a table and figures too. Nothing is made
+    twice."""
+    results = checkout_with_claims / "results/smoke"
+    batches = map(contents, (checkout_with_claims / "results/store/batches").glob("*.nc"))
     runs = [run for batch in batches for run in batch["run_id"].tolist()]
-    assert len(runs) == len(set(runs)) == 5 * 2
-    assert (results / "snapshots.nc").is_file()
-    for number in ("07", "08", "09", "12", "13", "14"):
-        assert (results / f"figures/figure{number}.svg").is_file()
-        assert_not_blank(results / f"figures/figure{number}.png")
-    assert not list(results.rglob("*.part"))
+    assert len(runs) == len(set(runs))
+    assert {*contents(results / "drag.nc")["run_id"].ravel()} <= {*runs}
+    assert (results / "snapshots.nc").is_file() and not list(results.rglob("*.part"))
+    table = (results / "claims.txt").read_text()
+    assert "dumbbells above discs" in table and "drag relative to c1" in table
+    of_claims = [*results.glob("figures/claims_*.png")]
+    numbers = "07", "08", "09", "12", "13", "14"
+    for picture in [*of_claims, *(results / f"figures/figure{number}.png" for number in numbers)]:
+        assert picture.with_suffix(".svg").is_file()
+        assert_not_blank(picture)
+    assert len(of_claims) == 5 and planned(checkout_with_claims, "claims") == {}
 
 
-@pytest.fixture(scope="module")
-def reported(checkout):
-    """The folder of results with Snakemake's own report and the page that links it."""
+def test_reports_say_what_each_figure_shows_and_open_without_a_network(checkout, request):
+    """Snakemake's own, in the list of figures and beside each in the words of its own module, and the page of
+    results, which links it."""
     results = checkout / "results/smoke"
     for arguments in (("-j1", "--report", str(results / "provenance.html")), ("-j2", "report")):
         run = snakemake(checkout, *arguments)
         assert run.returncode == 0, run.stdout + run.stderr
-    return results
-
-
-def test_the_report_of_snakemake_says_what_each_figure_shows(checkout, reported):
-    """In the list of figures and beside each, in the words of its own module."""
-    page = (reported / "provenance.html").read_text()
-    drawn = FIGURES.keys() & {path.stem for path in (reported / "figures").glob("*.svg")}
+    page = (results / "provenance.html").read_text()
+    drawn = FIGURES.keys() & {path.stem for path in (results / "figures").glob("*.svg")}
     assert len(drawn) >= 6
     for name in drawn:
         caption = FIGURES[name].caption
         assert f'{{"figure": "{name}", "shows": "{caption}"}}' in page
         assert f"<p>{caption}, drawn from" in page
-    assert 'href="provenance.html"' in (reported / "report.html").read_text()
+    assert 'href="provenance.html"' in (results / "report.html").read_text()
     assert planned(checkout, "report") == {}
-
-
-def test_reports_open_without_a_network(reported, browser):
-    """The page of results and Snakemake's own report ask for no other file."""
+    browser = request.getfixturevalue("browser")  # skipped where there is none
     for name in ("provenance.html", "report.html"):
-        browser.get((reported / name).as_uri())
+        browser.get((results / name).as_uri())
         assert_alone(browser)
-
-
-def test_claims_of_small_beds(checkout_with_claims):
-    """The study of claims, from its runs to a table and five figures; nothing is made twice."""
-    results = checkout_with_claims / "results/smoke"
-    table = (results / "claims.txt").read_text()
-    assert "dumbbells above discs" in table and "drag relative to c1" in table
-    pictures = list((results / "figures").glob("claims_*.png"))
-    assert len(pictures) == 5
-    for picture in pictures:
-        assert_not_blank(picture)
-    assert planned(checkout_with_claims, "claims") == {}
 
 
 def stamps(paths):
