@@ -1,44 +1,23 @@
-"""Clumps of discs, and mixtures: areas of unions, motion, beds, configurations."""
+"""Clumps of discs, and mixtures: areas of unions, and what a file says of them."""
 
 import math
 
 import numpy as np
 import pytest
-from collisions import ELASTIC, LEAST
+from beds import area_of, replicate
 from forms import CLUMPS, TRIMER
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from project import CONFIG
+from project import CONFIG, ROOT
 from sweeps import sheared_values
 
 import dem
-from dem.base.errors import InputError
-from dem.base.source_hash import ROOT
-from dem.dynamics.energy import balance
 from dem.experiment.bed import make_bed
 from dem.experiment.config import of_values
 from dem.experiment.kinds import shear
-from dem.experiment.scene import granules as granules_of
-from dem.experiment.scene import make_scene, start
-from dem.packing.random import Bed
+from dem.experiment.scene import granules, make_scene
 from dem.sweep.config import load
-
-
-def mixed(n, diameter=1e-3):
-    """Clumps of one, two and three discs in turn, of +-10 % in size."""
-    sizes = diameter * np.random.default_rng(3).uniform(0.9, 1.1, n)
-    parts = [dem.Clump.of_size(sizes[k::3], form) for k, form in enumerate(CLUMPS)]
-    order = np.argsort(np.argsort(np.arange(n) % 3, kind="stable"))
-    return parts[0].appended(*parts[1:]).take(order)
-
-
-@pytest.fixture(scope="module")
-def bed():
-    shape = mixed(60)
-    side = math.sqrt(shape.area.sum() / 0.86)
-    return shape, dem.pack(shape, side, side, None, 1)
-
 
 # Unions
 
@@ -68,7 +47,7 @@ def test_a_union_of_two_discs_has_the_area_and_inertia_of_both_without_the_lens(
 def test_area_centre_and_inertia_of_a_union_are_sums_over_its_points():
     """Of three discs, and of two of which one is twice there and one is inside another."""
     inside = [(0.0, 0.0, 1.0), (0.0, 0.0, 1.0), (0.2, 0.0, 0.5), (1.1, 0.0, 0.6)]
-    clumps, side = dem.Clump([TRIMER, inside]), np.linspace(-3.0, 3.0, 1001)
+    clumps, side = dem.Clump([TRIMER, inside]), np.linspace(-3.0, 3.0, 501)
     points = np.stack(np.meshgrid(side, side), axis=-1)
     for g in range(2):
         discs = clumps.discs[clumps.owner == g]
@@ -88,181 +67,71 @@ def test_clumps_that_are_taken_scaled_or_appended_are_those_that_are_made_so():
     assert result.owner.tolist() == [0, 0, 0, 1, 2, 2] and result.first.tolist() == [0, 3, 4, 6]
 
 
-# Motion
-
-
-@pytest.mark.quick
-def test_a_clump_in_free_fall_turns_about_its_centre_of_mass():
-    shape = dem.Clump([1e-3 * TRIMER])
-    scene = dem.Scene(shape, gravity=(0.0, -9.81), **LEAST)
-    begin = dem.State([[1.0, 2.0]], [[0.3, 0.1]], [0.4], [200.0])
-    run = dem.Simulation(scene, begin, time_step=1e-6)
-    run.advance(1e-3)
-    state = run.state
-    assert_allclose(state.position, [[1.0 + 3e-4, 2.0 + 1e-4 - 0.5 * 9.81e-6]], rtol=1e-12)
-    assert_allclose(state.angle, 0.6, rtol=1e-12)
-
-
-# Beds
-
-
-@pytest.mark.quick
-def test_clumps_of_one_two_and_three_discs_pack_and_keep_their_energy(bed):
-    shape, packed = bed
-    assert packed.net_force < 1e-9 and packed.max_overlap < 0.2
-    scene = dem.Scene(shape, ELASTIC, LEAST["friction"], packed.walls)
-    velocity = 0.5 * np.random.default_rng(1).normal(size=(60, 2))
-    run = dem.Simulation(
-        scene, dem.State(packed.position, velocity, packed.angle), step_fraction=0.1
-    )
-    initial = sum(balance(run.world))
-    moving = balance(run.world)[0]
-    run.advance(1e-4)
-    assert abs(balance(run.world)[0] / moving - 1.0) > 0.05
-    assert_allclose(sum(balance(run.world)), initial, rtol=1e-4)
-
-
 # Configurations
 
-T3 = {"kind": "clump", "discs": TRIMER.tolist(), "diameter": 1.1e-3, "granules": 60}
-ROD = {"kind": "clump", "discs": [[0, 0, 1], [1.2, 0, 1]], "diameter": 0.9e-3, "granules": 60}
-MIX = {"mixture": {"t3": 0.25, "rod": 0.75}, "granules": 61}
-
-
-def values_of(shape, **shapes):
-    """Values of a run of small beds with other shapes."""
-    values = load(CONFIG / "smoke.yaml").replicate("c1", 2e3, 1).values()
-    return values | {"shapes": values["shapes"] | shapes, "shape": shape}
-
 
 @pytest.mark.quick
-def test_a_configuration_makes_clumps_of_the_area_of_discs_of_the_diameter():
-    run = of_values(values_of("t3", t3=T3))
-    shape = granules_of(run)
+def test_clumps_and_mixtures_of_a_file_by_the_page(tmp_path):
+    """docs/howto/clumps.md: granules of the area of a disc of the diameter, in their shares and in another order
+    for each seed, known by their discs and not by the name of a file, and by no other shapes."""
+    page = (ROOT / "docs/howto/clumps.md").read_text()
+    text = page.partition("```yaml\n")[2].partition("```")[0].replace("config/", f"{CONFIG}/")
+    (tmp_path / "my.yaml").write_text(text.replace("1.1e-3", "0.9e-3", 1))  # of drop
+    np.savetxt(tmp_path / "stone.csv", TRIMER, delimiter=",", header="x,y,radius")
+    sweep = load(tmp_path / "my.yaml")
+    stone = sweep.replicate("stone", 2e3, 1)
+    listed = sweep.changed({"shapes.stone.discs": TRIMER.tolist()}, "stone")
+    assert listed.replicate("stone", 2e3, 1).id == stone.id
+    assert stone.labels()["kind"] == "clump" and 1.1 < stone.shape.ratio < 1.3
+    shape = granules(stone)
     assert_allclose(np.sqrt(4.0 / np.pi * shape.area).mean(), 1.1e-3, rtol=0.05)
     assert_allclose(shape.discs[:3] / shape.discs[0, 2], dem.Clump([TRIMER]).discs, rtol=1e-12)
-    assert run.labels()["kind"] == "clump" and 1.1 < run.shape.ratio < 1.3
+    one, two = (sweep.replicate("mix", 2e3, seed) for seed in (1, 2))
+    assert one.labels()["kind"] == "mixture"
+    assert set(one.values()["shapes"]) == {"drop", "mix", "stone"}
+    shape, other = granules(one), granules(two)
+    stones, others = (np.isclose(s.discs[1::3, 2] / s.discs[::3, 2], 0.8) for s in (shape, other))
+    assert stones.sum() == others.sum() == 42 and (stones != others).any()
+    sizes = np.sqrt(4.0 / np.pi * shape.area)
+    means = [sizes[~stones].mean(), sizes[stones].mean()]
+    assert_allclose(means, [0.9e-3, 1.1e-3], rtol=0.05)
+    assert_allclose(one.shape.diameter, 0.3 * 0.9e-3 + 0.7 * 1.1e-3)
+    (tmp_path / "stone.csv").unlink()
+    with pytest.raises(dem.InputError, match=r"discs is 'stone\.csv'; it must be a file"):
+        load(tmp_path / "my.yaml")
 
 
-@pytest.mark.parametrize("share", [0.99, 1.01])
-def test_a_period_that_is_too_short_for_clumps_is_refused_before_a_bed_is_made(share):
+def test_a_period_that_is_too_short_for_clumps_is_refused_before_a_bed_is_made():
     """By the circles about their centres of mass that hold them, as a scene is."""
     hammer = [[0.0, 0.0, 1.0], [3.0, 0.0, 0.3]]
-    values = values_of(
-        "h", h={"kind": "clump", "discs": hammer, "diameter": 1.1e-3, "granules": 200}
-    )
-    values["packing"]["size_spread"] = 0.0
     radius = dem.Clump.of_size([1.1e-3], hammer).bounding_radius[0]
-    least = 2.5 * (radius + max(radius, 0.5 * values["cylinder"]["diameter"]))
-    values |= {"periodic": "x", "box_width": share * least}
-    if share > 1.0:
-        assert of_values(values).configuration.periodic == "x"
-        return
-    with pytest.raises(InputError, match=r"periodic is x: .* along x it must be at least"):
-        of_values(values)
-
-
-@pytest.mark.quick
-def test_a_mixture_has_its_shapes_in_their_shares_and_another_order_for_each_seed():
-    values = values_of("mix", t3=T3, rod=ROD, mix=MIX)
-    kinds = [np.bincount(granules_of(of_values(values | {"seed": seed})).owner) for seed in (1, 2)]
-    for counts in kinds:
-        assert np.bincount(counts).tolist() == [0, 0, 46, 15]
-    assert (kinds[0] != kinds[1]).any()
-    run = of_values(values)
-    assert run.labels()["kind"] == "mixture"
-    assert_allclose(run.shape.diameter, 0.25 * 1.1e-3 + 0.75 * 0.9e-3)
-    sizes = np.sqrt(4.0 / np.pi * granules_of(run).area)
-    assert_allclose(sizes[kinds[0] == 3].mean(), 1.1e-3, rtol=0.1)
-    assert_allclose(sizes[kinds[0] == 2].mean(), 0.9e-3, rtol=0.05)
-
-
-@pytest.mark.quick
-def test_a_mixture_is_known_by_its_shapes():
-    """A run of it has the values of the shapes that it is of, and reads no others."""
-    values = values_of("mix", t3=T3, rod=ROD, mix=MIX)
-    run = of_values(values)
-    assert set(run.values()["shapes"]) == {"mix", "rod", "t3"}
-    assert of_values(run.values()).id == run.id
-    other = values["shapes"] | {"c1": T3, "rod": ROD | {"granules": 99}}
-    assert of_values(values | {"shapes": other}).id == run.id
-    other = values["shapes"] | {"rod": ROD | {"diameter": 0.8e-3}}
-    assert of_values(values | {"shapes": other}).id != run.id
-
-
-def test_a_bed_of_two_materials_is_at_rest_and_has_the_masses_of_both():
-    disc, steel = {"kind": "disc", "granules": 60}, {"young_modulus": 200e9, "density": 7.8e3}
-    values = values_of(
-        "mix",
-        glass=disc | {"diameter": 1.0e-3},
-        steel=disc | {"diameter": 1.2e-3, "material": steel},
-        mix={"mixture": {"glass": 0.5, "steel": 0.5}, "granules": 60},
-    )
-    run = of_values(values)
-    simulation = start(run, make_bed(run))
-    scene, contacts = simulation.scene, simulation.contacts()
-    densities = scene.mass / scene.shape.area / scene.thickness
-    assert_allclose(np.sort(densities)[[0, 29, 30, 59]], [2e3, 2e3, 7.8e3, 7.8e3])
-    force, net = contacts.force[:, None] * contacts.normal, np.zeros((60, 2))
-    np.add.at(net, contacts.granule, -force)
-    pairs = contacts.partner >= 0
-    np.add.at(net, contacts.partner[pairs], force[pairs])
-    assert np.abs(net).max() < 1e-6 * contacts.force.max()
-    softer = values | {"material": values["material"] | {"young_modulus": 1e9}}
-    assert of_values(softer).bed_id != run.bed_id
-
-
-def bodies(light, heavy):
-    """Granules of two densities (kg/m3), and what has the density of the bed: mass (kg) and damping
-    (N s/m) of its lid, inertia (kg m2) of a free cylinder, rate (1/s) of shear."""
-    disc = {"kind": "disc", "granules": 60}
-    light, heavy = ({"young_modulus": 70e9, "density": density} for density in (light, heavy))
-    values = values_of(
-        "mix",
-        light=disc | {"diameter": 0.9e-3, "material": light},
-        heavy=disc | {"diameter": 1.2e-3, "material": heavy},
-        mix={"mixture": {"light": 0.3, "heavy": 0.7}, "granules": 60},
-    )
-    packing, cylinder = (values.pop(name) for name in ("packing", "cylinder"))
-    pressed = packing | {"fraction": None, "pressure": 6e7}
-    run = of_values(values | {"packing": pressed, "cylinder": cylinder | {"spin": "free"}})
-    width, height = run.configuration.box_width, 10e-3
-    bed = Bed(np.zeros((60, 2)), np.zeros(60), width, height, 0.0, 0.0, 0.0, 0.0, None)
-    scene = make_scene(run, bed)
-    lid, (solid,) = scene.walls[-1].motion, scene.solids
-    sheared = of_values(sheared_values() | {name: values[name] for name in ("shapes", "shape")})
-    return scene, [lid.mass, lid.damping, solid.spin.inertia, shear.rate_of(sheared)]
+    least = 2.5 * (radius + max(radius, 0.75e-3))
+    section = {"kind": "clump", "discs": hammer, "diameter": 1.1e-3, "granules": 200}
+    values = {"shapes": {"c1": section}, "packing.size_spread": 0.0, "periodic": "x"}
+    sweep = load(CONFIG / "smoke.yaml")
+    sweep.changed(values | {"box_width": 1.01 * least}, "c1").replicate("c1", 2e3, 1)
+    with pytest.raises(dem.InputError, match=r"periodic is x: .* along x it must be at least"):
+        sweep.changed(values | {"box_width": 0.99 * least}, "c1").replicate("c1", 2e3, 1)
 
 
 @pytest.mark.quick
 def test_what_has_the_density_of_the_bed_has_that_of_all_its_granules_together():
-    """Mass over volume, whatever the density of the run; of granules of one density it is that."""
-    scene, mixed = bodies(2.0e3, 7.8e3)
-    mean = scene.mass.sum() / (scene.shape.area.sum() * scene.thickness)
-    assert 5.0e3 < mean < 7.0e3
-    assert_allclose(mixed, bodies(mean, mean)[1], rtol=1e-12)
-    (mass, *_), width = mixed, scene.planes[1, 2]
-    assert_allclose(mass, mean * width * scene.thickness**2, rtol=1e-12)
-
-
-@pytest.mark.quick
-def test_a_run_is_known_by_the_discs_in_a_file(tmp_path):
-    """And not by the name of the file; the example of docs/howto/clumps.md."""
-    page = (ROOT / "docs/howto/clumps.md").read_text()
-    text = page.partition("```yaml\n")[2].partition("```")[0]
-    (tmp_path / "my.yaml").write_text(text.replace("config/", f"{CONFIG}/"))
-    file = tmp_path / "stone.csv"
-    np.savetxt(file, TRIMER, delimiter=",", header="x,y,radius")
-    sweep = load(tmp_path / "my.yaml")
-    assert sweep.replicate("stone", 2e3, 1).id == of_values(values_of("t3", t3=T3)).id
-    assert sweep.replicate("mix", 2e3, 1).labels()["kind"] == "mixture"
-    for change, sentence in (
-        (
-            lambda: file.write_text("0, 0\n"),
-            r"stone\.discs is \[\[0\.0, 0\.0\]\]; it must be a list",
-        ),
-        (file.unlink, r"my\.yaml: shapes\.stone\.discs is 'stone\.csv'; it must be a file"),
-    ):
-        change()
-        with pytest.raises(InputError, match=sentence):
-            load(tmp_path / "my.yaml")
+    """Mass over volume, whatever the density of the run: the lid, a free cylinder, and the rate of shear."""
+    shapes = {
+        name: {"kind": "disc", "granules": 60, "diameter": diameter}
+        | {"material": {"young_modulus": 7e10, "density": density}}
+        for name, diameter, density in (("light", 0.9e-3, 2.0e3), ("heavy", 1.2e-3, 7.8e3))
+    }
+    shapes["c1"] = {"mixture": {"light": 0.3, "heavy": 0.7}, "granules": 60}
+    run = replicate(6e7, shapes=shapes, **{"cylinder.spin": "free"})
+    scene = make_scene(run, make_bed(run))
+    density = scene.mass.sum() / (scene.shape.area.sum() * scene.thickness)
+    assert 5.0e3 < density < 7.0e3
+    lid, (solid,), thickness = scene.walls[-1].motion, scene.solids, scene.thickness
+    inertia = 0.5 * np.pi * density * thickness * solid.radius**4
+    damping = math.sqrt(6e7 * density) * area_of(run)
+    found = lid.mass / thickness, lid.damping, solid.spin.inertia
+    assert_allclose(found, [density * area_of(run), damping, inertia], rtol=1e-12)
+    sheared = of_values(sheared_values(shapes=shapes, shape="c1"))
+    mass = 0.25 * np.pi * density * sheared.shape.diameter**2
+    assert_allclose(shear.rate_of(sheared), 0.1 / math.sqrt(mass / 1e5), rtol=1e-12)
