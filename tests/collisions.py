@@ -30,37 +30,6 @@ LEAST = {"friction": dem.Friction(1e-15, 1e-15, 1e-15), **APART}
 ROUGH = {"friction": SLIPPERY, **APART}
 
 
-def head_on(radii, speeds, gap=0.0, **properties):
-    """Pairs of discs about to collide, far from each other; speeds (m/s) of approach."""
-    radii, speeds = np.asarray(radii, float), np.asarray(speeds, float)
-    rows = 10.0 * radii.max() * np.arange(len(radii))
-    x = np.column_stack([-radii[:, 0], radii[:, 1] + gap])
-    position = np.stack([x, np.broadcast_to(rows[:, None], x.shape)], axis=-1)
-    velocity = np.zeros_like(position)
-    velocity[:, 0, 0], velocity[:, 1, 0] = 0.5 * speeds, -0.5 * speeds
-    scene = dem.Scene(dem.Disc(radii.ravel()), **HEAVY | properties)
-    return scene, dem.State(position.reshape(-1, 2), velocity.reshape(-1, 2))
-
-
-def approach(velocity):
-    """Speed (m/s) at which the discs of each pair approach each other."""
-    return velocity[..., 0::2, 0] - velocity[..., 1::2, 0]
-
-
-def followed(scene, state, duration, steps, ledger=False):
-    """Time, overlap (m) and approach (m/s) of each pair at every step."""
-    step, frames = duration / steps, int(steps)
-    run = dem.simulate(scene, state, duration, time_step=step, frames=frames, ledger=ledger)
-    x, r = run.position[..., 0], scene.shape.radius
-    return run.time, r[0::2] + r[1::2] - (x[:, 1::2] - x[:, 0::2]), approach(run.velocity)
-
-
-def leaving(time, overlap):
-    """Moment (s) at which an overlap falls back to zero, between two steps."""
-    last = np.flatnonzero(overlap > 0.0)[-1]
-    return np.interp(0.0, -overlap[last : last + 2], time[last : last + 2])
-
-
 def energy(scene, state):
     """Kinetic energy (J) of each granule."""
     return 0.5 * scene.mass * (state.velocity**2).sum(axis=1) + (

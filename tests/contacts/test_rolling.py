@@ -6,6 +6,7 @@ the model in plain numpy: test_twin.py.
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from project import CONFIG
 
 import dem
@@ -28,15 +29,21 @@ def laid(mu_r, slope=0.0):
 
 
 @pytest.mark.quick
-def test_a_rolling_disc_stops_where_its_energy_is_spent():
-    """After 3 v^2 / (4 mu_r g), of a moment mu_r R N that brakes a mass of 3/2 m."""
-    mu_r, speed = 0.05, 0.2
+@pytest.mark.parametrize("mu_r", [0.0, 0.05])
+def test_a_sliding_disc_ends_rolling_and_stops_where_its_energy_is_spent(mu_r):
+    """It slows down by mu g and spins up by the moment (mu - mu_r) m g R, until it rolls; then by 2/3 of mu_r g."""
+    mu, speed = 0.8, 0.2
     scene, state = laid(mu_r)
-    state.velocity[0, 0], state.angular_velocity[0] = speed, -speed / R
-    expected = 0.75 * speed**2 / (mu_r * G)
-    run = dem.simulate(scene, state, 3.0 * expected / speed)
-    assert run.position[-1, 0, 0] - 1.0 == pytest.approx(expected, rel=1e-3)
-    assert np.abs(run.velocity[-1]).max() < 1e-6 * speed
+    state.velocity[0, 0] = speed
+    rolls = speed / (G * (3.0 * mu - 2.0 * mu_r))  # s
+    left = speed - mu * G * rolls
+    stops = rolls + 1.5 * left / (mu_r * G) if mu_r else 0.1
+    run = dem.simulate(scene, state, stops, frames=40)
+    slowed = np.maximum(speed - mu * G * run.time, left - 2.0 / 3.0 * mu_r * G * (run.time - rolls))
+    assert_allclose(run.velocity[:, 0, 0], slowed, atol=2e-3 * speed)
+    rolling = run.time > rolls + 1e-3
+    spin = run.angular_velocity[rolling, 0]
+    assert_allclose(spin * R, -run.velocity[rolling, 0, 0], atol=2e-3 * speed)
 
 
 @pytest.mark.quick

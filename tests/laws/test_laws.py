@@ -30,7 +30,7 @@ SMALL, LARGE, THICK = 1e-3, 2.5e-3, 1e-3  # m
 PAGE = (ROOT / "docs/howto/law.md").read_text()
 
 
-def pressed(law, partner, overlap, one=ELASTIC, two=STEEL, velocity=(0.0, 0.0), spin=0.0):
+def pressed(law, partner, two, overlap, one=ELASTIC, velocity=(0.0, 0.0), spin=0.0, **options):
     """A disc that overlaps what is at its right: another disc, a wall or a round solid of another material, rigid
     where that is None. Returns the simulation, and the radii (m) of both."""
     around, both, radii, place = dict(APART), [one], [SMALL], [[overlap - SMALL, 0.0]]
@@ -44,12 +44,11 @@ def pressed(law, partner, overlap, one=ELASTIC, two=STEEL, velocity=(0.0, 0.0), 
         around["solids"] = dem.Cylinder(2.0 * LARGE, (LARGE, 0.0), material=two)
     scene = dem.Scene(
         dem.Disc(radii), both, dem.Friction(9.0, 9.0, 9.0, stiffness=0.5),
-        species=range(len(both)), thickness=THICK, **around, **law,
+        species=range(len(both)), thickness=THICK, **around, **LAWS[law],
     )  # fmt: skip
-    rest = np.zeros(len(both) - 1)
-    state = dem.State(place, [velocity, *[(0.0, 0.0) for _ in rest]], None, [spin, *rest])
-    ledger = isinstance(scene.law, dem.Line)
-    return dem.Simulation(scene, state, 1e-9, ledger=ledger), (SMALL, other)
+    rest = len(both) - 1
+    state = dem.State(place, [velocity, *rest * [(0.0, 0.0)]], None, [spin, *rest * [0.0]])
+    return dem.Simulation(scene, state, ledger=law == "line", **options), (SMALL, other)
 
 
 PARTNERS = [
@@ -74,7 +73,7 @@ def test_the_springs_of_a_contact_are_those_of_the_books(law, partner, two):
     )
     ratio = 0.5 * 4.0 * shear * sum(map(compliance, both))
     for overlap in (1e-8, 1e-6, 1e-5):
-        start, radii = pressed(LAWS[law], partner, overlap, two=two)
+        start, radii = pressed(law, partner, two, overlap, time_step=1e-9)
         (force,) = start.contacts().force
         elastic = start.scene.law
         stated, less = (
@@ -82,18 +81,56 @@ def test_the_springs_of_a_contact_are_those_of_the_books(law, partner, two):
         )
         assert_allclose(force, stated, rtol=1e-8)
         normal = (stated - less) / (1e-5 * overlap)
-        slid, _ = pressed(LAWS[law], partner, overlap, two=two, velocity=(0.0, 1e-2))
+        slid, _ = pressed(law, partner, two, overlap, velocity=(0.0, 1e-2), time_step=1e-9)
         slid.advance(1e-9)
         assert_allclose(slid.contacts().tangential_force, ratio * normal * 1e-11, rtol=1e-3)
         if start.scene.rolling is None:
             continue
         arm = {"granule": 0.4, "wall": 0.3, "solid": 0.5}[partner] / np.sum(1.0 / np.array(radii))
         for spin, time in ((10.0, 1e-9), (1e5, 2e-7)):
-            turned, _ = pressed(LAWS[law], partner, overlap, two=two, spin=spin)
+            turned, _ = pressed(law, partner, two, overlap, spin=spin, time_step=1e-9)
             turned.advance(time)
             now = turned.contacts()
             moment = 3.0 * arm**2 * normal * spin * time if spin < 1e3 else arm * now.force[0]
             assert_allclose(now.rolling_moment, moment, rtol=1e-3)
+
+
+def rebound(law, restitution, partner, two, speed, **options):
+    """Speed of parting over that of approach, which is along the line of centres."""
+    one = replace(ELASTIC, restitution=restitution)
+    two = two and replace(two, restitution=0.8)
+    run, _ = pressed(law, partner, two, -1e-6 * speed, one, (speed, 0.0), **options)
+    while run.time < 6e-5 or len(run.contacts().granule):
+        run.advance(6e-5)
+    after = run.state.velocity[:, 0]
+    return (after[-1] * (partner == "granule") - after[0]) / speed
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("partner", "two"), PARTNERS)
+@pytest.mark.parametrize(
+    ("law", "restitution", "step_fraction", "close"),
+    [(law, e, None, 1e-2) for law in LAWS for e in (0.9, 0.1)]
+    + [(law, 0.5, 0.02, 3e-3) for law in LAWS]
+    + [("hertz", 1e-3, None, 4e-2)],
+)
+def test_restitution_is_as_asked(law, restitution, step_fraction, close, partner, two):
+    """At any speed. Between two materials it is the geometric mean; a body without a material has no say."""
+    options = {"step_fraction": step_fraction} if step_fraction else {}
+    asked = np.sqrt(0.8 * restitution) if two else restitution
+    for speed in (0.1, 0.73, 3.0):
+        found = rebound(law, restitution, partner, two, speed, **options)
+        assert found == pytest.approx(asked, rel=close)
+
+
+@pytest.mark.quick
+def test_elastic_collisions_at_the_default_step_err_by_a_tenth_of_a_per_cent():
+    """The energy, in the root mean square over many collisions, and in the worst of them, as docs/scope.md says."""
+    speeds = np.geomspace(0.1, 3.0, 60)
+    gain = np.array([rebound("hertz", ELASTIC.restitution, "wall", None, v) for v in speeds])
+    gain = gain**2 - 1.0
+    assert np.sqrt((gain**2).mean()) < 0.002
+    assert np.abs(gain).max() < 0.005
 
 
 @pytest.mark.quick
@@ -101,7 +138,7 @@ def test_discs_in_plane_strain_go_on_smoothly_where_half_spaces_end():
     """Beyond an overlap of a/e^2, 0.54 of the radius at a rigid wall: there the force grows on without a jump, and its
     energy is its integral."""
     overlap = 0.5413 * SMALL * np.array([0.98, 0.985, 0.99, 0.994, 0.996, 1.0, 1.005, 1.01])
-    runs = [pressed(LAWS["line"], "wall", d, two=None)[0] for d in overlap]
+    runs = [pressed("line", "wall", None, d)[0] for d in overlap]
     force = np.array([run.contacts().force[0] for run in runs])
     energy = np.array([run.ledger().elastic_normal for run in runs])
     assert_allclose(np.diff(energy), 0.5 * (force[1:] + force[:-1]) * np.diff(overlap), rtol=1e-3)
