@@ -15,9 +15,9 @@ def clumps(radius):
     return dem.Clump([r * np.array(CLUMPS[k % 3]) for k, r in enumerate(radius)])
 
 
-def ellipses(radius, contact="common_normal", hertz_radius="volume"):
+def ellipses(radius):
     root = np.sqrt(np.resize(RATIOS, radius.size))
-    return dem.Ellipse(radius * root, radius / root, contact, hertz_radius)
+    return dem.Ellipse(radius * root, radius / root)
 
 
 def superellipses(radius, exponent):

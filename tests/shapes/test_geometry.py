@@ -1,16 +1,14 @@
 """Contacts of all shapes, against outlines sampled point by point."""
 
-import math
-
 import numpy as np
 import pytest
 from collisions import APART, ELASTIC, LEAST
 from forms import FORMS, RATIOS
 from numpy.testing import assert_allclose
-from outlines import outline, parting, potential
+from outlines import parting
+from twin import Outline, Touch, chord, support, turned, unit
 
 import dem
-from dem import CommonNormal, GeometricPotential
 from dem.shapes import protocol
 
 pytestmark = pytest.mark.quick
@@ -40,7 +38,7 @@ def partings(away, one, two):
             yield *parting(away, first, second), k, m
 
 
-CIRCLE = outline((1.0, 0.0, 1.0, 1.0), 4000)
+CIRCLE = unit(2.0 * np.pi * np.arange(4000) / 4000)
 FLAT = np.array([[-1.0, 0.0], [1.0, 0.0], [1.0, -1.0], [-1.0, -1.0]])
 
 
@@ -86,106 +84,64 @@ def test_contacts_are_those_of_the_outlines(form, partner):
 # Ellipses, whose contacts have closed forms
 
 
-def contact(d, one, other, guess=None, method="common_normal"):
-    """(overlap, nx, ny, n1, t1, n2, t2, R*); the first guess is along d, as in a new list."""
-    guess = guess or (np.array(d) / np.hypot(*d) if np.any(d) else (1.0, 0.0))
-    unit = dem.Ellipse([1.0], [1.0], method, "local")
-    return np.array(protocol.solve_contact(unit, *map(float, d), one, other, tuple(guess)))
-
-
-def ellipse(ratio, angle, size=1.0):
-    """(cos, sin, a, b) of area pi size^2."""
-    return np.cos(angle), np.sin(angle), size * math.sqrt(ratio), size / math.sqrt(ratio)
-
-
-def facing(e, normal):
-    """Point of an ellipse's outline with the given outward normal, by its eccentric angle; radius of curvature."""
-    c, s, a, b = e
-    t = np.arctan2(b * (c * normal[1] - s * normal[0]), a * (c * normal[0] + s * normal[1]))
-    x, y = a * np.cos(t), b * np.sin(t)
-    rho = ((a * np.sin(t)) ** 2 + (b * np.cos(t)) ** 2) ** 1.5 / (a * b)
-    return np.array([c * x - s * y, s * x + c * y]), rho
-
-
 def touching(rng, ratio, overlap):
-    """Two random ellipses that overlap by a share of the smaller b along a known normal.
+    """Random ellipses that overlap by shares (n,) of the smaller b along known normals.
 
-    Returns d, both ellipses, overlap (m), normal and contact point from the first centre, and R* there.
+    Returns d (n, 2), both outlines, and their contacts.
     """
-    first, second = (ellipse(ratio, 7.0 * rng.random(), 0.5 + rng.random()) for _ in range(2))
-    angle = rng.uniform(0.0, 2.0 * np.pi)
-    n = np.array([np.cos(angle), np.sin(angle)])
-    depth = overlap * min(first[3], second[3])
-    (end, rho1), (start, rho2) = facing(first, n), facing(second, -n)
-    star = rho1 * rho2 / (rho1 + rho2)
-    return end - depth * n - start, first, second, depth, n, end - 0.5 * depth * n, star
+    n, root = len(overlap), np.sqrt(ratio)
+    first, second = (
+        Outline(rng.uniform(0.0, 7.0, n), size * root, size / root)
+        for size in rng.uniform(0.5, 1.5, (2, n))
+    )
+    normal, depth = unit(rng.uniform(0.0, 7.0, n)), overlap * np.minimum(first.b, second.b)
+    (h1, q1, rho1), (h2, q2, rho2) = support(first, normal), support(second, -normal)
+    point = (h1 - 0.5 * depth)[:, None] * normal + q1[:, None] * turned(normal)
+    d = (h1 + h2 - depth)[:, None] * normal + (q1 + q2)[:, None] * turned(normal)
+    return d, first, second, Touch(depth, normal, point, (rho1, rho2))
+
+
+def solved(d, one, two, method="common_normal", guess=None):
+    """Contacts (8, n) from a first guess, which is along d in a new list."""
+    granule = dem.Ellipse([1.0], [1.0], method, "local")
+    guess = d / np.hypot(*d.T)[:, None] if guess is None else guess
+    ends = (np.column_stack([unit(o.angle), o.a, o.b]).tolist() for o in (one, two))
+    rows = zip(d.tolist(), *ends, guess.tolist(), strict=True)
+    return np.transpose(
+        [protocol.solve_contact(granule, *row[0], *map(tuple, row[1:])) for row in rows]
+    )
+
+
+def assert_alike(contacts, d, expected):
+    """Overlap, normal, contact point from both centres, and R* there."""
+    overlap, nx, ny, n1, t1, n2, t2, star = contacts[..., None]
+    normal = np.hstack([nx, ny])
+    assert_allclose(overlap[:, 0], expected.overlap, rtol=1e-11, atol=1e-14)
+    assert_allclose(normal, expected.normal, atol=1e-9)
+    assert_allclose(n1 * normal + t1 * turned(normal), expected.point, atol=1e-9)
+    assert_allclose(d - n2 * normal + t2 * turned(normal), expected.point, atol=1e-9)
+    assert_allclose(1.0 / star[:, 0], sum(1.0 / np.array(expected.curvature)), rtol=1e-6)
 
 
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_contact_of_known_normal(ratio):
-    """Overlap, normal, contact point and local radius of two ellipses that were put together along a normal, from any
-    first guess; ellipses just apart do not touch."""
-    rng = np.random.default_rng(1)
-    for overlap in np.geomspace(1e-8, 0.1, 15) * min(1.0, 4.0 / ratio**2):
-        d, first, second, depth, n, point, star = touching(rng, ratio, overlap)
-        for guess in (None, *(facing(first, rng.normal(size=2))[0] for _ in range(3))):
-            guess = guess if guess is None else tuple(guess / np.hypot(*guess))
-            geometry = contact(d, first, second, guess)
-            normal = geometry[1:3]
-            t = np.array([-normal[1], normal[0]])
-            assert_allclose(geometry[0], depth, rtol=1e-11, atol=1e-14)
-            assert_allclose(normal, n, atol=1e-9)
-            assert_allclose(geometry[3] * normal + geometry[4] * t, point, atol=1e-9)
-            assert_allclose(d - geometry[5] * normal + geometry[6] * t, point, atol=1e-9)
-            assert_allclose(geometry[7], star, rtol=1e-6)
-        d, first, second, *_ = touching(rng, ratio, -overlap)
-        assert contact(d, first, second)[0] <= 0.0
-
-
-@pytest.mark.parametrize("ratio", RATIOS)
-def test_overlap_is_the_least_translation_that_parts(ratio):
-    """No shorter translation parts two sampled outlines, from touching to one centre."""
-    rng = np.random.default_rng(2)
-    for overlap in [1e-2, 0.1, 0.3, 1.0]:
-        d, first, second, *_ = touching(rng, ratio, overlap)
-        d = d if overlap < 1.0 else np.zeros(2)
-        least, angle = parting(d, first, second)
-        geometry = contact(d, first, second)
-        assert_allclose(geometry[0], least, rtol=1e-6, atol=2e-8)
-        if overlap < 1.0:
-            assert_allclose(geometry[1:3], [np.cos(angle), np.sin(angle)], atol=1e-3)
+    """Of two ellipses that were put together along a normal, from any first guess; ellipses just apart do not touch,
+    and of one centre and angle they overlap by the short axis."""
+    rng, overlap = np.random.default_rng(1), np.geomspace(1e-8, 0.1, 30) * min(1.0, 4.0 / ratio**2)
+    d, first, second, expected = touching(rng, ratio, overlap)
+    for guess in (None, *unit(rng.uniform(0.0, 7.0, (3, 30)))):
+        assert_alike(solved(d, first, second, guess=guess), d, expected)
+    d, first, second, _ = touching(rng, ratio, -overlap)
+    assert (solved(d, first, second)[0] <= 0.0).all()
+    centred = solved(1e-9 * d, first, first, guess=unit(first.angle + 0.3))
+    assert_allclose(centred[0], 2.0 * first.b)
 
 
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_geometric_potential_takes_the_deepest_points(ratio):
     """The chord ends on both outlines, where the potential of the other ellipse is least; with the radii of
-    curvature there. Of two circles it is the common normal."""
+    curvature there."""
     rng = np.random.default_rng(7)
-    for overlap in [1e-3, 1e-2, 0.1]:
-        d, first, second, depth, normal, *_ = touching(rng, ratio, overlap)
-        length, nx, ny, n1, t1, n2, t2, star = contact(
-            d, first, second, method="geometric_potential"
-        )
-        n, t = np.array([nx, ny]), np.array([-ny, nx])
-        middle = n1 * n + t1 * t
-        assert_allclose(d - n2 * n + t2 * t, middle, atol=1e-12)
-        end, start = middle + 0.5 * length * n, middle - 0.5 * length * n
-        assert_allclose(potential(first, end), 0.0, atol=1e-9)
-        assert_allclose(potential(second, start - d), 0.0, atol=1e-9)
-        bent = 0.0
-        for point, one, other, shift in ((end, first, second, d), (start - d, second, first, -d)):
-            points = outline(one, 20_000)
-            sampled = potential(other, points - shift)
-            assert abs(potential(other, point - shift) - sampled.min()) < 1e-6
-            assert sampled.min() < 0.0
-            at = np.hypot(*(points - point).T).argmin() + np.array([-20, 0, 20])
-            edge = np.diff(points[at % 20_000], axis=0) @ [1.0, 1.0j]
-            bent += np.angle(edge[1] / edge[0]) / abs(edge).mean()
-        assert_allclose(star, 1.0 / bent, rtol=1e-3)
-        if ratio == 1.0:
-            assert_allclose([length, nx, ny], [depth, *normal], atol=1e-12)
-
-
-def test_the_tolerance_of_a_search_is_that_of_its_class():
-    assert dem.Ellipse([1.0], [1.0]).contact == CommonNormal()
-    assert dem.Ellipse([1.0], [1.0], "geometric_potential").contact == GeometricPotential()
+    d, first, second, _ = touching(rng, ratio, np.geomspace(1e-3, 0.1, 30))
+    contacts = solved(d, first, second, "geometric_potential")
+    assert_alike(contacts, d, chord(d, first, second))
