@@ -4,10 +4,13 @@ Its springs and limits are in tests/laws, its momenta in test_collision.py; a ru
 the model in plain numpy: test_twin.py.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from project import CONFIG
+from scenes import scene_of
 
 import dem
 from dem.sweep.config import load
@@ -69,44 +72,15 @@ def test_the_critical_step_counts_rolling_springs():
     assert np.abs(run.velocity[-1]).max() < 1e-9 and abs(run.angular_velocity[-1, 0]) < 1e-6
 
 
-def swarm(rolling, law=None, ledger=False):
-    """Twenty discs that fly together within a box."""
-    rng = np.random.default_rng(5)
-    grid = np.stack(np.meshgrid(np.arange(5.0), np.arange(4.0)), -1).reshape(-1, 2)
-    state = dem.State(
-        2.5 * R * (grid + 0.6), rng.normal(size=(20, 2)), None, rng.normal(scale=300.0, size=20)
-    )
-    scene = dem.Scene(
-        dem.Disc(R * rng.uniform(0.8, 1.2, 20)), SAND, dem.Friction(), dem.box(15 * R, 12 * R),
-        gravity=(0.0, -G), rolling=rolling, law=law or dem.Hertz(),
-    )  # fmt: skip
-    return dem.Simulation(scene, state, step_fraction=0.1, ledger=ledger)
-
-
-def test_the_energy_of_a_bed_that_resists_rolling_adds_up():
-    """While it falls together and comes to rest, with what the rolling springs hold and lose; and a checkpoint has
-    the springs."""
-    run, other = (swarm(dem.Rolling(0.3, 0.2, 0.1), dem.Line(), ledger=True) for _ in range(2))
-    for _ in range(10):
-        run.advance(5e-3)
-        ledger = run.ledger()
-        assert ledger.residual < 1e-3
-        assert ledger.elastic_rolling >= 0.0
-    assert ledger.rolled > 0.01 * ledger.before
-    other.restore(run.checkpoint())
-    for simulation in (run, other):
-        simulation.advance(1e-3)
-    moments = [simulation.contacts().rolling_moment for simulation in (run, other)]
-    assert moments[0].any() and np.array_equal(*moments)
-
-
 @pytest.mark.quick
 def test_coefficients_of_zero_leave_the_motion_as_it_is():
     """So that a sweep may begin with zero."""
-    one, other = (swarm(rolling) for rolling in (dem.Rolling(0, 0, 0), None))
-    for run in (one, other):
-        run.advance(0.02)
-    assert np.array_equal(one.state.position, other.state.position)
+    scene, state = scene_of("box of discs")
+    one, other = (
+        dem.simulate(replace(scene, solids=None, rolling=rolling), state, 1e-4).position
+        for rolling in (dem.Rolling(0, 0, 0), None)
+    )
+    assert np.array_equal(one, other)
 
 
 @pytest.mark.quick
@@ -119,12 +93,9 @@ def test_rolling_resistance_varies_as_others_do_and_leaves_the_bed(tmp_path):
         f"{common}{zero.replace('0.0', '0.1')}"
         "sweep: {shape: c1, density: 3900.0, seed: [1], rolling.granule: [0.0, 0.3]}"
     )
-    block = load(file).block("drag")
-    runs, plain = list(block.runs.values()), load(CONFIG / "smoke.yaml").block("drag").first
-    assert "rolling_granule" in block.dims and runs[0].id != runs[1].id
-    assert runs[0].bed_id == runs[1].bed_id == plain.bed_id
-    assert [run.rolling.granule for run in runs] == [0.0, 0.3] and not plain.rolling
-    assert "rolling" not in plain.run_key()
+    runs, plain = load(file).block("drag").runs.values(), load(CONFIG / "smoke.yaml").block("drag")
+    assert [run.rolling.granule for run in runs] == [0.0, 0.3] and not plain.first.rolling
+    assert {run.bed_id for run in runs} == {plain.first.bed_id}
     file.write_text(
         f"{common}{zero}sweep: {{density: 3900.0, seed: [1], granules: {{rough: {{shape: c1, "
         "rolling.granule: 0.2}, d1: {shape: d1}}}"

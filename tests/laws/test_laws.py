@@ -218,20 +218,3 @@ def test_a_law_of_ones_own_by_the_page(tmp_path):
     for name, text in {"cones.py": code, "cones.yaml": sweep, "axis.yaml": axis}.items():
         (tmp_path / name).write_text(text)
     run("-c", use + OF_THE_PAGE, cwd=tmp_path, path=[tmp_path])
-
-
-@pytest.mark.quick
-def test_a_law_is_part_of_what_a_run_and_its_bed_are():
-    """hertz is what runs are without it; a stiffness changes a run, and a bed under a pressure."""
-    plain, hertz, *others = (
-        replicate(**{f"contact.{key}": value for key, value in contact.items()})
-        for contact in (
-            {},
-            {"law": "hertz"},
-            {"law": "linear"},
-            {"law": "linear", "stiffness": 1e7},
-        )
-    )
-    assert (hertz.id, hertz.bed_id) == (plain.id, plain.bed_id)
-    assert len({run.id for run in (plain, *others)}) == 3
-    assert len({run.bed_id for run in (plain, *others)}) == 3

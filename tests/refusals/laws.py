@@ -59,6 +59,3 @@ CALLS = {f"law, {words}": check(k) for k, words in enumerate(BROKEN)} | {
     "law, a word": (lambda: dem.check_law("hertz"), NO_LAW),
     "law of a scene, a word": (lambda: dem.Scene(dem.Disc([1.0]), law="hertz"), "such as dem.Hertz()"),
 }  # fmt: skip
-FILES = {
-    "stiffness under hertz": ({"contact.stiffness": 1e7}, "N/m and law hertz; leave it out"),
-}

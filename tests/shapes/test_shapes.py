@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from collisions import ELASTIC, LEAST, gains, volley
 from egg import Egg
-from forms import FORMS, RATIOS, TRIMER, ellipses
+from forms import FORMS, RATIOS, TRIMER
 from numpy.testing import assert_allclose
 from refusals.granules import OFF, lumps, one
 
@@ -186,19 +186,11 @@ def test_an_elastic_impact_is_that_of_a_rigid_body(form):
         assert_allclose(state.angular_velocity[once], spin[once], rtol=2e-2, atol=0.3)
 
 
-BOUNCING = {
-    "ellipse": ellipses,
-    "superellipse": lambda r: dem.Superellipse.of_size(2.0 * r, 1.5),
-    "box": lambda r: dem.Superellipse.of_size(2.0 * r, 1.5, 10.0, 0.05),
-    "egg": Egg,
-}
-
-
-@pytest.mark.parametrize("name", BOUNCING)
-def test_elastic_bounces_keep_energy_alike(name):
+@pytest.mark.parametrize("form", ["ellipse", "superellipse of 12", "egg"])
+def test_elastic_bounces_keep_energy_alike(form):
     """The error of energy falls with the step at one order, and is as small for all smooth shapes."""
-    sizes = 1e-3 * np.random.default_rng(0).uniform(0.5, 1.0, 200)
-    scene, state = volley(BOUNCING[name](sizes), 1, 500.0, material=ELASTIC, **LEAST)
+    sizes = 1e-3 * np.random.default_rng(0).uniform(0.5, 1.0, 100)
+    scene, state = volley(FORMS[form](sizes), 1, 500.0, material=ELASTIC, **LEAST)
     steps = np.array([0.04, 0.02, 0.01])
     error = [np.median(np.abs(gains(scene, state, step))) for step in steps]
     assert np.polyfit(np.log(steps), np.log(error), 1)[0] > 2.0
