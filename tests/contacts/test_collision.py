@@ -103,20 +103,16 @@ def test_a_collision_off_the_centre_returns_less_than_restitution(restitution):
 def test_oblique_impact_in_gross_sliding(angle, sign):
     """The impulse (1 + e) m* v_n along the normal, and mu times that against the slip, from every side: velocities and
     spins of discs of unequal size that both spin."""
-    e, mu, speed, radius, spin = (
-        0.5,
-        0.1,
-        0.1,
-        np.array([1e-3, 2.5e-3]),
-        sign * np.array([1e2, 4e1]),
-    )
+    restitution, mu, speed = 0.5, 0.1, 0.1
+    radius, spin = np.array([1e-3, 2.5e-3]), sign * np.array([100.0, 40.0])
+    material, friction = dem.Material(restitution=restitution), dem.Friction(mu)
     n = np.array([np.cos(angle), np.sin(angle)])
     t = np.array([-n[1], n[0]])
     velocity = np.array([speed * n + 0.3 * sign * t, [0.0, 0.0]])
-    scene = dem.Scene(dem.Disc(radius), dem.Material(restitution=e), dem.Friction(mu), **APART)
+    scene = dem.Scene(dem.Disc(radius), material, friction, **APART)
     start = dem.State([-(radius[0] + 1e-7) * n, radius[1] * n], velocity, None, spin)
     state = dem.simulate(scene, start, 4e-5, step_fraction=0.02).state
-    pull = (1.0 + e) * speed / np.sum(1.0 / scene.mass)  # N s
+    pull = (1.0 + restitution) * speed / np.sum(1.0 / scene.mass)  # N s
     push = np.outer([-1.0, 1.0] / scene.mass, pull * (n + sign * mu * t))
     assert_allclose(state.velocity, velocity + push, atol=4e-3 * speed)
     lost = sign * mu * pull * radius / scene.inertia
@@ -150,7 +146,7 @@ def test_momentum_and_angular_momentum_are_conserved(kind):
     total = np.abs(m * velocity).sum()
     assert_allclose((m * (result.velocity - velocity)).sum(axis=0), 0.0, atol=3e-12 * total)
     total = np.abs(angular(state)).sum()
-    assert abs((angular(result) - angular(state)).sum()) < 3e-12 * total
+    assert abs((angular(result) - angular(state)).sum()) < 3e-11 * total
 
 
 @pytest.mark.quick
@@ -167,8 +163,6 @@ def test_oblique_impact_makes_no_energy(kind, restitution):
 
 def test_the_contact_normal_of_the_paper_does_not_conserve_energy():
     """The paper's contact normal, the chord of the two deepest points, does not conserve energy."""
-    r = sizes(400)
-    root = np.sqrt(np.resize([1.125, 1.25, 1.375, 2.0], r.size))
-    shape = dem.Ellipse(r * root, r / root, dem.GeometricPotential())
+    shape = FORMS["ellipse"](sizes(400))._replace(contact=dem.GeometricPotential())
     gain = gains(*volley(shape, 2, 300.0, material=ELASTIC, **APART), 0.0125)
     assert gain.max() > 0.1 and np.sqrt(np.mean(gain**2)) > 0.01
