@@ -14,7 +14,7 @@ def parting(d, first, second):
         n = np.array([np.cos(angle), np.sin(angle)])
         return (first @ n).max(axis=0) - ((second + d) @ n).min(axis=0)
 
-    angles = np.linspace(0.0, 2.0 * np.pi, 361)
+    angles = np.linspace(0.0, 2.0 * np.pi, 181)
     best = angles[np.argmin(depth(angles))]
     bounds = best - 2.0 * angles[1], best + 2.0 * angles[1]
     minimum = minimize_scalar(depth, bounds=bounds, method="bounded", options={"xatol": 1e-9})

@@ -72,7 +72,7 @@ def test_the_springs_of_a_contact_are_those_of_the_books(law, partner, two):
         2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.young_modulus for m in both if m
     )
     ratio = 0.5 * 4.0 * shear * sum(map(compliance, both))
-    for overlap in (1e-8, 1e-6, 1e-5):
+    for overlap in (1e-8, 1e-5):
         start, radii = pressed(law, partner, two, overlap, time_step=1e-9)
         (force,) = start.contacts().force
         elastic = start.scene.law
@@ -117,7 +117,7 @@ def rebound(law, restitution, partner, two, speed, **options):
 def test_restitution_is_as_asked(law, restitution, options, close, partner, two):
     """At any speed. Between two materials it is the geometric mean; a body without a material has no say."""
     asked = np.sqrt(0.8 * restitution) if two else restitution
-    for speed in (0.1, 0.73, 3.0):
+    for speed in (0.1, 3.0):
         found = rebound(law, restitution, partner, two, speed, **options)
         assert found == pytest.approx(asked, rel=close)
 
@@ -125,7 +125,7 @@ def test_restitution_is_as_asked(law, restitution, options, close, partner, two)
 @pytest.mark.quick
 def test_elastic_collisions_at_the_default_step_err_by_a_tenth_of_a_per_cent():
     """The energy, in the root mean square over many collisions, and in the worst of them, as docs/scope.md says."""
-    speeds = np.geomspace(0.1, 3.0, 60)
+    speeds = np.geomspace(0.1, 3.0, 30)
     gain = np.array([rebound("hertz", ELASTIC.restitution, "wall", None, v) for v in speeds])
     gain = gain**2 - 1.0
     assert np.sqrt((gain**2).mean()) < 0.002

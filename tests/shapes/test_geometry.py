@@ -38,7 +38,7 @@ def partings(away, one, two):
             yield *parting(away, first, second), k, m
 
 
-CIRCLE = unit(2.0 * np.pi * np.arange(2000) / 2000)
+CIRCLE = unit(2.0 * np.pi * np.arange(1000) / 1000)
 FLAT = np.array([[-1.0, 0.0], [1.0, 0.0], [1.0, -1.0], [-1.0, -1.0]])
 
 
