@@ -13,7 +13,7 @@ from studies.verification.results import CASES
 
 __all__ = ["broken_laws", "unnoticed", "verification"]
 
-LAWS = HERE / "verification/laws.json"  # written by tests/laws.py
+LAWS = HERE / "verification/laws.json"  # written by broken_laws.py
 
 
 class Verification(Findings):

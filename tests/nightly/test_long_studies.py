@@ -18,7 +18,7 @@ def part(study, name):
 
 
 CASES = sorted(part("verification", "results").CASES) if part("verification", "results") else []
-LAWS = part("verification", "tests.laws").LAWS if part("verification", "results") else []
+LAWS = part("verification", "broken_laws").LAWS if part("verification", "results") else []
 
 
 @pytest.mark.parametrize("name", studies.NAMES)
@@ -66,4 +66,4 @@ def test_a_case_of_verification_is_as_expected(name):
 
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: law.kind)
 def test_a_case_of_verification_notices_a_broken_law(law):
-    assert part("verification", "tests.laws").notices(law, law.asks)[law.asks]
+    assert part("verification", "broken_laws").notices(law, law.asks)[law.asks]

@@ -3,10 +3,10 @@
 from pathlib import Path
 
 import pytest
-from laws import LAWS
 
 from dem.dynamics import assembly
 from studies.verification import findings
+from studies.verification.broken_laws import LAWS
 from studies.verification.contact_law import Contact, damping_ratio
 from studies.verification.results import CASES, QUICK, run
 

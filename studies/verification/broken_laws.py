@@ -1,4 +1,4 @@
-"""Which case notices which broken law?  python studies/verification/tests/laws.py [NUMBER ...]
+"""Which case notices which broken law?  python studies/verification/broken_laws.py [NUMBER ...]
 
 Each law is broken by one edit of a copy of the project, in which the cases of one contact then run.
 The script writes studies/verification/laws.json, which the page shows: by law and case how many
@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 from nightly.mutants import Mutant, faulty_copy  # noqa: E402
 
