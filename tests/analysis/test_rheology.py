@@ -5,11 +5,9 @@ import pytest
 from made_up import DENSITY, NUMBERS, PRESSURE, sheared
 from project import ROOT, needs_study
 
-from dem.analysis.shear import LEAST, rheology
+from dem.analysis.shear import rheology
 from dem.base.errors import InputError
 from dem.base.statistics import mean_interval
-from dem.figures.catalogue import FIGURES
-from dem.figures.shear import plot
 from dem.sweep.config import parse
 
 pytestmark = pytest.mark.quick
@@ -79,10 +77,3 @@ def test_runs_of_another_strain_are_no_runs_of_one_file():
     sweep = {"values": values | {"shear.strain": 8.0}}
     labels = parse(file | {"sweep": sweep}, source).block("drag").labels()
     assert labels["shear_strain_swept"][2] == 8.0
-
-
-def test_the_figure_shows_each_friction():
-    assert FIGURES["shear"].axes == LEAST
-    figure = plot(sheared([[0.1, 0.2], [0.3, 0.5]]))
-    labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert set(labels) == {"friction 0", "friction 1"}

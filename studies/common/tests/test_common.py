@@ -1,16 +1,21 @@
-"""What all studies share: an interval, and what a page says of its file."""
+"""What all studies share: an interval, what a page says of its file, what a sweep and a figure must hold."""
 
 import numpy as np
 import pytest
 import xarray as xr
 from intervals import assert_held
+from pictures import assert_not_blank
+from project import ROOT, needs_study
 
+from dem.figures.catalogue import draw, drawable_from, possible
+from dem.io.lazily import open_lazily
+from dem.sweep.config import load
+from studies.catalogue import figures
 from studies.common.findings import Findings
 from studies.common.statistics import log_ratio_interval
 
-pytestmark = pytest.mark.quick
 
-
+@pytest.mark.quick
 @pytest.mark.parametrize("level", [0.5, 0.95, 0.99])
 @pytest.mark.parametrize("paired", [True, False])
 def test_intervals_of_ratios_hold_the_truth_as_often_as_they_say(paired, level):
@@ -36,6 +41,7 @@ class Made(Findings):
         return "studies/made.nc"
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("revisions", ["2222222bbb", "1111111aaa; 2222222bbb"])
 def test_a_page_states_the_revision_of_the_newest_runs(revisions):
     """It is the last of several, and contains the others."""
@@ -44,3 +50,42 @@ def test_a_page_states_the_revision_of_the_newest_runs(revisions):
     assert made.revision == "2222222"
     for word in ("`dem 1`", "`2222222`", "on 2026-01-02", "`studies/made.nc`"):
         assert word in made.origin
+
+
+OF_STUDIES = {name: figure for name, figure in figures().items() if "studies" in figure.module}
+
+
+@pytest.mark.parametrize(
+    "name", [name for name, figure in OF_STUDIES.items() if figure.file in ("drag", "solids")]
+)
+def test_a_figure_shows_the_released_file_of_its_study_which_a_sweep_makes(name, tmp_path):
+    """Figures of other files are drawn in their smallest form."""
+    folder = (ROOT / OF_STUDIES[name].module.replace(".", "/")).parents[1]
+    blocks = [load(file).block("drag") for file in folder.glob("*.yaml")]
+    assert name in {figure for block in blocks for figure in possible(block, OF_STUDIES)}
+    shown = []
+    for file in folder.glob("*.nc"):
+        with open_lazily(file) as dataset:
+            shown += [file] if name in drawable_from(dataset, OF_STUDIES) else []
+    assert shown
+    for file in shown:
+        assert_not_blank(draw(name, file, tmp_path, OF_STUDIES)[1])
+
+
+@needs_study("shear", "velocity")
+@pytest.mark.parametrize(
+    ("study", "motion", "rough"), [("shear", "inertial_number", 0.4), ("velocity", "velocity", 0.3)]
+)
+def test_every_bed_moves_in_all_ways_with_friction_and_without(study, motion, rough):
+    """So that beds are their own control; without friction no contact has any."""
+    beds = {}
+    for run in load(ROOT / f"studies/{study}/sweep.yaml").block("drag").runs.values():
+        configuration = run.configuration
+        friction = configuration.friction
+        way = getattr(configuration.shear or configuration.cylinder, motion)
+        ways = beds.setdefault(run.bed_key(), set())
+        ways.add((way, friction.granule, friction.wall, friction.cylinder))
+    motions = {way for way, *_ in ways}
+    assert len(beds) > 2 and len(motions) > 2
+    for ways in beds.values():
+        assert ways == {(way, mu, mu, mu) for way in motions for mu in (0.0, rough)}

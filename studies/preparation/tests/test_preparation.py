@@ -1,23 +1,13 @@
 """Beds that were made in several ways, side by side."""
 
-from pathlib import Path
-
 import numpy as np
-from pictures import assert_not_blank
 from sweeps import dataset_of
 
-from dem.figures.catalogue import possible
-from dem.figures.style import save
-from dem.sweep.config import load
-from studies.catalogue import figures
 from studies.preparation.figures.preparation import plot
 
-STUDY = Path(__file__).parent.parent
 
-
-def test_the_figure_shows_both_ways_and_their_ratio(tmp_path):
+def test_the_figure_shows_the_ratio_of_both_ways():
     """Where grown beds drag half as much, each mark of the ratio is at a half."""
-    assert "preparation" in possible(load(STUDY / "sweep.yaml").block("drag"), figures())
     drag = np.array([1000.0, 500.0])[:, None, None, None] * np.ones((2, 2, 3, 4))
     axes = {"packing_preparation": ["relaxed", "grown"], "box": ["1", "2"]}
     axes |= {"shape": ["c1", "e1", "e3"]}
@@ -27,7 +17,4 @@ def test_the_figure_shows_both_ways_and_their_ratio(tmp_path):
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["relaxed", "grown"]
     titles = [axes.get_title() for axes in figure.axes[:2]]
     assert titles == ["width: 20\N{NO-BREAK SPACE}mm", "width: 40\N{NO-BREAK SPACE}mm"]
-    ratios = figure.axes[2].lines[0].get_ydata()
-    np.testing.assert_allclose(ratios, 0.5 * np.ones(3))
-    _, pixels = save(figure, tmp_path / "preparation")
-    assert_not_blank(pixels)
+    np.testing.assert_allclose(figure.axes[2].lines[0].get_ydata(), 0.5 * np.ones(3))

@@ -5,14 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from intervals import assert_held
-from pictures import assert_not_blank
 from sweeps import dataset_of
 
-from dem.figures.style import save
 from dem.sweep.config import load
-from studies.catalogue import figures
-from studies.pressure.figures.pressure import plot
-from studies.pressure.widths import LEAST, Widths
+from studies.pressure.widths import Widths
 
 STUDY = Path(__file__).parent.parent
 WIDTH = np.array([1.0, 2.0, 4.0, 1.0])
@@ -67,26 +63,13 @@ def test_intervals_hold_the_truth_as_often_as_they_say(power):
     assert_held([widths.change("e1", "high")[1:] for widths in made], 1.0)
 
 
-def test_the_figure_shows_shapes_and_ratios(tmp_path):
-    assert figures()["pressure"].axes == LEAST
-    figure = plot(boxes(noise=0.1))
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["c1", "e1"]
-    _, pixels = save(figure, tmp_path / "pressure")
-    assert_not_blank(pixels)
-
-
 def test_every_bed_of_the_study_has_the_same_shape_of_neighbourhood():
     """Boxes of all sizes have as many granules per area as the paper's, as thick as any other, and
     the cylinder as far from the floor."""
     paper, runs = load("config/paper.yaml"), load(STUDY / "sweep.yaml").block("drag").runs
     for run in runs.values():
-        configuration, shape = run.configuration, run.shape
-        size = (
-            configuration.box_width
-            / paper.box_width
-            * paper.cylinder.start
-            / configuration.cylinder.start
-        )
-        assert shape.granules == pytest.approx(paper.shapes[run.label].granules * size)
-        assert configuration.material.thickness == paper.shapes["c1"].diameter
-        assert (configuration.packing.fraction is None) != (configuration.packing.pressure is None)
+        mine, granules = run.configuration, run.shape.granules / paper.shapes[run.label].granules
+        size = mine.box_width / mine.cylinder.start
+        assert granules == pytest.approx(size * paper.cylinder.start / paper.box_width)
+        assert mine.material.thickness == paper.shapes["c1"].diameter
+        assert (mine.packing.fraction is None) != (mine.packing.pressure is None)
