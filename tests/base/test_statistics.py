@@ -1,7 +1,5 @@
 """Means, their intervals, and what is read of drag.nc, against scipy and numpy."""
 
-import re
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -9,7 +7,6 @@ from scipy import stats
 
 from dem.analysis.drag import change, summarise, within
 from dem.base.statistics import half_interval, mean_interval, ratio_interval
-from dem.figures.sweep import plot
 
 pytestmark = pytest.mark.quick
 
@@ -95,25 +92,3 @@ def test_the_interval_of_an_average_of_means_is_that_of_beds_or_of_welch():
     assert half(apart) == pytest.approx(0.25 * (interval.high - interval.low), rel=1e-9)
     apart[0, 1:5] = np.nan  # one run there tells nothing
     assert np.isnan(half(apart))
-
-
-def test_a_figure_that_averages_uses_all_runs_and_joins_values_in_their_order():
-    """One place has four seeds and the other ten, of which six are of it alone."""
-    sizes = {name: 2 for name in "abcde"} | {"seed": 10, "displacement": 1}
-    drag = xr.DataArray(
-        np.random.default_rng(5).normal(100.0, 5.0, tuple(sizes.values())),
-        dims=list(sizes),
-        coords={name: [4.0, 3.0] for name in "abcde"} | {"seed": range(10), "displacement": [2e-3]},
-    )
-    drag = drag.where((drag["seed"] < 4) | (drag["e"] == 3.0)).assign_attrs(units="N")
-    runs = xr.full_like(drag.isel(displacement=0, drop=True), "run", dtype=object)
-    window = {"window_start": 1e-3, "window_stop": 5e-3}
-    figure = plot(xr.Dataset({"drag": drag, "run_id": runs}, attrs=window))
-    title = figure.get_suptitle()
-    (averaged,) = re.search(r"averaged over (\w)", title).groups()
-    assert "14 runs each" in title if averaged == "e" else "averaged" in title
-    expected = drag.mean(["seed", "displacement"]).mean(averaged).values
-    values = np.concatenate([line.get_ydata() for axes in figure.axes for line in axes.lines])
-    assert all(np.isclose(values, value, rtol=1e-12).any() for value in expected.ravel())
-    for axes in figure.axes:
-        assert all((np.diff(line.get_xdata()) > 0.0).all() for line in axes.lines)
