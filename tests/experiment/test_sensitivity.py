@@ -37,22 +37,15 @@ def test_ishigamis_indices_are_those_of_its_integrals(sobol_indices):
 
 def test_indices_are_of_what_values_cause_and_not_of_the_scatter(sobol_indices):
     """Of a plane with slopes 3 to 2 to 0 the shares are the squares, however much beds scatter about it."""
-    x, rng = points(128), np.random.default_rng(1)
-    for scatter in (0.0, 6.0):
-        drag = 1000.0 + x @ [30.0, 20.0, 0.0] + scatter * rng.standard_normal(128)
-        indices = sobol_indices(x, drag, NAMES)
-        assert_allclose(indices, np.array([[9, 9], [4, 4], [0, 0]]) / 13.0, atol=0.06)
+    x, scatter = points(128), np.random.default_rng(1).normal(0.0, 6.0, 128)
+    indices = sobol_indices(x, 1000.0 + x @ [30.0, 20.0, 0.0] + scatter, NAMES)
+    assert_allclose(indices, np.array([[9, 9], [4, 4], [0, 0]]) / 13.0, atol=0.06)
 
 
 def test_a_drag_that_nothing_predicts_has_no_indices(sobol_indices):
-    refused = 0
-    for seed in range(8):
-        drag = 1000.0 + np.random.default_rng(seed).standard_normal(32)
-        try:
-            sobol_indices(points(32, seed), drag, NAMES)
-        except ValueError as error:
-            refused += bool(re.fullmatch(r"Q2 is -?0\.\d\d; it must be above 0: .*", str(error)))
-    assert refused >= 7
+    drag = 1000.0 + np.random.default_rng(0).standard_normal(32)
+    with pytest.raises(ValueError, match=r"Q2 is -?0\.\d\d; it must be above 0: "):
+        sobol_indices(points(32), drag, NAMES)
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-10])
