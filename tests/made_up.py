@@ -14,8 +14,8 @@ PRESSURE, DENSITY = 1e5, 2500.0  # Pa and kg/m3 of sheared beds
 def drags(limit, growth, exponent, beds=6, scatter=0.1, noise=0.03, seed=1):
     """Drag (velocity, seed) in N: each bed has a level of its own, and each run some noise."""
     rng = np.random.default_rng(seed)
-    level = 1.0 + scatter * rng.standard_normal(beds)
-    wobble = 1.0 + noise * rng.standard_normal((len(VELOCITY), beds))
+    level = rng.normal(1.0, scatter, beds)
+    wobble = rng.normal(1.0, noise, (len(VELOCITY), beds))
     return (limit + growth * VELOCITY[:, None] ** exponent) * level * wobble
 
 
@@ -38,24 +38,26 @@ def sheared(friction, numbers=NUMBERS, noise=0.02, seeds=3, strain=4, seed=0):
     shape = (*friction.shape, seeds, 10 * strain)
     dims = "friction", "shear_inertial_number", "seed", "shear_strain"
 
-    def around(value):
-        return dims, value * (1.0 + noise * rng.standard_normal(shape))
-
     unit = np.sqrt(DENSITY * 0.25 * np.pi * 1e-6 / PRESSURE)  # s
     cell = {"pressure": PRESSURE, "strain": float(strain)}
     stress = PRESSURE * friction[..., None, None]
-    variables = {
-        "lid_shear_stress": around(stress),
-        "lid_normal_stress": around(PRESSURE),
-        "shear_stress": around(stress),
-        "normal_stress": around(PRESSURE),
-        "shear_rate": around(0.9 * numbers[:, None, None] / unit),
-        "shear_fraction": around(0.8),
-        "run_id": (dims[:-1], np.full(shape[:-1], "x")),
+    means = {
+        "lid_shear_stress": stress,
+        "lid_normal_stress": PRESSURE,
+        "shear_stress": stress,
+        "normal_stress": PRESSURE,
+        "shear_rate": 0.9 * numbers[:, None, None] / unit,
+        "shear_fraction": 0.8,
     }
-    axes = [str(place) for place in range(len(friction))], numbers, np.arange(seeds)
-    coordinates = dict(zip(dims, (*axes, 0.1 * np.arange(1, 10 * strain + 1)), strict=True))
-    coordinates |= {"diameter": 1e-3, "density": DENSITY}
+    variables = {name: (dims, mean * rng.normal(1.0, noise, shape)) for name, mean in means.items()}
+    variables["run_id"] = dims[:-1], np.full(shape[:-1], "x")
+    coordinates = {
+        "friction": [str(place) for place in range(len(friction))],
+        "shear_inertial_number": numbers,
+        "shear_strain": 0.1 * np.arange(1, 10 * strain + 1),
+        "diameter": 1e-3,
+        "density": DENSITY,
+    }
     return xr.Dataset(variables, coordinates, {"configuration": json.dumps({"shear": cell})})
 
 

@@ -1,7 +1,6 @@
 """Means of all points as a table, and two sweeps side by side."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -24,10 +23,6 @@ from dem.report.info import summary
 from dem.sweep.axis import POINT
 
 pytestmark = pytest.mark.quick
-FILES = [
-    ROOT / "docs/data/precise.nc",
-    *(ROOT / f"studies/{name}/{name}.nc" for name in ("pressure", "shear", "velocity")),
-]
 
 
 @pytest.fixture
@@ -171,7 +166,8 @@ def test_a_pipe_gets_tables_as_wide_as_they_are(capsys):
     assert capsys.readouterr().out.splitlines()[0].split() == names
 
 
-@pytest.mark.parametrize("path", [*filter(Path.is_file, FILES)], ids=lambda path: path.stem)
-def test_every_released_file_of_runs_has_a_summary(path):
+@pytest.mark.parametrize("name", ["pressure", "shear", "velocity"])
+def test_every_released_file_of_runs_has_a_summary(name):
     """Also where it holds less than a sweep writes."""
-    assert re.search("±|half_interval", text_of(summary(path)))
+    path = ROOT / f"studies/{name}/{name}.nc"
+    assert not path.is_file() or re.search("±|half_interval", text_of(summary(path)))

@@ -11,10 +11,9 @@ from scipy.optimize import least_squares
 
 from dem.analysis.velocity import inertial_number, rates
 from dem.base.errors import InputError
-from dem.figures.catalogue import draw, possible
+from dem.figures.catalogue import draw
 from dem.figures.velocity import plot
 from dem.report.info import summary
-from dem.sweep.config import parse
 
 
 @pytest.mark.quick
@@ -40,16 +39,6 @@ def test_the_law_has_the_least_relative_errors():
     best = least_squares(missed, [900.0, 300.0, 0.9], x_scale=[1e3, 1e2, 1.0], xtol=1e-14)
     assert best.x[2] == pytest.approx(found[2], abs=0.02)
     assert np.square(missed(found)).sum() == pytest.approx(2.0 * best.cost, rel=1e-3)
-
-
-@pytest.mark.quick
-def test_a_drag_without_rate_is_its_own_limit():
-    """Where only noise differs between velocities, no rise is found at any."""
-    result = rates(drawn([drags(1000.0, 0.0, 1.0)]))
-    law = result.laws[()]
-    for velocity in VELOCITY[:-2]:
-        above = result.interval(law.rise * velocity**law.exponent)
-        assert above.low < 0.0 < above.high and abs(above.value) < 0.05
 
 
 @pytest.mark.quick
@@ -104,18 +93,6 @@ def test_points_that_differ_in_velocity_alone_are_its_axis(tmp_path):
     points.assign_coords(gravity=("point", VELOCITY)).to_netcdf(tmp_path / "more.nc")
     with pytest.raises(InputError, match="cylinder_velocity varies over point together with grav"):
         draw("velocity", tmp_path / "more.nc", tmp_path)
-
-
-@needs_study("velocity")
-@pytest.mark.parametrize(
-    ("more", "is_drawn"), [({}, True), ({"gravity": {"low": 0, "high": 9}}, False)]
-)
-def test_the_workflow_draws_velocity_of_points_too(more, is_drawn):
-    over = {"cylinder.velocity": {"low": 0.1, "high": 10.0, "scale": "log"}, **more}
-    point = {"design": "sobol", "points": 8, "over": over}
-    values = {"extends": "studies/velocity/sweep.yaml", "results": "results/points"}
-    sweep = {"sweep": {"shape": "c1", "point": point, "seed": "1 to 3"}}
-    assert ("velocity" in possible(parse(values | sweep, f"{ROOT}/x").block("drag"))) == is_drawn
 
 
 @needs_study("velocity")

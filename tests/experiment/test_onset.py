@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 from project import ROOT
 
-from dem.base.errors import InputError
 from dem.dynamics.contact_output import ContactList
 from dem.experiment.bed import room_of
-from dem.experiment.config import parse
 from dem.experiment.kinds import jamming, onset
 from dem.packing.compaction import Press
 from dem.sweep.config import load
@@ -95,10 +93,3 @@ def test_granules_that_too_few_contacts_hold_are_rattlers():
     for more, count in (((), 4), ((*chain, (5, 3)), 4), ((*chain, *held), 7)):
         backbone = onset.backbone(contacts(*square, *more), 8)
         assert backbone.tolist() == [True] * count + [False] * (8 - count)
-
-
-def test_a_bed_that_is_not_drawn_needs_no_cylinder():
-    values = bed().configuration.values()
-    assert parse(values | {"experiment": "jamming"}).cylinder is None
-    with pytest.raises(InputError, match="cylinder is missing; the experiment drag needs it"):
-        parse(values | {"experiment": "drag"})

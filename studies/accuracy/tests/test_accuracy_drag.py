@@ -8,7 +8,6 @@ import pytest
 import xarray as xr
 import yaml
 from intervals import assert_held
-from scipy.signal import lfilter
 from scipy.stats import sem, t
 
 import dem
@@ -61,35 +60,30 @@ def test_runs_that_fail_are_counted_and_leave_the_means_alone():
     assert abs(steps.changes.value[0.25]) < 3 * steps.changes.half[0.25]
 
 
-def series(length, runs=400, bins=1000, width=1e-5):
-    """Runs whose drag forgets itself exponentially over `length` (m)."""
-    keep = np.exp(-width / length)
-    noise = np.random.default_rng(1).normal(size=(runs, bins))
-    noise[:, 1:] *= np.sqrt(1.0 - keep**2)
-    drag = MEAN * (1.0 + SCATTER * lfilter([1.0], [1.0, -keep], noise))
+@pytest.fixture(scope="module")
+def series():
+    """Runs whose drag forgets itself from bin to bin."""
+    drag = MEAN * np.random.default_rng(1).normal(1.0, 2.0, (400, 1000))
     return xr.Dataset(
         {
             "replicate_drag": (("replicate", "replicate_displacement"), drag),
-            "replicate_time": ("replicate", np.ones(runs)),
+            "replicate_time": ("replicate", np.ones(400)),
         },
-        {"replicate_displacement": (np.arange(bins) + 0.5) * width},
+        {"replicate_displacement": 1e-5 * (np.arange(1000) + 0.5)},
         ATTRIBUTES,
     )
 
 
-def test_longer_windows_scatter_as_independent_pieces_do():
+def test_longer_windows_scatter_as_independent_pieces_do(series):
     """Far beyond the memory, four times the window halves the scatter."""
-    lengths, scatter = replicates.windows(series(0.05e-3))
-    short = np.interp(2e-3, lengths, scatter)
-    assert short / np.interp(8e-3, lengths, scatter) == pytest.approx(2.0, rel=0.15)
+    short, long = np.interp([2e-3, 8e-3], *replicates.windows(series))
+    assert short / long == pytest.approx(2.0, rel=0.15)
 
 
-def test_needed_replicates_reach_the_target_interval():
+def test_needed_replicates_reach_the_target_interval(series):
     """With as many runs as are said to be needed, random groups reach the interval asked for."""
-    dataset = series(0.2e-3)
-    means = replicates.window_means(dataset, 1e-3, 5e-3)
-    rng, count = np.random.default_rng(0), replicates.cost(dataset).needed
-    groups = np.array([rng.choice(means, count, replace=False) for _ in range(2000)])
+    means, count = replicates.window_means(series, 1e-3, 5e-3), replicates.cost(series).needed
+    groups = np.random.default_rng(0).choice(means, (2000, count))
     half = t.ppf(0.975, count - 1) * sem(groups, axis=1)
     assert np.median(half) / means.mean() == pytest.approx(replicates.TARGET, rel=0.15)
 
