@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from scipy import stats
 
-from dem.analysis.drag import change, summarise, within
+from dem.analysis.drag import change, summarise
 from dem.base.statistics import half_interval, mean_interval, ratio_interval
 
 pytestmark = pytest.mark.quick
@@ -45,19 +45,21 @@ def test_a_run_is_what_it_is_within_the_window():
     """Both ends belong to it; a run is there as a whole or not at all."""
     drag = np.random.default_rng(2).normal(100.0, 10.0, (1, 4, 6))
     drag[0, 3, 2] = np.inf
-    middle = 1e-3 * (np.arange(6) + 0.5)  # m
-    dims = "case", "seed", "displacement"
-    window = {"window_start": middle[1], "window_stop": middle[4]}
-    runs = xr.Dataset({"drag": (dims, drag)}, {"displacement": middle}, window)
-    assert within(runs["drag"], *window.values()).sizes["displacement"] == 4
-    summary, inside = summarise(runs).isel(case=0), drag[0, :3, 1:5]
-    expected = inside.mean(1)
-    np.testing.assert_allclose(summary["run_mean"][:3], expected)
-    assert np.isnan(summary["run_mean"][3])
-    assert float(summary["mean"]) == pytest.approx(expected.mean())
-    assert float(summary["sd_over_run"]) == pytest.approx(np.sqrt((inside.std(1) ** 2).mean()))
-    assert float(summary["sd_between_runs"]) == pytest.approx(expected.std(ddof=1))
-    assert float(summary["half_interval"]) == pytest.approx(mean_interval(expected).half)
+    window = {"window_start": 1e-3, "window_stop": 4e-3}
+    runs = xr.DataArray(
+        drag, {"displacement": 1e-3 * np.arange(6)}, ["case", "seed", "displacement"]
+    )
+    summary = summarise(xr.Dataset({"drag": runs}, attrs=window)).isel(case=0)
+    inside = drag[0, :3, 1:5]
+    means = inside.mean(1)
+    np.testing.assert_allclose(summary["run_mean"], [*means, np.nan])
+    for name, expected in {
+        "mean": means.mean(),
+        "sd_over_run": np.sqrt(inside.var(1).mean()),
+        "sd_between_runs": means.std(ddof=1),
+        "half_interval": mean_interval(means).half,
+    }.items():
+        assert float(summary[name]) == pytest.approx(expected), name
 
 
 def test_a_change_between_cases_is_that_of_the_pairs():

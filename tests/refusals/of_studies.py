@@ -9,8 +9,9 @@ from beds import make_small_bed
 from project import CONFIG, ROOT
 
 import dem
-from dem.sweep.config import parse
+from dem.sweep.config import load, parse
 from dem.sweep.state import SweepState
+from dem.sweep.store import Store
 
 STUDIES = ROOT / "studies"
 CALLS = {}
@@ -32,6 +33,18 @@ def made(study):
 
     return call
 
+
+def unmade():
+    """The runs of a sweep that nobody made."""
+    with tempfile.TemporaryDirectory() as folder:
+        state = SweepState(load(CONFIG / "smoke.yaml"), Store(Path(folder)), root=Path(folder))
+        list(runs(state, ("drag",)))
+
+
+if STUDIES.is_dir():
+    from studies.common.results import runs
+
+    CALLS |= {"runs of no file": (unmade, "is in no file of the store; run again")}
 
 if (STUDIES / "calibration").is_dir():
     from sweeps import dataset_of

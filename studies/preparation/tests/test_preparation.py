@@ -13,8 +13,5 @@ def test_the_figure_shows_the_ratio_of_both_ways():
     axes |= {"shape": ["c1", "e1", "e3"]}
     width = "box", [0.02, 0.04], {"long_name": "width", "units": "m"}
     runs = dataset_of(drag * np.linspace(0.9, 1.1, 4), axes).assign_coords(box_width=width)
-    figure = plot(runs)
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["relaxed", "grown"]
-    titles = [axes.get_title() for axes in figure.axes[:2]]
-    assert titles == ["width: 20\N{NO-BREAK SPACE}mm", "width: 40\N{NO-BREAK SPACE}mm"]
-    np.testing.assert_allclose(figure.axes[2].lines[0].get_ydata(), 0.5 * np.ones(3))
+    line, *_ = plot(runs).axes[2].lines
+    np.testing.assert_allclose(line.get_ydata(), 0.5 * np.ones(3))
