@@ -45,10 +45,12 @@ def test_pairs_that_are_not_listed_are_counted(small_bed):
 def test_momenta_of_a_known_motion(small_bed):
     """Two discs that circle each other: no momentum, and 2 m r v of angular momentum plus spin."""
     shape = dem.Disc(np.full(2, 1e-3))
-    at, velocity = [[1e-2, 0.0], [-1e-2, 0.0]], [[0.0, 3.0], [0.0, -3.0]]
-    state = dem.State(at, velocity, angular_velocity=[5.0, 5.0])
+    state = dem.State(
+        [[1e-2, 0.0], [-1e-2, 0.0]], [[0.0, 3.0], [0.0, -3.0]], angular_velocity=[5.0, 5.0]
+    )
     run = dem.Simulation(replace(small_bed("disc").scene(**APART), shape=shape), state)
-    mass, (momentum, turning, sizes) = run.scene.mass[0], momenta(run)
+    mass = run.scene.mass[0]
+    momentum, turning, sizes = momenta(run)
     assert np.abs(momentum).max() < 1e-15 * sizes[0]
     assert turning == pytest.approx(2.0 * mass * (1e-2 * 3.0 + 0.5 * 1e-6 * 5.0), rel=1e-12)
     assert sizes == pytest.approx((6.0 * mass, turning), rel=1e-12)
