@@ -62,23 +62,22 @@ def moved(name):
         records.append(simulation.record(STROKE / SPEED / BINS, EVERY))
         states.append(simulation.state)
         contacts.append(simulation.contacts())
-    scene, periodic = simulation.scene, np.array([run.configuration.periodic == "x", False])
 
     def bins(field):
         return np.concatenate([getattr(record, field) for record in records])
 
-    walls = bins("wall_offset")
-    angle = ASKEW if name == "discs" else 0.5 * np.pi
+    discs, scene = name == "discs", simulation.scene
+    top = np.append(bed.height, bins("wall_offset")[:, -1])
+    angle = ASKEW if discs else 0.5 * np.pi
     return SimpleNamespace(
-        name=name,
-        run=run,
+        discs=discs,
         scene=scene,
         states=states,
         contacts=contacts,
         bins=bins,
         force=bins("normal_force") + bins("tangential_force"),
-        period=np.where(periodic, BOX, np.inf),
-        top=np.append(bed.height, walls[:, -1]),
+        top=top,
+        area=BOX * top - 0.25 * np.pi * (1.5e-3**2 + discs * 1e-3**2),
         ahead=np.array([np.cos(angle), np.sin(angle)]),
         right=np.array([np.sin(angle), -np.cos(angle)]),
         diameter=run.shape.diameter,
@@ -88,14 +87,11 @@ def moved(name):
     )
 
 
-def nearest(m, away):
-    laps = np.rint(away / m.period)
-    return away - np.where(np.isfinite(m.period), m.period, 0.0) * laps
-
-
 def apart(m, position):
     """Separations (n, n, 2) of all from all, of the nearest images."""
-    return nearest(m, position[None] - position[:, None])
+    away = position - position[:, None]
+    away[..., 0] -= m.discs * BOX * np.rint(away[..., 0] / BOX)
+    return away
 
 
 def near(m, position, diameters):
@@ -121,14 +117,14 @@ def at_snapshots(value):
 
 
 def kinetic_energy(m, k):
-    state, shape = m.states[k], m.scene
-    linear = m.scene.mass * (state.velocity**2).sum(axis=1)
-    return 0.5 * (linear + shape.inertia * state.angular_velocity**2).sum()
+    state, scene = m.states[k], m.scene
+    linear = scene.mass * (state.velocity**2).sum(axis=1)
+    return 0.5 * (linear + scene.inertia * state.angular_velocity**2).sum()
 
 
 def max_overlap(m, k):
     contacts, shape = m.contacts[k], m.scene.shape
-    radius = shape.radius if m.name == "discs" else np.sqrt(shape.semi_major * shape.semi_minor)
+    radius = np.sqrt(shape.area / np.pi)
     solids = [solid.radius for solid in m.scene.solids]
     other = np.concatenate([radius, np.full(len(m.scene.walls), np.inf), solids[::-1]])
     return (contacts.overlap / np.minimum(radius[contacts.granule], other[contacts.partner])).max()
@@ -138,22 +134,18 @@ def stress(along, across):
     """Sum over contacts of the force along one axis times the branch along another, over the volume."""
 
     def expected(m):
-        hole = 0.25 * np.pi * (1.5e-3**2 + (1e-3**2 if m.name == "discs" else 0.0))
-        volume = (BOX * m.top[::EVERY] - hole) * m.scene.thickness
         work = [c.total_force[:, along] @ c.branch[:, across] for c in m.contacts]
-        return work / volume
+        return work / (m.area[::EVERY] * m.scene.thickness)
 
     return expected
 
 
 def kinetic_pressure(m):
-    volume = stress(0, 0)(m), [c.total_force[:, 0] @ c.branch[:, 0] for c in m.contacts]
+    """Energy of the motion about the mean, over the volume."""
     mass = m.scene.mass
-    thermal = []
-    for state in m.states:
-        away = state.velocity - mass @ state.velocity / mass.sum()
-        thermal.append(0.5 * (mass * (away**2).sum(axis=1)).sum())
-    return np.array(thermal) * volume[0] / volume[1]
+    away = [state.velocity - mass @ state.velocity / mass.sum() for state in m.states]
+    energy = 0.5 * (np.square(away).sum(axis=-1) @ mass)
+    return energy / (m.area[::EVERY] * m.scene.thickness)
 
 
 def fabric(m):
@@ -204,21 +196,19 @@ def contacts_lost(m, before, after):
     return len(old - new) / len(old)
 
 
-def alignment(past, now_or_start):
+def alignment(past, start):
     """Mean of cos 2(angle - direction of motion) within two diameters of the cylinder where it is."""
 
     def expected(m):
         values = [np.nan] * SNAPSHOTS
-        for k in range(1, SNAPSHOTS) if m.name == "ellipses" else ():
-            place = np.array(m.scene.solids[0].position) + m.way[k] * m.ahead
+        for k in range(1, SNAPSHOTS) if not m.discs else ():
+            place = m.scene.solids[0].position + m.way[k] * m.ahead
             gap = np.hypot(*(m.position[k] - place).T) - 0.75e-3
             motion = m.position[k] - m.position[k - 1]
-            motion = motion - past * (m.way[k] - m.way[k - 1]) * m.ahead
-            chosen = (gap < 2.0 * m.diameter) & (np.hypot(*motion.T) > 0.01 * m.diameter)
-            angle = m.angle[k if now_or_start else 0]
-            axis = np.column_stack([np.cos(angle), np.sin(angle)])[chosen]
-            along = (axis * motion[chosen]).sum(axis=1) / np.hypot(*motion[chosen].T)
-            values[k] = (2.0 * along**2 - 1.0).mean()
+            x, y = (motion - past * (m.way[k] - m.way[k - 1]) * m.ahead).T
+            chosen = (gap < 2.0 * m.diameter) & (np.hypot(x, y) > 0.01 * m.diameter)
+            turn = m.angle[0 if start else k] - np.arctan2(y, x)
+            values[k] = np.cos(2.0 * turn[chosen]).mean()
         return values
 
     return expected
@@ -226,18 +216,8 @@ def alignment(past, now_or_start):
 
 def wall_force(m):
     forces = np.full((4, BINS), np.nan)
-    forces[2 if m.name == "discs" else 0 :] = m.bins("wall_force").T
+    forces[2 * m.discs :] = m.bins("wall_force").T
     return forces
-
-
-def bed_fraction(m):
-    hole = 0.25 * np.pi * (1.5e-3**2 + (1e-3**2 if m.name == "discs" else 0.0))
-    return m.scene.shape.area.sum() / (BOX * m.top[1:] - hole)
-
-
-def spun(k):
-    """Angle at the snapshots of a solid that spins."""
-    return lambda m: SPINS[k] * m.way / SPEED
 
 
 EXPECTED = {
@@ -253,9 +233,9 @@ EXPECTED = {
     "solid_drag": lambda m: -(m.force @ m.ahead).T,
     "solid_side_force": lambda m: (m.force @ m.right).T,
     "solid_torque": lambda m: m.bins("torque").T,
-    "solid_angle": lambda m: np.outer(SPINS if m.name == "discs" else [0.0], TIME),
+    "solid_angle": lambda m: np.outer(SPINS if m.discs else [0.0], TIME),
     "top_height": lambda m: m.top[1:],
-    "bed_fraction": bed_fraction,
+    "bed_fraction": lambda m: m.scene.shape.area.sum() / m.area[1:],
     "stress_xx": stress(0, 0),
     "stress_xy": stress(0, 1),
     "stress_yx": stress(1, 0),
@@ -267,13 +247,13 @@ EXPECTED = {
     "fluctuation": over_the_lag(fluctuation),
     "mixing": mixing,
     "contacts_lost": over_the_lag(contacts_lost),
-    "alignment": alignment(0.0, True),
-    "alignment_start": alignment(0.0, False),
-    "streaming": alignment(1.0, True),
-    "streaming_start": alignment(1.0, False),
+    "alignment": alignment(0.0, False),
+    "alignment_start": alignment(0.0, True),
+    "streaming": alignment(1.0, False),
+    "streaming_start": alignment(1.0, True),
     "cylinder_y": lambda m: m.scene.solids[0].position[1] + m.way * m.ahead[1],
-    "cylinder_orientation": spun(0),
-    "second_orientation": spun(1),
+    "cylinder_orientation": lambda m: SPINS[0] * m.way / SPEED,
+    "second_orientation": lambda m: SPINS[1] * m.way / SPEED,
     "top_y": lambda m: m.top[::EVERY],
     "granule_x": lambda m: m.position[..., 0],
     "granule_y": lambda m: m.position[..., 1],
