@@ -164,7 +164,7 @@ def middles(paths):
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[quick] * (n in ("figure10", "figure11"))) for n in BEDS]
+    "name", [pytest.param("figure11", marks=quick), *sorted({*BEDS} - {"figure11"})]
 )
 def test_beds_are_drawn_where_the_file_has_them(name):
     """At the start, halfway and at the end; shaded are those ahead of the cylinder, or every second layer of
@@ -202,7 +202,6 @@ def test_beds_are_drawn_where_the_file_has_them(name):
     assert f"seed {int(data['seed'])}" in figure.get_suptitle()
 
 
-@quick
 @pytest.mark.parametrize(("kind", "note"), [("disc", False), ("pebbles.Pebble", True)])
 def test_a_picture_says_where_outlines_are_not_those_of_the_granules(kind, note):
     """No reader of results runs the file of a shape of one's own, so that its granules are drawn as discs."""
@@ -286,7 +285,6 @@ def test_a_list_over_more_than_the_fivefold_has_a_logarithmic_axis(values, scale
     assert axes.get_xscale() == scale
 
 
-@quick
 def test_figure_velocity_shows_means_limits_and_their_ratio():
     """The limit in the legend is where the dotted line is, and what the lower panel is over."""
     speed, rng = np.array([8.0, 0.1, 0.5, 1.0, 2.0]), np.random.default_rng(1)
