@@ -93,7 +93,6 @@ def forked(make):
 
 
 WAYS = {
-    "again": lambda make: finished(make(dem.Simulation)),
     "in two calls": lambda make: finished(begun(make)),
     "recorded": recorded,
     "in frames": framed,

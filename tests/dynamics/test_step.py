@@ -11,78 +11,58 @@ from scenes import SHAPES, scene_of
 
 import dem
 
-RADIUS, SPEED = 1e-3, 1.0  # m, m/s
+RADIUS = 1e-3  # m
 
 # With the kernels of drawn beds. Nothing slides.
 BEDS = {"friction": dem.Friction(), **APART}
 
 
-def phases(partner, count=100):
-    """Granules that meet a partner at all phases of a step, some steps after the start."""
-    gap = 2e-6 + 2e-6 * np.arange(count) / count  # m; a step is of 1e-7 m to 1e-6 m
-    far, sizes = 20.0 * RADIUS * np.arange(count), np.full(2 * count, RADIUS)
-    if partner == "wall":
-        position, velocity = np.stack([-RADIUS - gap, far], 1), np.tile([SPEED, 0.0], (count, 1))
-        wall = {"walls": [[1.0, 0.0, 0.0]], "solids": None}
-        return dem.Disc(sizes[:count]), position, velocity, BEDS | wall
-    if partner == "cylinder":
-        angle, radius = 2.0 * np.pi * np.arange(count) / count, 1.0  # m
-        out = np.stack([np.cos(angle), np.sin(angle)], 1)
-        cylinder = dem.Cylinder(2.0 * radius, (0.0, 0.0))
-        position = (radius + RADIUS + gap)[:, None] * out
-        return dem.Disc(sizes[:count]), position, -SPEED * out, BEDS | {"solids": cylinder}
-    superellipse = dem.Superellipse(0.9 * sizes, 0.7 * sizes, 0.3 * sizes, 3.0)
-    shape, reach = {
-        "disc": (dem.Disc(sizes), RADIUS),
-        "dumbbell": (dem.Dumbbell(0.5 * sizes), RADIUS),
-        "ellipse": (dem.Ellipse(1.2 * sizes, sizes / 1.2), 1.2 * RADIUS),
-        "superellipse": (superellipse, 0.5 * np.ptp(superellipse.polygons()[0, 0, :, 0])),
-    }[partner]
-    x = reach + 0.5 * gap
-    position = np.concatenate([np.stack([-x, far], 1), np.stack([x, far], 1)])
-    velocity = np.repeat([[SPEED, 0.0], [-SPEED, 0.0]], count, axis=0)
-    return shape, position, velocity, {} if partner == "disc" else BEDS
-
-
-@pytest.mark.parametrize(
-    ("partner", "restitution"),
-    [("disc", e) for e in (0.1, 0.3, 0.5, 0.7, 0.9, 1.0)]
-    + [("ellipse", e) for e in (0.1, 0.9, ELASTIC.restitution)]
-    + [(partner, 0.3) for partner in ("dumbbell", "cylinder", "superellipse")]
-    + [("wall", e) for e in (0.1, 0.9)],
-)
+@pytest.mark.parametrize("restitution", [0.1, 0.9])
+@pytest.mark.parametrize("partner", ["disc", "ellipse", "superellipse", "wall"])
 def test_restitution_at_the_default_step(partner, restitution):
     """It is met within 0.3 % in the mean, and within 1 % at whatever phase of a step two bodies touch."""
-    shape, position, velocity, options = phases(partner)
-    scene = dem.Scene(shape, dem.Material(restitution=restitution), **options)
+    gap = 2e-6 + 2e-8 * np.arange(100)  # m; a step is of 1e-7 m to 1e-6 m
+    count, changes = 200, {}
+    if partner == "wall":
+        count, changes = 100, {"walls": [[1.0, 0.0, 0.0]], "solids": None}
+    sizes = np.full(count, RADIUS)
+    superellipse = dem.Superellipse(0.9 * sizes, 0.7 * sizes, 0.3 * sizes, 3.0)
+    shape, reach = {
+        "ellipse": (dem.Ellipse(1.2 * sizes, sizes / 1.2), 1.2 * RADIUS),
+        "superellipse": (superellipse, 0.5 * np.ptp(superellipse.polygons()[0, 0, :, 0])),
+    }.get(partner, (dem.Disc(sizes), RADIUS))
+    x = np.append(-reach - gap, np.full(100, reach))[:count]
+    position = np.stack([x, np.resize(20.0 * RADIUS * np.arange(100), count)], axis=1)
+    velocity = np.stack([np.repeat([1.0, 0.0], 100), np.zeros(200)], axis=1)[:count]
+    scene = dem.Scene(shape, dem.Material(restitution=restitution), **BEDS | changes)
     run = dem.Simulation(scene, dem.State(position, velocity))
     run.advance(1e-4)
     assert not len(run.contacts().granule)
-    rebound = (run.state.velocity * velocity).sum(axis=1)[:100]
-    error = -rebound / (SPEED**2 * restitution) - 1.0
+    after = run.state.velocity[:, 0]
+    rebound = -after if changes else after[100:] - after[:100]
+    error = rebound / restitution - 1.0
     assert abs(error.mean()) < 3e-3
     assert np.abs(error).max() < 1e-2
 
 
-@pytest.mark.parametrize("young_modulus", [pytest.param(1e8, marks=pytest.mark.quick), 1e10])
-def test_an_elastic_gas_keeps_its_energy(young_modulus):
+@pytest.mark.quick
+def test_an_elastic_gas_keeps_its_energy():
     """Over thousands of collisions of a hundred discs of one speed, at the default step."""
     rng, side = np.random.default_rng(1), 30e-3
     grid = np.stack(np.meshgrid(np.arange(10), np.arange(10)), -1).reshape(-1, 2)
     position = (grid + 0.5 + rng.uniform(-0.03, 0.03, (100, 2))) * side / 10
     angle = rng.uniform(0.0, 2.0 * np.pi, 100)
+    material = replace(ELASTIC, young_modulus=1e8)
     scene = dem.Scene(
-        dem.Disc(np.full(100, RADIUS)), replace(ELASTIC, young_modulus=young_modulus),
-        LEAST["friction"], dem.box(side, side),
-    )  # fmt: skip
-    velocity = SPEED * np.stack([np.cos(angle), np.sin(angle)], 1)
+        dem.Disc(np.full(100, RADIUS)), material, LEAST["friction"], dem.box(side, side)
+    )
+    velocity = np.stack([np.cos(angle), np.sin(angle)], 1)
     run = dem.Simulation(scene, dem.State(position, velocity))
 
     def energy():
-        """Kinetic energy of discs that do not turn, and that of Hertz's law, 2/5 F delta (J)."""
+        """Kinetic energy, and that of Hertz's law, 2/5 F delta (J)."""
         contacts = run.contacts()
-        moving = 0.5 * (scene.mass * (run.state.velocity**2).sum(axis=1)).sum()
-        return moving + 0.4 * (contacts.force * contacts.overlap).sum()
+        return run.diagnose().kinetic_energy + 0.4 * contacts.force @ contacts.overlap
 
     initial = energy()
     run.advance(0.2)
@@ -127,28 +107,22 @@ def test_a_solid_is_where_its_velocity_takes_it():
     time[3] = np.nextafter(time[2], 1.0)  # a jump
     speed = np.array([0.0, 1.0, -1.0, 2.0, 0.5, 0.5])
     path = dem.PrescribedMotion(time, np.stack([0.0 * speed, speed], 1), 100.0 * speed)
-    scene = replace(scene, solids=replace(start, velocity=path, spin=0.0))
+    scene = replace(scene, solids=replace(start, velocity=path))  # of a spin of 500 rad/s
     run = dem.Simulation(scene, state, time_step=1e-7)
     for until in (0.77e-6, 1.25e-6, 2.58e-6, 3.33e-6):
         at = np.append(time[time < until], until)
         v = np.interp(at, time, speed)
         distance = (0.5 * (v[1:] + v[:-1]) * np.diff(at)).sum()
-        way = [0.0, distance, 100.0 * distance]
+        way = [0.0, distance, 100.0 * distance + 500.0 * until]
         assert_allclose(moved(run, until), way, rtol=1e-9, atol=1e-16)
 
 
 # The bound on the step
 
 
-@pytest.mark.quick
 def test_the_bound_on_the_step_holds_for_any_stiffness_and_damping():
-    """At k dt^2 / 4 + 2 c dt = 1 no motion grows: of one contact it is exact, and it holds for random matrices of
-    both without common eigenvectors."""
+    """At k dt^2 / 4 + 2 c dt = 1 no motion grows, for random matrices of both without common eigenvectors."""
     growth = pytest.importorskip("studies.stability.linear").growth
-    for share in np.linspace(0.0, 1.0, 51):
-        k, c = np.array([[4.0 * (1.0 - share)]]), np.array([[0.5 * share]])
-        assert growth(0.999 * k, 0.999 * c, 1.0) <= 1.0 + 1e-6
-        assert growth(1.02 * k, 1.02 * c, 1.0) > 1.0 + 1e-3
     rng = np.random.default_rng(1)
 
     def random(n):
@@ -158,8 +132,8 @@ def test_the_bound_on_the_step_holds_for_any_stiffness_and_damping():
         return matrix / np.linalg.eigvalsh(matrix).max()
 
     for _ in range(1000):
-        n, share, near = rng.integers(2, 6), rng.random(), rng.choice([0.999, 0.9, 0.5])
-        k, c = near * 4.0 * (1.0 - share) * random(n), near * 0.5 * share * random(n)
+        n, share = rng.integers(2, 6), rng.random()
+        k, c = 0.999 * 4.0 * (1.0 - share) * random(n), 0.999 * 0.5 * share * random(n)
         assert growth(k, c, 1.0) < 1.0 + 1e-6
 
 
@@ -182,35 +156,38 @@ def test_critical_time_step_is_a_bound_and_a_close_one(small_bed, kind, fraction
 @pytest.mark.quick
 def test_critical_time_step_does_not_depend_on_how_contacts_are_found():
     """Pairs that are apart stiffen nothing: chord and common normal allow steps alike."""
-    smooth = dem.Friction(stiffness=1e-9)
-    one, other = (
-        dem.Simulation(replace(scene, material=ELASTIC, friction=friction), state).diagnose()
-        for (scene, state), friction in (
-            (scene_of("ellipses"), smooth), (scene_of("ellipses by the chord"), None)
-        )
-    )  # fmt: skip
-    assert 0.5 < other.critical_time_step / one.critical_time_step < 1.1
-
-
-LONG = "time_step is .* s, longer than the critical one, .* at step {}, time .* allow_unstable"
+    smooth, steps = {"material": ELASTIC, "friction": dem.Friction(stiffness=1e-9)}, []
+    for name, changes in ("ellipses", smooth), ("ellipses by the chord", {"material": ELASTIC}):
+        scene, state = scene_of(name)
+        run = dem.Simulation(replace(scene, **changes), state)
+        steps.append(run.diagnose().critical_time_step)
+    assert 0.5 < steps[1] / steps[0] < 1.1
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("kind", ["disc", "dumbbell"])
-def test_a_fixed_step_is_refused_from_the_critical_one_on(small_bed, kind):
-    """Just below it a simulation is made without a word; above, where that is allowed, too."""
-    scene, state = resting(small_bed(kind))
+def test_a_fixed_step_is_refused_from_the_critical_one_on(small_bed):
+    """Just below it a simulation is made without a word, until faster collisions are stiffer; above it, too,
+    where that is allowed."""
+    scene, state = resting(small_bed("disc"))
     critical = dem.Simulation(scene, state, 1e-9).diagnose().critical_time_step
-    dem.Simulation(scene, state, 0.999 * critical)
-    with pytest.raises(dem.StateError, match=LONG.format(0)):
+    words = "time_step is .* s, longer than the critical one, .* at step {}, time .* allow_unstable"
+    with pytest.raises(dem.StateError, match=words.format(0)):
         dem.Simulation(scene, state, 1.001 * critical)
+    step = 0.999 * critical
+    for allowed in (True, False):
+        run = dem.Simulation(scene, state, step, allow_unstable=allowed)
+        run.set_velocity((0.0, 100.0))
+        if allowed:
+            run.advance(step)
+    with pytest.raises(dem.StateError, match=words.format(r"\d")):
+        run.advance(10 * step)
     run = dem.Simulation(scene, state, step_fraction=1.5, allow_unstable=True)
     step = 1.5 * run.diagnose().critical_time_step
     assert 2.0 ** (-1 / 8) * step < run.advance(1.001 * step) <= step and run.steps == 1
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("factor", [10.0, 1e3, 1e6])
+@pytest.mark.parametrize("factor", [10.0, 1e6])
 @pytest.mark.parametrize("name", SHAPES)
 def test_too_large_a_time_step_is_an_error_and_not_a_number(name, factor):
     """Far beyond the critical step, where that is allowed."""
@@ -218,21 +195,6 @@ def test_too_large_a_time_step_is_an_error_and_not_a_number(name, factor):
     step = factor * dem.Simulation(scene, state).diagnose().critical_time_step
     with pytest.raises(dem.RunError, match="step"):
         dem.simulate(scene, state, 300 * step, step, allow_unstable=True)
-
-
-@pytest.mark.parametrize("allowed", [False, True])
-def test_a_fixed_step_that_becomes_too_long_ends_the_run(small_bed, allowed):
-    """Faster collisions are stiffer: the run ends before they come, where a longer step is not allowed."""
-    scene, state = resting(small_bed("disc"))
-    step = 0.9 * dem.Simulation(scene, state).diagnose().critical_time_step
-    run = dem.Simulation(scene, state, step, allow_unstable=allowed)
-    run.advance(10 * step)
-    run.set_velocity((0.0, 100.0))
-    if allowed:
-        run.advance(step)
-        return
-    with pytest.raises(dem.StateError, match=LONG.format(10)):
-        run.advance(step)
 
 
 # Overlaps
@@ -268,8 +230,6 @@ def test_an_overlap_names_both_bodies_and_a_stiffer_material(position, partner):
     words = rf"granule 0 overlaps {partner} by .*: take a smaller time step, a stiffer material"
     with pytest.raises(dem.OverlapError, match=words):
         dem.simulate(scene, state, 1e-3, max_overlap=0.4)
-    with pytest.raises(dem.StateError, match=r"behind wall 1 .* a stiffer material"):
-        dem.simulate(scene, dem.State([[8e-3, 5e-3], [2e-3, 9e-3]], [[50, 0], [0, 0]]), 1e-3)
     outside = dem.State([[5e-3, 5e-3], [11e-3, 5e-3]])
-    with pytest.raises(dem.StateError, match=r"granule 1 .* behind wall 1 at step 0"):
+    with pytest.raises(dem.StateError, match=r"granule 1 .* behind wall 1 at step 0.* a stiffer"):
         dem.simulate(scene, outside, 1e-6)
