@@ -1,6 +1,7 @@
 """Laws of mechanics that hold in any scene, for the tests of the day and those of the night."""
 
 import numpy as np
+import pytest
 import twin
 from numpy.testing import assert_allclose, assert_array_equal
 from scenes import ANCHOR, FRAMES, STEPS, TIME_STEP, smoothly
@@ -51,8 +52,10 @@ def assert_energy_adds_up(scene, state, residual=1e-3, time=1e-4):
         given.append(abs(ledger.work + ledger.fallen))
     gone = ledger.damped + ledger.slid + ledger.rolled
     change = ledger.work + ledger.fallen - gone - (ledger.held - ledger.before)
-    scale = max(ledger.before, ledger.held, gone, *given)
-    assert abs(change) < residual * scale and ledger.residual < residual
+    terms = ledger.before, ledger.held, gone, abs(ledger.work), abs(ledger.fallen)
+    scale = max(*terms, *given)
+    assert ledger.residual == pytest.approx(abs(change) / scale, rel=0.05, abs=1e-9)
+    assert ledger.residual < residual
     assert_allclose(ledger.kinetic, motion(scene, run.state), rtol=1e-12)
     weight = np.where(scene.is_held, 0.0, scene.mass)
     fallen = weight @ (run.state.position - state.position) @ gravity

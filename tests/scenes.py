@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 import dem
-from dem import State
 
 STEPS, FRAMES, TIME_STEP = 80, 4, 1e-6  # s; a collision takes some 50 steps
 
@@ -70,116 +69,112 @@ def granules(make, columns=5, rows=4):
     return make(sizes), state
 
 
+RESISTING = dem.Rolling(0.2, 0.3, 0.1, damping=0.2)
 LAWS = {
     "linear discs": {"law": dem.Linear()},
-    "discs in plane strain": {
-        "law": dem.Line(),
-        "rolling": dem.Rolling(0.2, 0.3, 0.1, damping=0.2),
-    },
+    "discs in plane strain": {"law": dem.Line(), "rolling": RESISTING},
 }
 
 
 # with the kernels that test_laws.py and test_motion.py share; without rolling, and without a ledger: at night
 LEDGERS = "discs in plane strain", "discs"
 
+FORMS = [
+    [(0, 0, 1)],
+    [(0, 0, 0.7), (0.9, 0.3, 0.4)],
+    [(-0.7, 0, 0.6), (0.5, 0, 0.5), (0, 0.6, 0.4)],
+]  # x, y, radius of the discs of clumps
+
+
+def ellipses(**options):
+    return lambda r: dem.Ellipse(1.1 * r, r / 1.2, **options)
+
+
+MADE = {
+    "dumbbells": lambda r: dem.Dumbbell(0.55 * r),
+    "clumps": lambda r: dem.Clump([size * np.array(FORMS[k % 3]) for k, size in enumerate(r)]),
+    "ellipses": ellipses(),
+    "ellipses by the chord": ellipses(contact="geometric_potential"),
+    "ellipses of local radius around solids": ellipses(
+        contact=dem.CommonNormal(1e-6), hertz_radius="local"
+    ),
+    "superellipses": lambda r: dem.Superellipse(0.9 * r, 0.8 * r, 0.3 * r, 3.0),
+}
+
 
 def scene_of(name):
     """Scenes that together have everything, in as few kernels as can be."""
-    rough = dem.Friction(0.3, 0.5, 0.2, stiffness=0.7)
     table = dem.Friction([[0.3, 0.1], [0.1, 0.6]], 0.5, 0.2, stiffness=0.7)
     damped, elastic = dem.Material(restitution=0.6, **SOFT), dem.Material(restitution=1.0, **SOFT)
     steel = dem.Material(2e3, 2e8, 0.2, 0.9)
-    cylinder = dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), (1.0, 2.0), spin=500.0)
-
-    def ellipses(**options):
-        return lambda r: dem.Ellipse(1.1 * r, r / 1.2, **options)
-
-    if name == "box of discs":
-        shape, state = granules(dem.Disc)
-        return dem.Scene(shape, damped, rough, WALLS, cylinder), state
-    if name == "discs that resist rolling":
-        shape, state = granules(dem.Disc)
-        cylinder = dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), (1.0, 2.0), spin=TURN)
-        return dem.Scene(
-            shape, damped, rough, WALLS, cylinder, rolling=dem.Rolling(0.2, 0.3, 0.1, damping=0.2)
-        ), state  # fmt: skip
-    if name == "discs":
-        shape, state = granules(dem.Disc)
-        return dem.Scene(
-            shape, [damped, elastic], table,
-            moving((0.0, 0.0), (-1.0, 2.0), path(*TO_AND_FRO), LID, friction=0.1, material=elastic),
-            [dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), DAMPED, TURN),
-             dem.Cylinder(6e-4, (4.8e-3, 3.75e-3), (0.5, 0.0), -900.0, friction=0.9, material=elastic)],
-            gravity=(3e3, -1e4), thickness=1e-3, boundary=steel, species=np.arange(20) % 2,
-            held=[dem.Held([0, 1], (0.5, 1.0)), dem.Held([9, 13, 14], GUIDED)],
-        ), state  # fmt: skip
-    if name in LAWS:
-        shape, state = granules(dem.Disc)
-        return dem.Scene(
-            shape, [damped, steel], table, WALLS, cylinder, boundary=elastic,
-            species=np.arange(20) % 2, **LAWS[name],
-        ), state  # fmt: skip
+    axis = 2.4e-3, 2.5e-3  # m
+    cylinder = dem.Cylinder(1e-3, axis, (1.0, 2.0), spin=500.0)
+    mixture = {"friction": table, "species": np.arange(20) % 2}
+    hard = {"friction": 0.9, "material": steel}
+    group = [9, 13, 14]
+    changes = {
+        "discs that resist rolling": {
+            "solids": replace(cylinder, spin=TURN),
+            "rolling": RESISTING,
+        },
+        "discs": mixture | {
+            "material": [damped, elastic],
+            "walls": moving((0.0, 0.0), (-1.0, 2.0), path(*TO_AND_FRO), LID, friction=0.1, material=elastic),
+            "solids": [
+                dem.Cylinder(1e-3, axis, DAMPED, TURN),
+                dem.Cylinder(6e-4, (4.8e-3, 3.75e-3), (0.5, 0.0), -900.0, friction=0.9, material=elastic),
+            ],
+            "gravity": (3e3, -1e4),
+            "thickness": 1e-3,
+            "boundary": steel,
+            "held": [dem.Held([0, 1], (0.5, 1.0)), dem.Held(group, GUIDED)],
+        },
+        "smooth discs": {
+            "friction": None,
+            "walls": moving((0.0, 0.0), (0.0, 0.0), path(*TO_AND_FRO), LID),
+            "solids": dem.Cylinder(1e-3, axis, FREE),
+            "gravity": (3e3, -1e4),
+            "held": [dem.Held([3, 4], path(*TO_AND_FRO)), dem.Held(group, GUIDED)],
+        },
+        "discs around solids": {
+            "friction": None,
+            "solids": [
+                dem.Solid(WEDGE, axis, 0.4, DAMPED, TURN, **hard),
+                dem.Solid(PLATE, (3.6e-3, 1.25e-3), 0.9, path(*TO_AND_FRO, spin=[0.0, 4e3, 9e3, -5e3])),
+                dem.Solid(OVAL, (1.2e-3, 3.75e-3), 0.3, (0.5, -1.0), 4e3, **hard),
+                dem.Cylinder(5e-4, (4.8e-3, 2.5e-3), GUIDED, -900.0),
+            ],
+        },
+        "smooth discs around solids": {
+            "friction": None,
+            "solids": [
+                dem.Solid(WEDGE, axis, 0.4, FREE, TURN),
+                dem.Solid(PLATE, (3.6e-3, 1.25e-3), 0.9, (0.0, 1.0), 4e3),
+            ],
+        },
+        "ellipses of local radius around solids": mixture | {
+            "material": [damped, steel],
+            "solids": [
+                dem.Solid(WEDGE, axis, 0.4, (1.0, 2.0), 4e3),
+                dem.Solid(OVAL, (1.2e-3, 3.75e-3), 0.3, (0.5, -1.0), TURN),
+            ],
+            "held": [dem.Held([9, 13], (0.5, 1.0))],
+        },
+        "dumbbells": {
+            "solids": dem.Cylinder(1e-3, axis, path(*TO_AND_FRO, spin=[0.0, 900.0, -500.0, 0.0])),
+            "held": [dem.Held(group, GUIDED)],
+        },
+        "ellipses by the chord": {"friction": None},
+    } | {
+        law: mixture | {"material": [damped, steel], "boundary": elastic} | values
+        for law, values in LAWS.items()
+    }  # fmt: skip
+    shape, state = granules(MADE.get(name, dem.Disc))
     if name == "smooth discs":
-        shape, state = granules(dem.Disc)
         state.angular_velocity[:] = 0.0
-        return dem.Scene(
-            shape, damped, None, moving((0.0, 0.0), (0.0, 0.0), path(*TO_AND_FRO), LID),
-            dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), FREE), gravity=(3e3, -1e4),
-            held=[dem.Held([3, 4], path(*TO_AND_FRO)), dem.Held([9, 13, 14], GUIDED)],
-        ), state  # fmt: skip
-    if name == "discs around solids":
-        shape, state = granules(dem.Disc)
-        hard = {"friction": 0.9, "material": steel}
-        solids = [
-            dem.Solid(WEDGE, (2.4e-3, 2.5e-3), 0.4, DAMPED, TURN, **hard),
-            dem.Solid(PLATE, (3.6e-3, 1.25e-3), 0.9, path(*TO_AND_FRO, spin=[0.0, 4e3, 9e3, -5e3])),
-            dem.Solid(OVAL, (1.2e-3, 3.75e-3), 0.3, (0.5, -1.0), 4e3, **hard),
-            dem.Cylinder(5e-4, (4.8e-3, 2.5e-3), GUIDED, -900.0),
-        ]
-        return dem.Scene(shape, damped, None, WALLS, solids), state
-    if name == "smooth discs around solids":
-        shape, state = granules(dem.Disc)
-        solids = [
-            dem.Solid(WEDGE, (2.4e-3, 2.5e-3), 0.4, FREE, TURN),
-            dem.Solid(PLATE, (3.6e-3, 1.25e-3), 0.9, (0.0, 1.0), 4e3),
-        ]
-        return dem.Scene(shape, damped, None, WALLS, solids), state
-    if name == "ellipses of local radius around solids":
-        precise = dem.CommonNormal(1e-6)
-        shape, state = granules(ellipses(contact=precise, hertz_radius="local"))
-        solids = [
-            dem.Solid(WEDGE, (2.4e-3, 2.5e-3), 0.4, (1.0, 2.0), 4e3),
-            dem.Solid(OVAL, (1.2e-3, 3.75e-3), 0.3, (0.5, -1.0), TURN),
-        ]
-        materials = {"material": [damped, steel], "species": np.arange(20) % 2}
-        held = [dem.Held([9, 13], (0.5, 1.0))]
-        return dem.Scene(
-            shape, friction=table, walls=WALLS, solids=solids, held=held, **materials
-        ), state
-    if name == "dumbbells":
-        shape, state = granules(lambda r: dem.Dumbbell(0.55 * r))
-        turning = path(*TO_AND_FRO, spin=[0.0, 900.0, -500.0, 0.0])
-        cylinder = dem.Cylinder(1e-3, (2.4e-3, 2.5e-3), turning)
-        held = [dem.Held([9, 13, 14], GUIDED)]
-        return dem.Scene(shape, damped, rough, WALLS, cylinder, held=held), state
-    if name == "clumps":
-        forms = [
-            [(0, 0, 1)],
-            [(0, 0, 0.7), (0.9, 0.3, 0.4)],
-            [(-0.7, 0, 0.6), (0.5, 0, 0.5), (0, 0.6, 0.4)],
-        ]
-        shape, state = granules(
-            lambda r: dem.Clump([size * np.array(forms[k % 3]) for k, size in enumerate(r)])
-        )
-        return dem.Scene(shape, damped, rough, WALLS, cylinder), state
-    if name == "ellipses":
-        shape, state = granules(ellipses())
-        return dem.Scene(shape, damped, rough, WALLS, cylinder), state
-    if name == "ellipses by the chord":
-        shape, state = granules(ellipses(contact="geometric_potential"))
-        return dem.Scene(shape, damped, None, WALLS, cylinder), state
-    shape, state = granules(lambda r: dem.Superellipse(0.9 * r, 0.8 * r, 0.3 * r, 3.0))
-    return dem.Scene(shape, damped, rough, WALLS, cylinder), state
+    rough = {"friction": dem.Friction(0.3, 0.5, 0.2, stiffness=0.7), "material": damped}
+    values = rough | {"walls": WALLS, "solids": cylinder} | changes.get(name, {})
+    return dem.Scene(shape, **values), state
 
 
 SHAPES = "box of discs", "dumbbells", "clumps", "ellipses", "superellipses"
@@ -235,14 +230,11 @@ def mapped(scene, state, matrix):
     shape = scene.shape
     if isinstance(shape, dem.Clump):  # which a mirror changes
         shape = shape._replace(discs=shape.discs * [1.0, hand, 1.0])
-    return replace(scene, shape=shape, walls=walls, solids=solids), map_state(state, matrix, hand)
-
-
-def map_state(state, matrix, hand):
     turn = np.arctan2(matrix[1, 0], matrix[0, 0])
-    return State(
+    seen = dem.State(
         state.position @ matrix.T,
         state.velocity @ matrix.T,
         turn + hand * state.angle,
         hand * state.angular_velocity,
     )
+    return replace(scene, shape=shape, walls=walls, solids=solids), seen

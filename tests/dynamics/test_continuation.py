@@ -12,7 +12,7 @@ from functools import cache, partial
 
 import numpy as np
 import pytest
-from mechanics import assert_bits_are_the_same, assert_threads_change_no_bit, crowd, seen
+from mechanics import assert_bits_are_the_same, assert_threads_change_no_bit, crowd, seen, swarm
 from project import posix
 from scenes import LEDGERS, SCENES, scene_of
 
@@ -140,9 +140,10 @@ def test_a_run_goes_on_with_the_same_bits(bed, way):
 
 
 @pytest.mark.quick
-def test_the_number_of_threads_changes_no_bit():
-    """Other granules are asked at night."""
-    assert_threads_change_no_bit(*crowd())
+@pytest.mark.parametrize("bed", [crowd(), swarm(side=33)], ids=["crowd", "few more than a patch"])
+def test_the_number_of_threads_changes_no_bit(bed):
+    """Also where one thread has hardly anything to do, and no boundary near. Other granules are asked at night."""
+    assert_threads_change_no_bit(*bed)
 
 
 def test_a_run_goes_on_with_another_velocity_of_a_solid():
