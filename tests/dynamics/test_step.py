@@ -142,8 +142,13 @@ def resting(small):
     return small.scene(solids=replace(small.cylinder, velocity=(0.0, 0.0))), small.state
 
 
-@pytest.mark.quick
-@pytest.mark.parametrize(("kind", "fraction"), STIFF)
+@pytest.mark.parametrize(
+    ("kind", "fraction"),
+    [
+        pytest.param(*row, marks=[pytest.mark.quick] * (row[0] in ("disc", "clump")))
+        for row in STIFF
+    ],
+)
 def test_critical_time_step_is_a_bound_and_a_close_one(small_bed, kind, fraction):
     """No motion of a frictional, damped bed grows at the critical step, and some do at twice it."""
     linear = pytest.importorskip("studies.stability.linear")
