@@ -15,6 +15,7 @@ from outlines import outside
 from scenes import lids
 
 import dem
+from dem.periodic import wrapped
 
 pytestmark = pytest.mark.quick
 
@@ -202,6 +203,11 @@ def test_nothing_passes_a_granule_unseen(side, periodic, skin):
     sides = np.flatnonzero(periodic)
     assert np.abs(run.state.position - state.position)[:, sides].max() > 0.25 * side * PITCH
     assert count.min() > 1
+
+
+def test_a_place_hardly_outside_is_put_into_the_box():
+    """And not on its far side, which is outside too."""
+    assert_array_equal(wrapped(np.array([[-1e-30, -1e-30]]), (3.0, None)), [[0.0, -1e-30]])
 
 
 @pytest.mark.parametrize("periodic", [(True, False), (True, True)])
