@@ -30,17 +30,10 @@ from studies.__main__ import app as studies_app
 sys.path.append(str(ROOT / "docs/_ext"))
 import findings
 
-# Who shows a command: pages, and the docstrings of rules, modules and verbs.
-PAGES = [
-    *sorted(ROOT.glob("*.md")),
-    *sorted(ROOT.glob("docs/**/*.md")),
-    *sorted(ROOT.glob("studies/*/README.md")),
-    *sorted(ROOT.glob("dem/**/*.md")),
-]
-# what the build writes
-LEFT_OUT = {"_build", "_generated", "jupyter_execute"}
-PAGES = [path for path in PAGES if not LEFT_OUT & set(path.parts)]
-SOURCES = [path for room in ("dem", "studies") for path in sorted((ROOT / room).rglob("*.py"))]
+# Who shows a command: pages but what the build writes, and the docstrings of rules, modules and verbs.
+FOLDERS = "*.md", "docs/**/*.md", "studies/*/README.md", "dem/**/*.md"
+BUILT = {"_build", "_generated", "jupyter_execute"}
+PAGES = sorted(path for each in FOLDERS for path in ROOT.glob(each) if not BUILT & {*path.parts})
 RULES = [ROOT / "Snakefile", *sorted(ROOT.glob("rules/*.smk"))]
 
 
@@ -75,7 +68,7 @@ def lines():
             if language in ("", "bash", "sh", "console"):
                 sign = r"\$ " if language == "console" else ""
                 yield from ((path, line) for line in re.findall(f"^{sign}(.*)", content, re.M))
-    for path in (*RULES, *SOURCES):
+    for path in (*RULES, *ROOT.glob("dem/**/*.py"), *ROOT.glob("studies/**/*.py")):
         for text in docstrings(path):
             shown = "\n".join(content for _, content in blocks(text))
             shown = re.sub(r"  +[a-z].*", "", shown)  # without words beside a command
@@ -95,9 +88,7 @@ def commands():
     return places
 
 
-# Whose commands are not ours: their words are checked as far as they name something of ours.
-THEIRS = shlex.split("git cd pre-commit source . dask apt paraview python3 coverage sbatch")
-PROGRAMS = "dem", "snakemake", "python", "make", "pip", "bash", "pytest", *THEIRS
+PROGRAMS = "dem", "snakemake", "python", "make", "pip", "bash"
 # What a command takes that a test cannot give, and what is left out then.
 ENDLESS, ELSEWHERE = ("--watch",), ("--scheduler", "--wait")
 NOT_RUN = {

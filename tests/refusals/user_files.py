@@ -99,10 +99,6 @@ FILES_OF_EXPERIMENTS = {  # what a sweep says: which file is there, and what is 
         RESTING,
         "two things named count; rename one",
     ),
-    f"{SWEPT}layer: {{a: {{}}, b: {{gravity: 1}}}}}}": (
-        RESTING,
-        "two things named layer; rename one",
-    ),
     "record: {observables: [rest.py, drag]}": (
         f"{OBSERVED}{{'turn': (('snap',), 'N', 'force')}}",
         "the variable turn is over snap; its dimensions may be bound, displacement",
