@@ -127,7 +127,7 @@ EDITS = {  # files that are written
 
 
 @pytest.mark.parametrize("edit", EDITS)
-@pytest.mark.parametrize("in_workers", [pytest.param(False, marks=quick), True])
+@pytest.mark.parametrize("in_workers", [False, True])
 def test_a_process_that_lives_on_returns_no_numbers_of_old_code(file, edit, in_workers):
     """An edited file is one sentence; a comment is no edit, and the old file is good again. Files of the same
     names that it had before, of another folder, are not those of its workers."""

@@ -103,12 +103,10 @@ def measures(study):
 
 @pytest.mark.parametrize("study", reported())
 def test_what_measures_takes_all_cores_and_what_reads_takes_one(rules, study):
+    """A batch takes the threads of its runs."""
+    assert rules["batch"].resources["_cores"].value == THREADS
     cores = rules["results"].resources["_cores"].evaluate(Wildcards(fromdict={"study": study}))
     assert cores.value == (CORES if measures(study) else 1)
     # whose file names this process, and not only those of its runs, as its origin
     results = import_module(f"{package_of(study)}.results")
     assert getattr(results, "MEASURES", False) is measures(study)
-
-
-def test_a_batch_takes_the_threads_of_its_runs(rules):
-    assert rules["batch"].resources["_cores"].value == THREADS
