@@ -34,16 +34,13 @@ hypothesis.settings.load_profile("suite")
 # leave a processor idle. What two groups side by side both need is compiled twice, so the first on one
 # worker are those of discs, and on the other those of other shapes.
 LONGEST = shlex.split(
-    "disc superellipse ellipse dumbbell clump test_motion test_large claims test_workflow "
-    "test_studies test_promises test_pages test_stopping test_shapes"
+    "disc superellipse ellipse dumbbell clump claims test_workflow test_compilation test_promises "
+    "test_plot test_pages test_plugins test_workers test_studies test_runs test_damage test_faults"
 )
 
 
 # Parameters of quick tests that take long, by a part of the name of the test.
-SLOW = shlex.split(
-    "superellipse- [superellipse] records_the_stress page_on_stress jam_with close_one[ellipse "
-    "residual_falls the_figure [e3]"
-)
+SLOW = shlex.split("superellipse- [superellipse] page_on_stress jam_with close_one[ellipse [e3]")
 
 
 def pytest_ignore_collect(collection_path, config):
@@ -61,7 +58,6 @@ def pytest_collection_modifyitems(config, items):
     for item in items:
         parameters, stem = item.name.lower().partition("[")[2], item.path.stem
         group = next((kind for kind in KINDS if kind in parameters + stem), stem)
-        group = "test_large" if "in chunks" in parameters else group  # beds of many granules
         groups[item] = "claims" if "checkout_with_claims" in item.fixturenames else group
         item.add_marker(pytest.mark.xdist_group(groups[item]))
     if config.option.markexpr == "quick":

@@ -3,7 +3,7 @@
 Numba compiles a kernel for each combination of types of its arguments: for each shape, with friction or
 without, with held granules or without, ... A kind of run_steps takes 10 to 40 s of a processor. A test that needs
 none of its own takes a scene of those that are there: the limit of little friction and damping (LEAST, ELASTIC)
-for none, a held granule that rests (test_motion.ANCHOR), heavy walls that nothing pushes (test_periodic.lids), or
+for none, a held granule that rests (scenes.ANCHOR), heavy walls that nothing pushes (scenes.lids), or
 a ledger that nothing asks. Walls, round solids, gravity and paths add no kind.
 """
 

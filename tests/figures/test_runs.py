@@ -138,7 +138,7 @@ def test_films_and_pictures(watched, tmp_path, color, forces):
     assert_not_blank(tmp_path / "bed.png")
 
 
-@pytest.mark.parametrize("case", ["c1", "d1"])
+@pytest.mark.parametrize("case", [pytest.param("c1", marks=pytest.mark.quick), "d1"])
 def test_export_for_paraview(watched, tmp_path, case):
     """Polygons with the area of their granule, two a dumbbell; a file a snapshot, and one that lists them."""
     motion, parts = motion_of(watched, case), {"c1": 1, "d1": 2}[case]

@@ -94,7 +94,7 @@ MUTANTS = (
     Mutant("dynamics/boundary_motion.py", "sign", "end, c) - motion[b, VX + c]", "end, c) + motion[b, VX + c]", SMOOTH),
     Mutant("dynamics/boundary_motion.py", "factor", "account[WORK] -= 0.5 * kick", "account[WORK] -= kick", "tests/test_motion.py::test_the_work_of_a_drive_is_what_it_and_the_bed_gain"),
     Mutant("dynamics/boundary_motion.py", "sign", "boundaries.angle[b], dt * motion[b, W])", "boundaries.angle[b], -dt * motion[b, W])", SOLIDS),
-    Mutant("dynamics/neighbor_list.py", "missing term", "mass * both if both > 0.0 else 1.0", "1.0", SMOOTH),
+    Mutant("dynamics/neighbor_list.py", "missing term", "mass * both if both + turns > 0.0 else 1.0", "1.0", SMOOTH),
     Mutant("dynamics/diagnostics.py", "missing term", "squared += 2.0 * skin * driven_acceleration", "squared += 0.0 * driven_acceleration", "tests/test_motion.py::test_the_work_of_a_drive_is_what_it_and_the_bed_gain"),
     Mutant("dynamics/contact_history.py", "memory lost", "new[p] = old[source[p]]", "new[p] = 0.0", BOX),
     Mutant("dynamics/neighbor_list.py", "missing term", "lowest[home] = min(lowest[home], other)", "lowest[home] = home", THREADS),

@@ -4,7 +4,7 @@ import importlib
 
 import pytest
 from project import needs_study
-from workflow import test_studies
+from small_studies import assert_the_rest_works_without, assert_works_in_its_smallest_form
 
 import studies
 from dem.sweep.config import load
@@ -23,12 +23,13 @@ LAWS = part("verification", "broken_laws").LAWS if part("verification", "results
 
 @pytest.mark.parametrize("name", studies.NAMES)
 def test_a_study_can_be_removed(copy, tmp_path, name):
-    test_studies.assert_the_rest_works_without(copy, tmp_path / "copy", [name])
+    assert_the_rest_works_without(copy, tmp_path / "copy", [name])
 
 
 @needs_study("benchmark")
 def test_the_benchmark_works_in_its_smallest_form(tmp_path, monkeypatch):
-    test_studies.test_a_study_works_in_its_smallest_form("benchmark", tmp_path, monkeypatch)
+    monkeypatch.chdir(tmp_path)
+    assert_works_in_its_smallest_form("benchmark", tmp_path)
 
 
 @needs_study("benchmark")
