@@ -1,8 +1,8 @@
 """The store under everything that happens to one: sweeps planned, made, stopped, extended, pruned, damaged.
 
 Two sweeps share a store. Hypothesis chooses what happens and in which order; runs cost nothing. No finished run is made
-again unless its file was damaged or nobody needed it, no file of a user's is touched, and what is read, counted or
-said is right, or refused with its name.
+again unless its file was damaged or nobody needed it, and what is read, counted or said is right, or refused with its
+name.
 """
 
 import contextlib
@@ -11,6 +11,7 @@ import os
 import re
 import tempfile
 from collections import Counter
+from itertools import chain, zip_longest
 from pathlib import Path
 from unittest import mock
 
@@ -38,7 +39,7 @@ NAMES = "a", "b"
 NO_SPACE = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 ENDS = "none", "killed in a run", "killed before a file is there", "killed after it", "disk full"
 DAMAGE = {
-    "flipped": bytes,
+    "flipped": bytearray,
     "cut": lambda content: content[: len(content) // 2],
     "empty": lambda content: b"",
     "zeros": lambda content: bytes(len(content)),
@@ -49,8 +50,8 @@ RUN = re.compile(r"[0-9a-f]{32}\.npz")
 
 
 class Sweeps(RuleBasedStateMachine):
-    """seeds of two sweeps; allowed: how often each run may have been made again; user_files: texts of the user's
-    own files; damaged: contents that a file of the store got."""
+    """seeds of two sweeps; allowed: how often each run may have been made again; damaged: contents that a file
+    of the store got."""
 
     def __init__(self):
         super().__init__()
@@ -58,13 +59,16 @@ class Sweeps(RuleBasedStateMachine):
         self.folder = Path(self.place.enter_context(tempfile.TemporaryDirectory())).resolve()
         self.place.enter_context(contextlib.chdir(self.folder))
         Path("drawn.py").write_text(DRAWN + OBSERVED)
-        self.seeds = dict.fromkeys(NAMES, ())
-        self.allowed, self.left, self.user_files = Counter(), {}, {}
+        self.values = parse(VALUES | {"beside": str(self.folder)}).dump()
+        self.seeds = {"a": (1, 2, FAILS), "b": (1, 3)}
+        self.allowed, self.left = Counter(), {}
         self.damaged: dict[Path, list[bytes]] = {}
         self.store, self.failing = Store(), True
         self.really = Path.replace
         patch = mock.patch.object(Path, "replace", lambda part, target: self.replace(part, target))
         self.place.enter_context(patch)
+        for name in NAMES:
+            self.state(name).begin("drag")
 
     def teardown(self):
         self.place.close()
@@ -96,14 +100,14 @@ class Sweeps(RuleBasedStateMachine):
     # What happens
 
     def state(self, name):
-        values = VALUES | {
+        values = {
             "sweep": varied("a", "c", seed=list(self.seeds[name])),
             "results": f"results/{name}",
             "batch": 3,
             "failures": 0.99,
             "beside": str(self.folder),
         }
-        return SweepState(parse(values))
+        return SweepState(parse(self.values | values))
 
     @rule(name=st.sampled_from(NAMES), seeds=st.sets(st.sampled_from(SEEDS)))
     def plan(self, name, seeds):
@@ -111,34 +115,36 @@ class Sweeps(RuleBasedStateMachine):
         self.seeds[name] = tuple(sorted({1} | seeds))
         self.state(name).begin("drag")
 
-    @precondition(lambda self: any(self.seeds.values()))
     @rule(
         end=st.sampled_from(ENDS),
         when=st.integers(1, 12),
-        both=st.booleans(),
-        name=st.sampled_from(NAMES),
+        names=st.sampled_from([("a",), ("b",), NAMES]),
     )
-    def make(self, end, when, both, name):
+    def make(self, end, when, names):
         """One sweep, or both at a time, planned first and made in turns."""
-        names = [sweep for sweep in (NAMES if both else (name,)) if self.seeds[sweep]]
+        at_work = [self.state(name) for name in names]
+        for work in at_work if not self.spoiled() else ():
+            self.look(work)
         in_run = end == ENDS[1]
         order(fails=self.fails(), **({"left": when} if in_run else {}))
-        self.left = {end: when} if not in_run else {}
+        self.left = {} if in_run else {end: when}
         try:
-            at_work = [self.state(sweep) for sweep in names]
-            jobs = []
-            for work in at_work:
-                batches = work.batches("drag")
-                jobs.append(
-                    [(work, b.id) for b in batches if not self.store.file_of(b.id).exists()]
-                )
+            jobs = [
+                [
+                    (work, b.id)
+                    for b in work.batches("drag")
+                    if not work.store.file_of(b.id).exists()
+                ]
+                for work in at_work
+            ]
             for work in at_work:
                 work.begin("drag")
-            turns = [job for turn in zip(*jobs, strict=False) for job in turn]
-            for work, batch in [*turns, *(job for batches in jobs for job in batches)]:
-                make(work.store, batch)
-            for sweep, work in zip(names, at_work, strict=True):
-                combine_block(work, "drag", "drag", Path(f"results/{sweep}/drag.nc"))
+            for job in chain(*zip_longest(*jobs)):
+                if job:
+                    work, batch = job
+                    make(work.store, batch)
+            for name, work in zip(names, at_work, strict=True):
+                combine_block(work, "drag", "drag", Path(f"results/{name}/drag.nc"))
         except (Killed, OSError) as error:
             assert self.left.get(end) == 0, error
             part = self.folder / f"results/store/runs/ab/.x.npz.{os.uname().nodename}.1.dem.part"
@@ -150,9 +156,27 @@ class Sweeps(RuleBasedStateMachine):
             (path,) = [file for file in self.damaged if str(file) in str(error)]
             path.unlink(missing_ok=True)
         else:
-            for sweep in names:
-                self.check(self.state(sweep), Path(f"results/{sweep}/drag.nc"))
+            for name, work in zip(names, at_work, strict=True):
+                self.check(work, Path(f"results/{name}/drag.nc"))
         self.left = {}
+
+    def look(self, work):
+        """Status, dry run and a partial file say what the store holds, and change no file of it."""
+        before, held = self.bytes(), self.held()
+        runs = work.runs()
+        failed = sum(held.get(run, False) for run in runs)
+        there = sum(run in held for run in runs)
+        left = len(runs) - there
+        line, table = summary(work, 1).splitlines()[0], text_of(status(work))
+        assert f"{len(runs)} runs (" in line and f"), {there - failed} finished" in line, line
+        assert f"{left} to be made" in line and work.counts() == (there, len(runs)), line
+        assert sum(map(int, re.findall(r"^(\d+) failed: ", table, re.M))) == failed, table
+        waiting = re.findall(r"under way: 0, waiting: (\d+)\.", table)
+        assert waiting == [str(left)] * bool(left), table
+        if there > failed:
+            combine_block(work, "drag", "drag", Path("part.nc"), partial=True)
+            self.check(work, Path("part.nc"), held)
+        assert before == self.bytes()
 
     def check(self, work, path, there=None):
         """A combined file has all runs of its sweep, each with what it gave; there: those of a partial file."""
@@ -167,10 +191,11 @@ class Sweeps(RuleBasedStateMachine):
             np.testing.assert_equal(float(row.drag[5]), np.nan if gap else force[run.id])
 
     @precondition(lambda self: self.files())
-    @rule(data=st.data(), how=st.sampled_from(sorted(DAMAGE)))
-    def damage(self, data, how):
+    @rule(which=st.integers(0, 99), at=st.integers(0, 2**20), how=st.sampled_from(sorted(DAMAGE)))
+    def damage(self, which, at, how):
         """A disk loses or changes what a file of the store holds; its runs may then be made again."""
-        path = data.draw(st.sampled_from(self.files()))
+        files = self.files()
+        path = files[which % len(files)]
         if path.suffix == ".damaged":
             return
         runs = [path.stem] if RUN.fullmatch(path.name) else []
@@ -178,59 +203,26 @@ class Sweeps(RuleBasedStateMachine):
             with contextlib.suppress(InputError):
                 runs = read(path, ("run_id",))[0]["run_id"].tolist()
         self.allowed.update(runs)
-        content = path.read_bytes()
-        if how == "flipped":
-            at = data.draw(st.integers(0, max(0, len(content) - 1)))
-            content = (
-                content[:at] + bytes(byte ^ 1 for byte in content[at : at + 1]) + content[at + 1 :]
-            )
-        self.damaged.setdefault(path, []).append(DAMAGE[how](content))
-        if how == "gone":
-            path.unlink()
-        else:
-            path.write_bytes(self.damaged[path][-1])
+        content = DAMAGE[how](bytearray(path.read_bytes()))
+        if how == "flipped" and content:
+            content[at % len(content)] ^= 1
+        self.damaged.setdefault(path, []).append(content)
+        path.unlink() if how == "gone" else path.write_bytes(content)
 
-    @precondition(lambda self: any(self.seeds.values()))
+    @precondition(lambda self: not self.spoiled())
     @rule(name=st.sampled_from(NAMES), mended=st.booleans())
     def retry(self, name, mended):
         """The failed runs of a sweep are wanted again, and perhaps do not fail now."""
         self.failing = not mended
-        if self.seeds[name] and not self.spoiled():
-            held, work = self.held(), self.state(name)
-            failed = {run for run in work.runs() if held.get(run)}
-            assert work.retry() == len(failed)
-            assert self.held() == {run: value for run, value in held.items() if run not in failed}
-
-    @precondition(lambda self: any(self.seeds.values()))
-    @rule(name=st.sampled_from(NAMES))
-    def look(self, name):
-        """Status, dry run and a partial file say what the store holds, and change no file of it."""
-        if not self.seeds[name] or self.spoiled():
-            return
-        before, work, held = self.bytes(), self.state(name), self.held()
-        runs = work.runs()
-        failed = sum(held.get(run, False) for run in runs)
-        finished = sum(run in held for run in runs) - failed
-        left = len(runs) - finished - failed
-        line, table = summary(work, 1).splitlines()[0], text_of(status(work))
-        assert f"{len(runs)} runs (" in line and f"), {finished} finished" in line, line
-        assert f"{left} to be made" in line and work.counts() == (finished + failed, len(runs)), (
-            line
-        )
-        assert sum(map(int, re.findall(r"^(\d+) failed: ", table, re.M))) == failed, table
-        assert re.findall(r"under way: 0, waiting: (\d+)\.", table) == [str(left)] * bool(left), (
-            table
-        )
-        if finished:
-            combine_block(work, "drag", "drag", Path("part.nc"), partial=True)
-            self.check(work, Path("part.nc"), held)
-        assert before == self.bytes()
+        held, work = self.held(), self.state(name)
+        failed = {run for run in work.runs() if held.get(run)}
+        assert work.retry() == len(failed)
+        assert self.held() == {run: value for run, value in held.items() if run not in failed}
 
     @rule()
     def prune(self):
         """What no sweep needs goes, and nothing else; where that cannot be known, nothing goes."""
-        of_sweeps = [self.state(name).block("drag").unique() for name in NAMES if self.seeds[name]]
-        runs = [run for some in of_sweeps for run in some]
+        runs = [run for name in NAMES for run in self.state(name).block("drag").unique()]
         needed, beds = {run.id for run in runs}, {run.bed_id for run in runs}
         files = self.files()
         try:
@@ -244,16 +236,6 @@ class Sweeps(RuleBasedStateMachine):
             assert not removed & (needed | beds)  # checkpoints and beds too
             left = {path.name.partition(".")[0] for path in self.files()}
             assert not {name for name in left if len(name) == 32} - needed - beds
-
-    @rule(
-        name=st.sampled_from(["store/batches/notes.txt", "store/beds/ab/mine.npz", "a/notes.txt"])
-    )
-    def user_file(self, name):
-        """The user puts a file of his own somewhere."""
-        path = Path("results") / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(name)
-        self.user_files[path] = name
 
     @rule(days=st.integers(-400, 400))
     def clock(self, days):
@@ -297,11 +279,6 @@ class Sweeps(RuleBasedStateMachine):
         counts = Counter(run for run, *_, seed in map(str.split, made()) if int(seed) != FAILS)
         for run, count in counts.items():
             assert count <= 1 + self.allowed[run]
-
-    @invariant()
-    def files_of_the_user_are_as_they_were(self):
-        for path, content in self.user_files.items():
-            assert path.read_text() == content
 
     @invariant()
     def what_is_put_aside_was_damaged_and_keeps_its_bytes(self):

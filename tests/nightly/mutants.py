@@ -153,7 +153,7 @@ MUTANTS = (
     Mutant("base/files.py", "order", "        yield part\n", "        try:\n            yield part\n        except BaseException:\n            part.replace(path)\n            raise\n", WHOLE),
     Mutant("base/files.py", "missing call", "        part.unlink(missing_ok=True)\n", "        pass\n", WHOLE),
     Mutant("sweep/restart.py", "condition", "            if not alive:\n", "            if alive:\n", FILES),
-    Mutant("sweep/precision.py", "limit", "GROWTH * now[other]", "100 * now[other]", ROUNDS.format("a_round_at_most_doubles_the_replicates")),
+    Mutant("sweep/precision.py", "limit", "GROWTH * now[other]", "100 * now[other]", ROUNDS.format("replicates_are_added_until_a_mean_is_known_as_well_as_asked_and_no_longer")),
     Mutant("base/statistics.py", "sign", "for sign in (-1.0, 1.0))", "for sign in (1.0, -1.0))", "tests/base/test_statistics.py"),
     Mutant("sweep/precision.py", "condition", 'return math.nan, str(row["failure_reason"])', 'return 0.0, str(row["failure_reason"])', ROUNDS.format("a_failed_run_counts_and_is_not_replaced")),
     Mutant("sweep/state.py", "condition", "if any(len(values[point]) < count for point, count in block.counts.items()):", "if False:", ROUNDS.format("a_stopped_sweep_goes_on_to_the_same_runs")),

@@ -76,3 +76,9 @@ CALLS = {
         "block is",
     ),
 }
+RUN = "simulate --config config/smoke.yaml --shape c1 --seed 1 --density"
+COMMANDS = {
+    f"{RUN} nan -o OUT": "density is nan",
+    f"{RUN} inf -o OUT": "density is inf",
+    f"{RUN} 3900 --checkpoint README.md -o OUT": "README.md",
+}

@@ -47,18 +47,12 @@ def test_what_is_said_of_a_sweep_under_way_is_what_the_store_holds(stopped):
     runs = list(stopped.block("drag").unique())
     files = {path: path.read_bytes() for path in Path("results").rglob("*.n*")}
     store = stopped.store
-    whole = {
-        run: row
-        for batch in store.batches()
-        for run, row in store.rows_of(batch.id, "drag").items()
-    }
+    batches = [store.rows_of(batch.id, "drag") for batch in store.batches()]
     kept = {run.id: row for run in runs if (row := store.kept(run.id))}
-    assert len(whole) == 8 and len(kept) == 3
-    there, inside = whole | kept, slice(4, 10)  # bins of the window, of twelve
-    means = {
-        run.id: there[run.id]["drag"][inside].mean()
-        for run in runs
-        if run.id in there and not there[run.id]["failure"]
+    assert [len(rows) for rows in batches] == [8] and len(kept) == 3
+    there = batches[0] | kept
+    means = {  # bins of the window, of twelve
+        run: row["drag"][4:10].mean() for run, row in there.items() if not row["failure"]
     }
     held = next(run for run in runs if run.id not in there)
     with lock(store.run_of(held.id, ".lock")):
@@ -80,24 +74,6 @@ def test_what_is_said_of_a_sweep_under_way_is_what_the_store_holds(stopped):
         stopped, 1, retry=True
     )
     assert stopped.counts() == (11, 20)
-    words = [
-        "combine",
-        "--config",
-        "sweep.yaml",
-        "--observable",
-        "drag",
-        "-o",
-        "part.nc",
-        "--partial",
-    ]
-    assert CliRunner().invoke(app, words).exit_code == 0
-    with dem.open_results("part.nc") as part:
-        assert part.attrs["partial"] == "11 of 20 runs"
-        for run in runs:
-            of_run = part.sel(case="a" if run.density == 100.0 else "c", seed=run.seed)
-            mean = float(of_run["drag"][inside].mean())
-            assert mean == pytest.approx(means[run.id]) if run.id in means else np.isnan(mean)
-            assert str(of_run["run_id"].values) == (run.id if run.id in there else "")
     assert files == {path: path.read_bytes() for path in Path("results").rglob("*.n*")}
 
 
@@ -110,21 +86,20 @@ def test_a_sweep_that_has_not_begun_waits_and_writes_nothing(tmp_path, monkeypat
     assert not Path("results").exists()
 
 
-READERS = (
-    "status sweep.yaml",
-    "sweep sweep.yaml --dry-run",
-    "combine --config sweep.yaml --observable drag -o part.nc --partial",
-)
-
-
 @pytest.mark.quick
-@pytest.mark.parametrize("words", READERS)
-def test_a_command_that_reads_does_not_count_damaged_runs_and_leaves_them(stopped, words):
+def test_a_command_that_reads_does_not_count_damaged_runs_and_leaves_them(stopped):
     file = min(Path("results/store/runs").rglob("[!.]*[0-9a-f].npz"))
     file.write_bytes(file.read_bytes()[:100])
     files = {path: path.read_bytes() for path in Path("results").rglob("*.n*")}
-    run = CliRunner().invoke(app, words.split())
-    assert run.exit_code == 0, run.output
+    for words in (
+        "status sweep.yaml",
+        "sweep sweep.yaml --dry-run",
+        "combine --config sweep.yaml --observable drag -o part.nc --partial",
+    ):
+        run = CliRunner().invoke(app, words.split())
+        assert run.exit_code == 0, run.output
+    with dem.open_results("part.nc") as part:
+        assert part.attrs["partial"] == "10 of 20 runs"
     assert files == {path: path.read_bytes() for path in Path("results").rglob("*.n*")}
 
 
