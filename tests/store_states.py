@@ -18,7 +18,7 @@ from unittest import mock
 import numpy as np
 import xarray as xr
 from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 from pictures import text_of
 from sweeps import DRAWN, OBSERVED, VALUES, Killed, contents, made, order, varied
 
@@ -46,6 +46,12 @@ DAMAGE = {
     "another file": lambda content: b"x" + content,
     "gone": bytes,
 }
+WORK = {
+    "end": st.sampled_from(ENDS),
+    "when": st.integers(1, 12),
+    "names": st.sampled_from([("a",), ("b",), NAMES]),
+    "again": st.booleans(),
+}
 RUN = re.compile(r"[0-9a-f]{32}\.npz")
 
 
@@ -71,7 +77,10 @@ class Sweeps(RuleBasedStateMachine):
             self.state(name).begin("drag")
 
     def teardown(self):
-        self.place.close()
+        """In the end both are made, and nothing happens."""
+        with self.place:
+            self.make("none", 1, NAMES, again=False)
+            self.no_run_is_made_again_without_a_reason()
 
     def fails(self):
         return {f"{density} {FAILS}": "RunError" for density in (100, 300) if self.failing}
@@ -109,22 +118,33 @@ class Sweeps(RuleBasedStateMachine):
         }
         return SweepState(parse(self.values | values))
 
-    @rule(name=st.sampled_from(NAMES), seeds=st.sets(st.sampled_from(SEEDS)))
-    def plan(self, name, seeds):
-        """A sweep has other seeds; what it had is made again only where it was pruned meanwhile."""
+    @rule(
+        name=st.sampled_from(NAMES),
+        seeds=st.sets(st.sampled_from(SEEDS)),
+        days=st.integers(-400, 400),
+    )
+    def plan(self, name, seeds, days):
+        """A sweep has other seeds; what it had is made again only where it was pruned meanwhile. The clock has
+        jumped, and with it the times of files."""
+        for path in self.files():
+            os.utime(path, (path.stat().st_mtime + 86400 * days,) * 2)
         self.seeds[name] = tuple(sorted({1} | seeds))
         self.state(name).begin("drag")
 
-    @rule(
-        end=st.sampled_from(ENDS),
-        when=st.integers(1, 12),
-        names=st.sampled_from([("a",), ("b",), NAMES]),
-    )
-    def make(self, end, when, names):
-        """One sweep, or both at a time, planned first and made in turns."""
+    @initialize(**WORK)
+    def begin(self, **work):
+        self.make(**work)
+
+    @rule(**WORK)
+    def make(self, end, when, names, again):
+        """One sweep, or both at a time, planned first and made in turns. Runs that failed may be wanted again, and
+        do not fail then."""
         at_work = [self.state(name) for name in names]
+        self.failing = not again
         for work in at_work if not self.spoiled() else ():
             self.look(work)
+            if again:
+                self.retry(work)
         in_run = end == ENDS[1]
         order(fails=self.fails(), **({"left": when} if in_run else {}))
         self.left = {} if in_run else {end: when}
@@ -178,6 +198,13 @@ class Sweeps(RuleBasedStateMachine):
             self.check(work, Path("part.nc"), held)
         assert before == self.bytes()
 
+    def retry(self, work):
+        """The failed runs of a sweep are forgotten, and nothing else is."""
+        held = self.held()
+        failed = {run for run in work.runs() if held.get(run)}
+        assert work.retry() == len(failed)
+        assert self.held() == {run: value for run, value in held.items() if run not in failed}
+
     def check(self, work, path, there=None):
         """A combined file has all runs of its sweep, each with what it gave; there: those of a partial file."""
         with xr.open_dataset(path) as dataset:
@@ -209,16 +236,6 @@ class Sweeps(RuleBasedStateMachine):
         self.damaged.setdefault(path, []).append(content)
         path.unlink() if how == "gone" else path.write_bytes(content)
 
-    @precondition(lambda self: not self.spoiled())
-    @rule(name=st.sampled_from(NAMES), mended=st.booleans())
-    def retry(self, name, mended):
-        """The failed runs of a sweep are wanted again, and perhaps do not fail now."""
-        self.failing = not mended
-        held, work = self.held(), self.state(name)
-        failed = {run for run in work.runs() if held.get(run)}
-        assert work.retry() == len(failed)
-        assert self.held() == {run: value for run, value in held.items() if run not in failed}
-
     @rule()
     def prune(self):
         """What no sweep needs goes, and nothing else; where that cannot be known, nothing goes."""
@@ -236,12 +253,6 @@ class Sweeps(RuleBasedStateMachine):
             assert not removed & (needed | beds)  # checkpoints and beds too
             left = {path.name.partition(".")[0] for path in self.files()}
             assert not {name for name in left if len(name) == 32} - needed - beds
-
-    @rule(days=st.integers(-400, 400))
-    def clock(self, days):
-        """The clock jumps, and with it the times of files."""
-        for path in self.files():
-            os.utime(path, (path.stat().st_mtime + 86400 * days,) * 2)
 
     # What holds at any time
 

@@ -5,7 +5,7 @@ from bad_input import KINDS, make_good, spoil
 from hypothesis import settings
 from store_states import Sweeps
 
-FEW = settings(settings.get_profile("suite"), max_examples=6, stateful_step_count=10)
+FEW = settings(max_examples=5, stateful_step_count=6)
 
 
 @pytest.fixture(scope="module")
