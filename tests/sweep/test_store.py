@@ -158,6 +158,22 @@ def test_a_damaged_file_is_put_aside_and_said_once(capsys):
         assert any(line.endswith(words) for line in lines) and len(path.read_bytes()) == 100
 
 
+@pytest.mark.quick
+def test_runs_are_kept_until_their_batch_is_there():
+    """What the disk has no room for is not made again."""
+    file, replace = drawn(), Path.replace
+
+    def put(part, target):
+        if target.suffix == ".nc":
+            raise OSError("the disk is full")
+        return replace(part, target)
+
+    with mock.patch.object(Path, "replace", put), pytest.raises(OSError, match="the disk is full"):
+        of_file(file)
+    of_file(file)
+    assert len(made()) == 4
+
+
 PLANS = ["", "[]", '{"values": [], "of": [[0, {}]], "runs": []}', "other code", "none"]
 
 
