@@ -190,13 +190,16 @@ def test_overlaps_and_contacts_are_as_a_bed_says(name):
     bed, scene, _, _ = small = packed(name)
     shape = scene.shape
     if name == "ellipse":
-        rows = np.cos(bed.angle), np.sin(bed.angle), shape.semi_major, shape.semi_minor
-        ellipses, size = np.column_stack(rows), np.sqrt(shape.semi_major * shape.semi_minor)
+        turn, (c, s) = np.linspace(0.0, 2.0 * np.pi, 2001), (np.cos(bed.angle), np.sin(bed.angle))
+        across = np.multiply.outer(shape.semi_major, np.cos(turn))
+        along = np.multiply.outer(shape.semi_minor, np.sin(turn))
+        c, s, size = c[:, None], s[:, None], np.sqrt(shape.semi_major * shape.semi_minor)
+        outlines = np.stack([c * across - s * along, s * across + c * along], axis=-1)
         away = bed.position - bed.position[:, None]
         near = np.hypot(*away.T) < shape.semi_major + shape.semi_major[:, None]
         shares = np.array(
             [
-                parting(away[i, j], ellipses[i], ellipses[j], 300)[0] / min(size[i], size[j])
+                parting(away[i, j], outlines[i], outlines[j])[0] / min(size[i], size[j])
                 for i, j in np.argwhere(np.triu(near, 1))
             ]
         )
