@@ -4,7 +4,7 @@ means and ratios are in tests/base/test_statistics.py; studies ask the same of t
 import numpy as np
 import pytest
 from intervals import assert_held
-from made_up import drags, drawn, jammed
+from synthetic import drags, drawn, jammed
 
 from dem.analysis.onset import limits
 from dem.analysis.velocity import rates

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from made_up import jammed
+from synthetic import jammed
 
 from dem.analysis.onset import limits
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from made_up import DENSITY, NUMBERS, PRESSURE, sheared
 from project import ROOT, needs_study
+from synthetic import DENSITY, NUMBERS, PRESSURE, sheared
 
 from dem.analysis.shear import rheology
 from dem.base.errors import InputError

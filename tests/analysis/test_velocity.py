@@ -4,10 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from made_up import VELOCITY, drags, drawn
 from pictures import text_of
 from project import ROOT, needs_study
 from scipy.optimize import least_squares
+from synthetic import VELOCITY, drags, drawn
 
 from dem.analysis.velocity import inertial_number, rates
 from dem.base.errors import InputError

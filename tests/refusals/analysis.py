@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import numpy as np
-from made_up import VELOCITY, drags, drawn, jammed, sheared
+from synthetic import VELOCITY, drags, drawn, jammed, sheared
 
 from dem.analysis.means import means, write_means
 from dem.analysis.onset import limits
