@@ -52,12 +52,11 @@ ABSENT = {"1": (0.37, 2.0), "m": (1e-3,), "s": (1e-9,), "Pa": (3e7,), "rad": (0.
           "kg m-3": (5e3,), "N m-1": (1e6,), "m s-2": (9.81,)}  # fmt: skip
 # values by which granules move while they are packed, and the scenes whose kernels others have for that
 MOVED = "packing.friction", "packing.preparation"
-IN_MOTION = "discs", "square", "settled", "onset"
+IN_MOTION = "discs", "square", "settled"
 # values, of a scene or of all, that need not change what a run gives
 SILENT = {
     "numerics.max_overlap": "a run that reaches it ends",
     "numerics.allow_unstable": "the steps are not beyond the critical one",
-    "onset: packing.preparation": "it is ignored, and should be refused",
 }
 # values that beds are known by without need: they are packed twice
 NEEDLESS = {

@@ -33,6 +33,7 @@ SECTIONS = {"cylinder": False, "record": True}
 ASKS = {
     "packing.pressure": (None, "the bed is compressed"),
     "packing.friction": (0.0, "rattlers are told by their contacts"),
+    "packing.preparation": ("relaxed", "granules grow until the bed is jammed"),
 }
 BED_ALONE = True
 STEP = 0.002  # of the packing fraction, while granules grow
