@@ -109,9 +109,12 @@ for name, header in EXPERIMENTS.items():
             words = f"{section} is missing; the experiment {name} needs it"
             others = {other: None for other in SECTIONS if header["SECTIONS"].get(other) is None}
             FILES[f"{name}: {words}"] = change | others | {section: None}, words
-    if header.get("BED_ALONE"):
+    if header.get("BED_ALONE") and "packing.preparation" not in header["ASKS"]:
         words = f"the experiment {name} compresses its bed, let it be relaxed or grown"
         FILES[words] = SETTLED | {"experiment": name}, words
+for preparation in ("grown", "settled"):
+    words = f"packing.preparation is {preparation}; the experiment onset needs relaxed, because"
+    FILES[words] = SETTLED | {"experiment": "onset", "packing.preparation": preparation}, words
 OF_FILE = {"extends": CONFIG / "smoke.yaml"}
 WRONG = OF_FILE | {"shape": "c1", "friction": {"granule": -1}}
 CALLS = {
