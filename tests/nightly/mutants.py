@@ -6,6 +6,7 @@ kind of scene; so the test that is most likely to fail is asked first, and all o
 """
 
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -232,4 +233,5 @@ def notices_patch(patch: Path) -> str | None:
     with tempfile.TemporaryDirectory() as folder:
         copy = copied(Path(folder))
         subprocess.run(["git", "apply", str(patch)], cwd=copy, check=True)
-        return first_failure(copy)
+        asks = re.search(r"^Asks: (.*)$", patch.read_text(encoding="utf-8"), re.MULTILINE)[1]
+        return first_failure(copy, asks) or first_failure(copy)
