@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import yaml
 
 ROOT = Path(__file__).parents[1]
 CONFIG = ROOT / "config"
@@ -65,3 +66,15 @@ failures: 0.5
 batch: 1
 sweep: {{shape: c1, density: 3900, seed: [1, 2, 3]}}
 """
+
+
+def changed_file(file, changes):
+    """Values of a file of YAML with others by path; a dot within a key is written as a slash."""
+    values = yaml.safe_load(file.read_text(encoding="utf-8"))
+    for path, value in changes.items():
+        *groups, last = (key.replace("/", ".") for key in path.split("."))
+        group = values
+        for key in groups:
+            group = group.setdefault(key, {})
+        group[last] = value
+    return values

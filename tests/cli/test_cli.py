@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from project import CONFIG, PRODUCT, PRODUCTS, ROOT, posix
+from project import CONFIG, PRODUCT, PRODUCTS, ROOT, changed_file, posix
 from sweeps import contents, differing, simulate
 from typer.main import get_command
 from typer.testing import CliRunner
@@ -107,13 +107,7 @@ ASKED = {  # of each kind of value: a number, a whole one, a truth value, a word
 def test_a_run_is_labelled_with_the_values_of_the_command_line(tmp_path):
     """As the same values in a file would: all arrays, the identity and the attributes, and the numbers of the
     library."""
-    values = yaml.safe_load((CONFIG / "smoke.yaml").read_text())
-    for path, value in ASKED.items():
-        *groups, last = path.split(".")
-        group = values
-        for key in groups:
-            group = group.setdefault(key, {})
-        group[last] = value
+    values = changed_file(CONFIG / "smoke.yaml", ASKED)
     (tmp_path / "same.yaml").write_text(yaml.safe_dump(values))
     words = [f"{path}={value}" for path, value in ASKED.items()]
     files, labels = [tmp_path / name for name in ("asked.nc", "same.nc")], []

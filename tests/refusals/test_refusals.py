@@ -14,8 +14,7 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
-import yaml
-from project import CONFIG, ROOT
+from project import CONFIG, ROOT, changed_file
 from typer.testing import CliRunner
 
 from dem.base.errors import InputError
@@ -48,13 +47,7 @@ def test_a_value_of_a_file_that_cannot_be_is_refused_with_its_key(monkeypatch, n
     """Of all that is wrong one line says what is asked here; each line begins with the name of the file."""
     monkeypatch.chdir(ROOT)
     changes, words = row
-    values = yaml.safe_load((CONFIG / "paper.yaml").read_text())
-    for path, value in changes.items():
-        *groups, last = (key.replace("/", ".") for key in path.split("."))
-        group = values
-        for key in groups:
-            group = group.setdefault(key, {})
-        group[last] = value
+    values = changed_file(CONFIG / "paper.yaml", changes)
     with pytest.raises(InputError) as error:
         parse(values, "my.yaml")
     lines = str(error.value).splitlines()
