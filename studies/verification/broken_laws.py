@@ -13,10 +13,11 @@ import subprocess
 import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import NamedTuple
 
 ROOT = Path(__file__).parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
-from nightly.mutants import Mutant, faulty_copy  # noqa: E402
+from nightly.mutants import faulty_copy  # noqa: E402
 
 from dem.base import provenance  # noqa: E402
 from docs.data.kernels import digest  # noqa: E402
@@ -35,31 +36,43 @@ CASES = (
 )
 LAW, WALL = "contacts/force_law.py", "contacts/blocks.py"
 LIST, SCENE, DISC = "dynamics/neighbor_list.py", "dynamics/assembly.py", "shapes/disc.py"
+
+
+class Law(NamedTuple):
+    """A law that is broken: in `file` of dem/, `right` becomes `wrong`; `asks`: a case that notices it."""
+
+    file: str
+    kind: str
+    right: str
+    wrong: str
+    asks: str
+
+
 LAWS = (
-    Mutant(LAW, "friction of the wrong sign",
-           "spring * kept - stiffness", "spring * kept + stiffness", "rolling"),
-    Mutant("contacts/response.py", "half of friction",
-           "friction[0, p] * normal", "0.5 * friction[0, p] * normal", "rolling"),
-    Mutant(LAW, "tangential spring not rescaled on unloading",
-           "spring * kept -", "spring -", "oblique"),
-    Mutant(LAW, "damping by the formula of a contact that pulls",
-           "(math.pi - 2.0 * psi) *", "math.pi *", "restitution"),
-    Mutant(LAW, "a contact that pulls at its end",
-           "root * rate, 0.0)", "root * rate, -math.inf)", "restitution"),
-    Mutant(LAW, "mean of the radii for R*",
-           "one * two / (one + two)", "0.5 * (one + two)", "normal_impact"),
-    Mutant(LIST, "radius of the granule for R* at the cylinder",
-           "table.solid_radius[b]", "0.0", "spinning"),
-    Mutant(SCENE, "half of the mass in the dashpot",
-           "mass=scene.mass[", "mass=0.5 * scene.mass[", "restitution"),
-    Mutant(SCENE, "half of the mass in motion",
-           "1.0 / scene.mass,", "2.0 / scene.mass,", "normal_impact"),
-    Mutant(DISC, "inertia of a sphere for discs",
-           "0.5 * self.radius**2", "0.4 * self.radius**2", "rolling"),
-    Mutant(DISC, "lever of the full radius between granules",
-           "half = 0.5 * overlap", "half = 0.0 * overlap", "oblique"),
-    Mutant(WALL, "lever of the full radius at a wall",
-           "reach - 0.5 * overlap", "reach - 0.0 * overlap", "rolling"),
+    Law(LAW, "friction of the wrong sign",
+        "spring * kept - stiffness", "spring * kept + stiffness", "rolling"),
+    Law("contacts/response.py", "half of friction",
+        "friction[0, p] * normal", "0.5 * friction[0, p] * normal", "rolling"),
+    Law(LAW, "tangential spring not rescaled on unloading",
+        "spring * kept -", "spring -", "oblique"),
+    Law(LAW, "damping by the formula of a contact that pulls",
+        "(math.pi - 2.0 * psi) *", "math.pi *", "restitution"),
+    Law(LAW, "a contact that pulls at its end",
+        "root * rate, 0.0)", "root * rate, -math.inf)", "restitution"),
+    Law(LAW, "mean of the radii for R*",
+        "one * two / (one + two)", "0.5 * (one + two)", "normal_impact"),
+    Law(LIST, "radius of the granule for R* at the cylinder",
+        "table.solid_radius[b]", "0.0", "spinning"),
+    Law(SCENE, "half of the mass in the dashpot",
+        "mass=scene.mass[", "mass=0.5 * scene.mass[", "restitution"),
+    Law(SCENE, "half of the mass in motion",
+        "1.0 / scene.mass,", "2.0 / scene.mass,", "normal_impact"),
+    Law(DISC, "inertia of a sphere for discs",
+        "0.5 * self.radius**2", "0.4 * self.radius**2", "rolling"),
+    Law(DISC, "lever of the full radius between granules",
+        "half = 0.5 * overlap", "half = 0.0 * overlap", "oblique"),
+    Law(WALL, "lever of the full radius at a wall",
+        "reach - 0.5 * overlap", "reach - 0.0 * overlap", "rolling"),
 )  # fmt: skip
 ASK = """
 import json, sys
@@ -74,7 +87,7 @@ print(json.dumps(found))
 """
 
 
-def notices(law: Mutant, *cases: str) -> dict[str, int | str]:
+def notices(law: Law, *cases: str) -> dict[str, int | str]:
     """How many numbers of each case fail where a law is broken, or the error that ends it."""
     with TemporaryDirectory() as folder:
         copy = faulty_copy(law, Path(folder))

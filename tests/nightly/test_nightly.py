@@ -13,7 +13,7 @@ from store_states import Sweeps
 PATCHES = sorted((PROJECT / "tests" / "faults").glob("*.patch"))
 
 
-@pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: f"{mutant.file} {mutant.kind}")
+@pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: f"{mutant.file} {mutant.right}")
 def test_a_quick_test_notices_a_fault_of_the_code(mutant):
     assert notices(mutant)
 
