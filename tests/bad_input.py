@@ -35,7 +35,6 @@ NASTY = (
     *({"low": 1, "high": 0}, {"a": {"b": {}}}, date(2000, 1, 1), b"bytes"),
 )
 SIMULATE = "simulate --config q.yaml --shape c1 --density 3900 --seed 1 -o new.nc"
-FIGURE = "figure figure13 {} -o new"
 
 
 def make_good(folder):
@@ -74,21 +73,21 @@ def bytes_of(folder):
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def check_sentences(text, most=LISTED + 1):
+def check_sentences(text):
     """What a user reads are sentences, one a line, after the progress lines of a log; or what Python says of
     a file."""
     if text.lstrip().startswith("Usage:"):
         return  # of the command line's own parser
     lines = [line.rstrip() for line in text.strip().splitlines()]
     lines = [line for line in lines if not re.match(r"\d{4}-\d\d-\d\d |\[Errno ", line)]
-    assert text.strip() and len(lines) <= most, text
+    assert text.strip() and len(lines) <= LISTED + 1, text
     assert all(line.endswith((".", "?")) and line.isprintable() for line in lines), text
 
 
-def command(folder, line, *replaced, bad=False):
+def command(folder, line, bad=False):
     """Result of a command that keeps its promises: status, sentences, no file lost or left over.
 
-    replaced: files that it may remove or replace if it succeeds; bad: whether it must be refused.
+    A file that it names it may make, replace or remove if it succeeds; bad: whether it must be refused.
     """
     files_before = bytes_of(folder)
     result = CliRunner().invoke(app, line.split())
@@ -96,7 +95,7 @@ def command(folder, line, *replaced, bad=False):
         raise result.exception
     assert result.exit_code in (0, 1, 2), line
     assert result.exit_code or not bad, (line, result.output)
-    free = {"new", "new.nc", *replaced}
+    free = {"new", "new.nc", "run.npz"} & set(line.split())
     if result.exit_code:
         check_sentences(result.stderr)
         free = set()
@@ -110,32 +109,30 @@ def command(folder, line, *replaced, bad=False):
 # Kinds of input
 
 
-def places(tree, path=()):
-    """All places in a tree of dictionaries and lists."""
-    tree = dict(enumerate(tree)) if isinstance(tree, list) else tree
-    for key, value in tree.items() if isinstance(tree, dict) else ():
-        yield (*path, key)
-        yield from places(value, (*path, key))
+def places(tree):
+    """All places in a tree of dictionaries and lists: what has a value, and its key."""
+    for key in tree if isinstance(tree, dict) else range(len(tree)):
+        yield tree, key
+        if isinstance(tree[key], dict | list):
+            yield from places(tree[key])
 
 
 def a_configuration(rng, folder):
     """A configuration with a few values replaced, removed or added."""
     data = yaml.safe_load(SMOKE.read_text())
     for _ in range(rng.randint(1, 3)):
-        place = rng.choice(list(places(data)))
-        at = data
-        for key in place[:-1]:
-            at = at[key]
-        action = rng.random()
-        if action < 0.7:
-            at[place[-1]] = copy.deepcopy(rng.choice(NASTY))
-        elif action < 0.85:
-            del at[place[-1]]
-        elif isinstance(at, dict):
-            at[rng.choice(["x", "Cylinder", "", 3, None])] = copy.deepcopy(rng.choice(NASTY))
-        if not list(places(data)):
-            break
+        at, key = rng.choice(list(places(data)))
+        change = rng.choice(["value", "value", "key", "removal"])
+        if change == "key" and isinstance(at, dict):
+            key = rng.choice(["x", "Cylinder", "", 3, None])
+        if change == "removal":
+            del at[key]
+        else:
+            at[key] = copy.deepcopy(rng.choice(NASTY))
     parse(data)
+
+
+STRANGE = b"&a [*a]", b"\t", b"{", b": :", b"<<: *a", b"\xff\xfe", b"- -", b"? "
 
 
 def a_text(rng, folder):
@@ -143,17 +140,8 @@ def a_text(rng, folder):
     text = bytearray(SMOKE.read_bytes())
     for _ in range(rng.randint(1, 20)):
         at = rng.randrange(len(text))
-        action = rng.random()
-        if action < 0.4:
-            text[at] = rng.randrange(256)
-        elif action < 0.7:
-            del text[at : at + rng.randint(1, 40)]
-        else:
-            text[at:at] = rng.choice(
-                [b"&a [*a]", b"\t", b"{", b": :", b"<<: *a", b"\xff\xfe", b"- -", b"? "]
-            )
-        if not text:
-            break
+        lost = rng.choice([0, 1, rng.randint(1, 40)])
+        text[at : at + lost] = rng.choice([b"", rng.randbytes(1), *STRANGE])
     (folder / "fuzz.yaml").write_bytes(text)
     load(folder / "fuzz.yaml")
 
@@ -174,7 +162,7 @@ def an_extreme_value(rng, folder):
 DAMAGED = {
     "run.npz": f"{SIMULATE} --checkpoint run.npz",
     "drag.nc": "info drag.nc",
-    "rep.nc": FIGURE.format("rep.nc"),
+    "rep.nc": "figure figure13 rep.nc -o new",
     "batch": "combine --config q.yaml --block drag --observable drag -o new.nc",
 }
 WHOLE = {"run.npz": "rep.nc", "batch": "drag.nc"}  # the file with what is then made
@@ -197,17 +185,12 @@ def a_damaged_file(rng, folder):
             content[rng.randrange(len(content))] ^= 1 << rng.randrange(8)
     file.write_bytes(content)
     bad = how == "foreign" or (name == "rep.nc" and how == "cut")
-    result = command(folder, DAMAGED[name], "run.npz", bad=bad)
+    result = command(folder, DAMAGED[name], bad)
     if result.exit_code == 0 and name in WHOLE:
         assert differing(contents(folder / "new.nc"), whole) == []
 
 
-KINDS = (
-    a_configuration,
-    a_text,
-    an_extreme_value,
-    a_damaged_file,
-)
+KINDS = a_configuration, a_text, an_extreme_value, a_damaged_file
 
 
 def spoil(good, kind, chosen):
