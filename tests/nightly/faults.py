@@ -15,12 +15,14 @@ import sys
 import tempfile
 import time
 from functools import partial
-from pathlib import Path
 
 import numpy as np
+import pytest
 import yaml
+from nightly.mutants import copy_of_project
 from project import ROOT
 from sweeps import contents, differing
+from workflows import environment
 
 # stage: what Snakemake says when it begins, the longest that a kill then waits (s), and what is taken
 # away so that it has something to do
@@ -33,31 +35,26 @@ STAGES = {
 }
 
 
-def varied(seeds, cases=("c1", "d1", "c12")) -> dict:
+def varied(seeds, cases=("c1", "d1", "c12")):
     """What varies in a sweep."""
     return {"case": list(cases), "seed": seeds}
 
 
-WORKFLOW = [sys.executable, "-m", "snakemake", "-j2", "--configfile"]
 DEM = [sys.executable, "-m", "dem"]
+WORKFLOW = [sys.executable, "-m", "snakemake", "-j2", "--configfile"]
 SWEEP = [*DEM, "sweep", "-j2"]
 
 
 class Checkout:
     """A copy of the sources, and sweeps in it: the smoke sweep with some values changed."""
 
-    def __init__(self, folder: Path, **changes):
+    def __init__(self, folder, **changes):
         self.folder, self.changes = folder, changes
         self.store, self.log = folder / "results/store", folder / "process.log"
-        for name in ("dem", "rules", "config", "profiles", "studies"):
-            ignored = shutil.ignore_patterns("__pycache__")
-            shutil.copytree(ROOT / name, folder / name, ignore=ignored)
-        for name in ("Snakefile", "README.md"):
-            shutil.copy(ROOT / name, folder)
-        path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
-        self.environment = os.environ | {"PYTHONPATH": str(folder), "PATH": path}
+        copy_of_project(folder, "dem rules config profiles studies Snakefile README.md")
+        self.environment = environment(folder)
 
-    def sweep(self, name: str, **changes) -> str:
+    def sweep(self, name, **changes):
         """Write a configuration with further changes; returns its path."""
         data = yaml.safe_load((ROOT / "config/smoke.yaml").read_text()) | self.changes | changes
         (self.folder / f"config/{name}.yaml").write_text(
@@ -65,38 +62,36 @@ class Checkout:
         )
         return f"config/{name}.yaml"
 
-    def run(self, command, **more) -> subprocess.CompletedProcess:
-        environment = self.environment | more
-        return subprocess.run(
-            command, cwd=self.folder, env=environment, text=True, capture_output=True
-        )
+    def run(self, command, **more):
+        options = {"cwd": self.folder, "env": self.environment | more}
+        return subprocess.run(command, **options, text=True, capture_output=True)
 
-    def start(self, *command, **more) -> subprocess.Popen:
+    def start(self, *command, **more):
         """A process with a group of its own; the log has what it says."""
         options = {"cwd": self.folder, "env": self.environment | more, "start_new_session": True}
         with self.log.open("w") as log:
             return subprocess.Popen(command, **options, stdout=log, stderr=log)
 
-    def finish(self, name: str) -> None:
+    def finish(self, name):
         """Run the sweep to its end; a run that fails is a fault of ours."""
         process = self.run([*WORKFLOW, f"config/{name}.yaml"])
         assert process.returncode == 0, process.stdout + process.stderr
 
-    def results(self, name: str) -> Path:
+    def results(self, name):
         return self.folder / "results" / name
 
-    def forget(self) -> None:
+    def forget(self):
         """Take the store away, so that the next sweep makes all its runs."""
         shutil.rmtree(self.store, ignore_errors=True)
 
-    def assert_whole(self, name: str) -> None:
+    def assert_whole(self, name):
         """A sweep has the files of the undisturbed one, with the same bits, and nothing half-written."""
         for path in self.results("whole").glob("*.nc"):
             twin = self.results(name) / path.name
             assert differing(contents(path), contents(twin)) == [], twin
         assert not list(self.folder.rglob("results/**/.*.part"))
 
-    def wait_for(self, words: str, process: subprocess.Popen) -> bool:
+    def wait_for(self, words, process):
         """Whether the log says these words before the process ends."""
         while process.poll() is None:
             if re.search(words, self.log.read_text()):
@@ -105,7 +100,7 @@ class Checkout:
         return False
 
 
-def spent_on(store: Path) -> dict[str, float]:
+def spent_on(store):
     """The finished runs of a store, in batches and not, and the processor time (s) of each, which
     another run of the same values does not have."""
     times = {}
@@ -119,7 +114,7 @@ def spent_on(store: Path) -> dict[str, float]:
     return times
 
 
-def kill(process: subprocess.Popen) -> None:
+def kill(process):
     """SIGKILL to the whole group; ends when none of it lives."""
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
@@ -127,14 +122,14 @@ def kill(process: subprocess.Popen) -> None:
         time.sleep(0.01)
 
 
-def kills(checkout: Checkout, count: int, rng: random.Random) -> None:
+def killed(checkout):
     """The workflow killed at random moments of random stages, one run a batch and two: no finished run is lost
     or made twice, and no file is half-written."""
+    rng, kills, names = random.Random(0), 0, ("killed 1", "killed 2")
     checkout.forget()
-    killed, names = 0, {"killed": 1, "killed_pairs": 2}
-    while killed < count:
-        name, stage = rng.choice(list(names)), rng.choice(list(STAGES))
-        config = checkout.sweep(name, batch=names[name])
+    while kills < 80:
+        name, stage = rng.choice(names), rng.choice(list(STAGES))
+        config = checkout.sweep(name, batch=int(name[-1]))
         words, longest, removed = STAGES[stage]
         for place in removed:
             path = checkout.folder / "results" / place.format(name)
@@ -145,7 +140,7 @@ def kills(checkout: Checkout, count: int, rng: random.Random) -> None:
             time.sleep(rng.uniform(0.0, longest))
         if process.poll() is None:
             kill(process)
-            killed += 1
+            kills += 1
         else:
             assert process.returncode == 0, checkout.log.read_text()
         assert spent_on(checkout.store).items() >= times.items(), stage
@@ -157,13 +152,12 @@ def kills(checkout: Checkout, count: int, rng: random.Random) -> None:
         checkout.assert_whole(name)
 
 
-def kills_of_compiling(checkout: Checkout, count: int, rng: random.Random) -> None:
+def killed_as_it_compiles(checkout):
     """A first run killed as it compiles, always with the same cache; then a run with what is in it."""
-    checkout.sweep("whole")
     words = "simulate --config config/whole.yaml --shape c1 --density 3900 --seed 1 -o"
-    run = [*DEM, *words.split()]
+    rng, run = random.Random(0), [*DEM, *words.split()]
     with tempfile.TemporaryDirectory() as cache:
-        for _ in range(count):
+        for _ in range(10):
             process = checkout.start(*run, "compiled.nc", NUMBA_CACHE_DIR=cache)
             try:
                 process.wait(rng.uniform(1.0, 25.0))
@@ -175,15 +169,14 @@ def kills_of_compiling(checkout: Checkout, count: int, rng: random.Random) -> No
     assert differing(one, two) == []
 
 
-def check_sentence(output: str, words: str) -> None:
-    """What a run has said has a line with these words, and no traceback."""
-    lines = output.splitlines()
-    assert any(re.search(words, line) for line in lines), f"no {words!r} in {lines[-40:]}"
+def check_sentence(process, words):
+    """What a run has said has these words, and no traceback."""
+    output = process.stdout + process.stderr
     # Snakemake names the lines of an input function after its sentence
-    assert "Traceback (most recent" not in output, output
+    assert re.search(words, output) and "Traceback (most recent" not in output, output
 
 
-def two_at_once(checkout: Checkout) -> None:
+def two_at_once(checkout):
     """A second workflow in the folder of one that works."""
     config = checkout.sweep("twice")
     checkout.forget()
@@ -191,12 +184,12 @@ def two_at_once(checkout: Checkout) -> None:
     assert checkout.wait_for("Simulate", first)
     second = checkout.run([*WORKFLOW, config])
     assert second.returncode
-    check_sentence(second.stdout + second.stderr, "another run")
+    check_sentence(second, "another run")
     assert first.wait() == 0, checkout.log.read_text()
     checkout.assert_whole("twice")
 
 
-def shared(checkout: Checkout) -> None:
+def shared(checkout):
     """Two that want the same runs, in folders of their own, while the store is pruned: none is made twice."""
     checkout.forget()
     both = [
@@ -206,14 +199,14 @@ def shared(checkout: Checkout) -> None:
     while any([process.poll() is None for process in both]):
         assert checkout.run([*DEM, "store", "--prune"]).returncode == 0
     assert not any(process.returncode for process in both), checkout.log.read_text()
-    one, other = (
-        contents(checkout.results(name) / "drag.nc", without=()) for name in ("one", "other")
-    )
-    assert differing(one, other) == []  # nor have they other times
+    files = [checkout.results(name) / "drag.nc" for name in ("one", "other")]
+    assert (
+        differing(*(contents(file, without=()) for file in files)) == []
+    )  # nor have they other times
     checkout.assert_whole("one")
 
 
-def interrupted(checkout: Checkout) -> None:
+def interrupted(checkout):
     """Ctrl-C, which a terminal sends to the whole group, at several moments of the jobs."""
     config = checkout.sweep("interrupted")
     for delay in (0.0, 0.2, 0.5, 1.0):
@@ -228,8 +221,14 @@ def interrupted(checkout: Checkout) -> None:
     checkout.assert_whole("interrupted")
 
 
-def mounted(checkout: Checkout, mount: str, mend: str, words: str) -> None:
+def skip_without_root():
+    if os.geteuid() or not shutil.which("unshare"):
+        pytest.skip("to mount needs root")
+
+
+def mounted(mount, mend, words, checkout):
     """A workflow whose store is mounted fails; it ends well once that is mended."""
+    skip_without_root()
     command = " ".join([*WORKFLOW, checkout.sweep("mounted")])
     for folder in (checkout.results("mounted"), checkout.store):
         shutil.rmtree(folder, ignore_errors=True)
@@ -243,22 +242,19 @@ def mounted(checkout: Checkout, mount: str, mend: str, words: str) -> None:
     """
     run = checkout.run(["unshare", "-m", "sh", "-c", script])
     assert run.returncode == 0, (run.returncode, run.stderr)
-    check_sentence(run.stdout + run.stderr, words)
+    check_sentence(run, words)
     checkout.assert_whole("mounted")
 
 
-# The full disk holds the beds and not all runs
 FAULTS = {
     "two at once": two_at_once,
     "shared": shared,
     "interrupted": interrupted,
+    # holds the beds and not all runs
     "disk full": partial(
-        mounted,
-        mount="-o size=400k none",
-        mend="size=100m",
-        words="the disk is full|No space left",
+        mounted, "-o size=400k none", "size=100m", "the disk is full|No space left"
     ),
-    "read-only": partial(mounted, mount="-o ro none", mend="rw", words="cannot be written"),
-    "killed": partial(kills, count=80, rng=random.Random(0)),
-    "killed as it compiles": partial(kills_of_compiling, count=10, rng=random.Random(0)),
+    "read-only": partial(mounted, "-o ro none", "rw", "cannot be written"),
+    "killed": killed,
+    "killed as it compiles": killed_as_it_compiles,
 }

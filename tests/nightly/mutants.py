@@ -7,21 +7,22 @@ kind of scene; so the test that is most likely to fail is asked first, and all o
 
 import os
 import re
-import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
+from resource import RLIMIT_CPU, setrlimit
 from typing import NamedTuple
 
 from dem.base.source_hash import cache_folder
 
 PROJECT = Path(__file__).parents[2]
-COPIED = shlex.split(
+COPIED = (
     "dem tests conftest.py studies config rules docs profiles pyproject.toml Snakefile README.md"
 )
-LONGEST = 600.0  # s of the processor, for one mutant
+LIMITS = 600, 605  # s of the processor, after which a run of pytest is stopped, and so has noticed
 
 
 class Mutant(NamedTuple):
@@ -157,24 +158,26 @@ ROWS = (
 MUTANTS = [Mutant(*row) for row in ROWS]
 
 
-def copied(folder: Path) -> Path:
+def copy_of_project(folder, names):
+    """A copy of some files and folders of the project."""
+    for name in names.split():
+        if (source := PROJECT / name).is_dir():
+            ignored = shutil.ignore_patterns("__pycache__", "_build")
+            shutil.copytree(source, folder / name, ignore=ignored)
+        else:
+            shutil.copy(source, folder)
+
+
+def copied(folder):
     """A copy of the project, with the kernels that are compiled: those that a fault does not concern stay."""
     copy = folder / "project"
-    for name in COPIED:
-        source = PROJECT / name
-        if source.is_dir():
-            shutil.copytree(
-                source, copy / name, ignore=shutil.ignore_patterns("__pycache__", "_build")
-            )
-        else:
-            shutil.copy(source, copy / name)
-    cache = cache_folder()
-    if cache.is_dir():
+    copy_of_project(copy, COPIED)
+    if (cache := cache_folder()).is_dir():
         shutil.copytree(cache, copy / ".numba", ignore=shutil.ignore_patterns("*.lock"))
     return copy
 
 
-def faulty_copy(mutant: Mutant, folder: Path) -> Path:
+def faulty_copy(mutant, folder):
     """A copy of the project with the fault."""
     copy = copied(folder)
     broken = copy / "dem" / mutant.file
@@ -184,44 +187,35 @@ def faulty_copy(mutant: Mutant, folder: Path) -> Path:
     return copy
 
 
-def first_failure(copy: Path, *words: str) -> str | None:
-    """The first test that fails in a copy of the project, as pytest names it; None if none does."""
+def first_failure(copy, asks):
+    """The first quick test that fails in a copy of the project, as pytest names it, of some and then of all; None
+    if none does."""
     options = "-x -n0 -p no:cacheprovider --hypothesis-profile=mutants -m quick"
-    command = [sys.executable, "-m", "pytest", *options.split(), *words]
     environment = os.environ | {"NUMBA_CACHE_DIR": str(copy / ".numba"), "PYTHONPATH": str(copy)}
-    process = subprocess.Popen(
-        command, cwd=copy, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-        text=True, start_new_session=True, preexec_fn=_limited,
-    )  # fmt: skip
-    output, _ = process.communicate()
-    failed = [line for line in output.splitlines() if line.startswith(("FAILED", "ERROR"))]
-    if failed:
-        return failed[0].partition(" - ")[0]
-    if process.returncode < 0:
-        return f"stopped by signal {-process.returncode}"  # it crashes, or never ends
-    assert process.returncode == 0, output  # else no test was asked
+    for words in ([asks], []):
+        process = subprocess.run(
+            [sys.executable, "-m", "pytest", *options.split(), *words],
+            cwd=copy, env=environment, capture_output=True, text=True, start_new_session=True,
+            preexec_fn=partial(setrlimit, RLIMIT_CPU, LIMITS),
+        )  # fmt: skip
+        failed = re.search("^(FAILED|ERROR) [^ ]+", process.stdout, re.MULTILINE)
+        if failed or process.returncode < 0:  # it crashes, or never ends
+            return failed[0] if failed else f"stopped by signal {-process.returncode}"
+        assert process.returncode == 0, process.stdout  # else no test was asked
     return None
 
 
-def _limited():
-    """A mutant that never ends, or fills the memory, is stopped, and so noticed."""
-    import resource
-
-    resource.setrlimit(resource.RLIMIT_CPU, (int(LONGEST), int(LONGEST) + 5))
-
-
-def notices(mutant: Mutant) -> str | None:
+def notices(mutant):
     """The first quick test that fails on a mutant, None if it survives."""
     with tempfile.TemporaryDirectory() as folder:
-        copy = faulty_copy(mutant, Path(folder))
         room = mutant.file.partition("/")[0]
-        return first_failure(copy, mutant.asks or f"tests/{room}") or first_failure(copy)
+        return first_failure(faulty_copy(mutant, Path(folder)), mutant.asks or f"tests/{room}")
 
 
-def notices_patch(patch: Path) -> str | None:
+def notices_patch(patch):
     """The first quick test that fails where a patch of tests/faults is applied, None if none does."""
     with tempfile.TemporaryDirectory() as folder:
         copy = copied(Path(folder))
         subprocess.run(["git", "apply", str(patch)], cwd=copy, check=True)
         asks = re.search(r"^Asks: (.*)$", patch.read_text(encoding="utf-8"), re.MULTILINE)[1]
-        return first_failure(copy, asks) or first_failure(copy)
+        return first_failure(copy, asks)

@@ -1,7 +1,5 @@
 """Studies in forms that take minutes, most of them to compile kernels that nothing else needs."""
 
-import importlib
-
 import pytest
 from project import needs_study
 from small_studies import assert_the_rest_works_without, assert_works_in_its_smallest_form
@@ -9,16 +7,11 @@ from small_studies import assert_the_rest_works_without, assert_works_in_its_sma
 import studies
 from dem.sweep.config import load
 
+CASES, LAWS = [], []
+if "verification" in studies.NAMES:
+    from studies.verification import broken_laws, results
 
-def part(study, name):
-    """A module of a study, which may be removed; None then."""
-    if study in studies.NAMES:
-        return importlib.import_module(f"studies.{study}.{name}")
-    return None
-
-
-CASES = sorted(part("verification", "results").CASES) if part("verification", "results") else []
-LAWS = part("verification", "broken_laws").LAWS if part("verification", "results") else []
+    CASES, LAWS = sorted(results.CASES), broken_laws.LAWS
 
 
 @pytest.mark.parametrize("name", studies.NAMES)
@@ -35,22 +28,25 @@ def test_the_benchmark_works_in_its_smallest_form(tmp_path, monkeypatch):
 @needs_study("benchmark")
 def test_lammps_moves_undamped_beds_alike(small_bed):
     """To rounding without friction; of dumbbells to that of their angles."""
-    results, scenes = part("benchmark", "results"), part("benchmark", "scenes")
-    beds = {kind: small_bed(kind) for kind in ("disc", "dumbbell")}
-    cases = {kind: scenes.make_case(bed.scene(), bed.state) for kind, bed in beds.items()}
-    if reason := importlib.import_module("studies.common.peers.lammps").available():
+    from studies.benchmark.results import SMOKE, compare_motion
+    from studies.benchmark.scenes import make_case
+    from studies.common.peers import lammps
+
+    if reason := lammps.available():
         pytest.skip(reason)
-    difference = results.compare_motion(cases, results.SMOKE)["trajectory_difference"]
+    beds = {kind: small_bed(kind) for kind in ("disc", "dumbbell")}
+    cases = {kind: make_case(bed.scene(), bed.state) for kind, bed in beds.items()}
+    difference = compare_motion(cases, SMOKE)["trajectory_difference"]
     assert difference[0, 0] < 1e-12 and difference[2, 0] < 1e-9
 
 
 @needs_study("stability")
 def test_stiff_and_extreme_cases_pass_in_a_short_form():
     """Each experiment of the catalogue, with all shapes of its first case."""
-    results = part("stability", "results")
+    from studies.stability import catalogue, results
+
     folder, experiments = studies.FOLDERS["stability"], set()
-    cases = part("stability", "catalogue").load(folder / "catalogue.yaml").cases
-    for name, case in cases.items():
+    for name, case in catalogue.load(folder / "catalogue.yaml").cases.items():
         if case.experiment not in experiments:
             experiments.add(case.experiment)
             short = case.model_copy(update={"change": case.change.model_copy(update=results.BRIEF)})
@@ -61,10 +57,10 @@ def test_stiff_and_extreme_cases_pass_in_a_short_form():
 
 @pytest.mark.parametrize("name", CASES)
 def test_a_case_of_verification_is_as_expected(name):
-    rows, _ = part("verification", "results").run(name)
+    rows, _ = results.run(name)
     assert [row for row in rows if not row.passed] == []
 
 
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: law.kind)
 def test_a_case_of_verification_notices_a_broken_law(law):
-    assert part("verification", "broken_laws").notices(law, law.asks)[law.asks]
+    assert broken_laws.notices(law, law.asks)[law.asks]

@@ -1,8 +1,5 @@
 """What a night finds out: faults of the code that no quick test notices, and sweeps that are disturbed, and what chance finds."""
 
-import os
-import shutil
-
 import pytest
 from bad_input import KINDS, make_good, spoil
 from hypothesis import settings
@@ -33,23 +30,11 @@ def checkout(tmp_path_factory):
     return sources
 
 
-ROOT_ONLY = pytest.mark.skipif(
-    os.name != "posix" or os.geteuid() or not shutil.which("unshare"), reason="to mount needs root"
-)
-
-
-@pytest.mark.parametrize(
-    "fault",
-    [
-        pytest.param(fault, marks=[ROOT_ONLY] * (fault in ("disk full", "read-only")))
-        for fault in faults.FAULTS
-    ],
-)
+@pytest.mark.parametrize("fault", faults.FAULTS)
 def test_a_disturbed_sweep_goes_on_to_the_same_bits(checkout, fault):
     faults.FAULTS[fault](checkout)
 
 
-@ROOT_ONLY
 def test_a_dask_cluster_without_the_files_of_the_client_gives_the_same_values():
     cluster.main()
 

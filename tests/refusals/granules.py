@@ -13,6 +13,7 @@ from dem.shapes import protocol, smooth
 
 SIZES = 1e-3 * np.array([0.5, 0.7, 1.0])
 NUMBERS = count()
+USUAL = smooth.outline, smooth.circle, smooth.support, smooth.refine_normal, smooth.find_contact
 
 
 def oval(slope=1.0, curvature=1.0, shift=0.0):
@@ -27,10 +28,6 @@ def oval(slope=1.0, curvature=1.0, shift=0.0):
     return support
 
 
-def dented(nx, ny, sizes):
-    return support(nx, ny, (sizes[0], 0.2, 0.0))
-
-
 def stadium(nx, ny, sizes):
     (r,) = sizes
     return r * (1.0 + np.abs(nx)), -r * np.sign(nx) * ny, r + 0.0 * nx
@@ -42,14 +39,7 @@ def granules(function=None, answers=None, **members):
     fields = NamedTuple(name, [("radius", np.ndarray)])  # noqa: UP014
     kind = smooth.smooth(function or oval())(type(name, (fields,), members))
     if answers:
-        usual = (
-            smooth.outline,
-            smooth.circle,
-            smooth.support,
-            smooth.refine_normal,
-            smooth.find_contact,
-        )
-        protocol.answer(kind, **{f.__name__: f for f in usual} | answers)
+        protocol.answer(kind, **{f.__name__: f for f in USUAL} | answers)
     return kind(SIZES)
 
 
@@ -78,7 +68,6 @@ WRONG = {f"{name} is": half(name) for name in HALVED} | {
     "of_size gives a granule of 3.490659e-07 m2": {"of_size": classmethod(lambda cls, size, ratio: cls(0.5 * size))},
     "area is 1.0; it must be 3 finite": {"area": property(lambda shape: 1.0)},
     "grow by the power 2": {"scaled": lambda shape, factor: shape},
-    "not convex": {"function": dented},
     "centre of mass": {"function": oval(shift=0.1)},
     "its outline has": {"function": oval(curvature=0.9)},
     "differ": {"polygons": mirrored},
@@ -117,13 +106,10 @@ class Stranger(NamedTuple):
     radius: np.ndarray
 
 
-USUAL = smooth.outline, smooth.circle, smooth.support
-
-
 def refused():
     """A class that was refused stays unknown."""
     with suppress(dem.InputError):
-        protocol.answer(Stranger, *USUAL)
+        protocol.answer(Stranger, *USUAL[1:])
     dem.check_shape(Stranger(SIZES))
 
 
@@ -132,18 +118,17 @@ CALLS = {words: lambda wrong=wrong: dem.check_shape(granules(**wrong)) for words
     f"discs is {value}; it must be one list of discs": partial(dem.Clump, value)
     for value in ([], [(0.0, 0.0, 0.001)], [[(0.0, 0.0, 0.0)]], [[(0.0, 1.0)]])
 } | {
-    "area is 0.00153479 m2": lambda: dem.check_shape(dem.Superellipse(SIZES, SIZES, 1e-9 * SIZES)),
     "bounces would make or lose energy": lambda: dem.check_shape(dem.Ellipse.of_size(SIZES, 1.5, "geometric_potential")),
     "semi_minor must not exceed": lambda: dem.check_shape(dem.Ellipse(SIZES, 2.0 * SIZES)),
     "it must be granules of a shape, such": partial(dem.check_shape, dem.Disc),
     "Lumps: granule 5 is not convex: its radius": lambda: dem.check_shape(BENT),
     "granule 5 is not convex: its radius": lambda: dem.Scene(BENT),
     "granules 0 and 5: the centre of mass is at c = (0.0001, ": lambda: dem.check_shape(OFF),
-    "must answer the questions circle, find_contact, outline, support of": lambda: protocol.answer(Stranger, *USUAL),
-    "Stranger has no area": lambda: protocol.answer(Stranger, *USUAL, smooth.find_contact),
+    "must answer the questions circle, find_contact, outline, support of": lambda: protocol.answer(Stranger, *USUAL[1:]),
+    "Stranger has no area": lambda: protocol.answer(Stranger, *USUAL),
     "shape is Stranger(radius=": refused,
-    "Lumps is the name of a class": lambda: smooth.smooth(dented)(TWIN),
-    "Lumps answers colour; it must answer": lambda: protocol.answer(Lumps, colour=dented),
+    "Lumps is the name of a class": lambda: smooth.smooth(support)(TWIN),
+    "Lumps answers colour; it must answer": lambda: protocol.answer(Lumps, colour=support),
 }  # fmt: skip
 ROD = {"kind": "clump", "discs": [[0, 0]], "diameter": 9e-4, "granules": 60}
 FILES = {

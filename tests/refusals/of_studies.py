@@ -14,6 +14,7 @@ from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 
 STUDIES = ROOT / "studies"
+NAMES = [path.name for path in STUDIES.glob("*")]
 CALLS = {}
 
 
@@ -23,14 +24,9 @@ def values_of(study):
     return values | {"extends": str(CONFIG / "smoke.yaml")}
 
 
-def made(study):
-    """The file of results of the sweep of config/smoke.yaml, which is no study."""
-
-    def call():
-        results = __import__(f"studies.{study}.results", fromlist=["make"])
-        results.make(SweepState.of(CONFIG / "smoke.yaml"), 1, None)
-
-    return call
+def made(make):
+    """A call of a study for the sweep of config/smoke.yaml, which is no study."""
+    return lambda: make(SweepState.of(CONFIG / "smoke.yaml"), 1, None)
 
 
 def unmade():
@@ -40,12 +36,12 @@ def unmade():
         list(runs(state, ("drag",)))
 
 
-if STUDIES.is_dir():
+if NAMES:
     from studies.common.results import runs
 
     CALLS |= {"is in no file of the store; run again": unmade}
 
-if (STUDIES / "calibration").is_dir():
+if "calibration" in NAMES:
     from sweeps import dataset_of
 
     from studies.common.calibrate import calibrate, fit
@@ -72,7 +68,7 @@ if (STUDIES / "calibration").is_dir():
         "target is 0.0": aimed(0.0),
     }
 
-if (STUDIES / "accuracy").is_dir():
+if "accuracy" in NAMES:
     from studies.accuracy.results import check
 
     def checked(shapes="c1", **steps):
@@ -92,7 +88,7 @@ if (STUDIES / "accuracy").is_dir():
         "one shape": checked(["c1", "d1"], few=[0.5, 1.0]),
     }
 
-if (STUDIES / "pressure").is_dir():
+if "pressure" in NAMES:
     from sweeps import dataset_of
 
     from studies.pressure.widths import Widths
@@ -108,8 +104,8 @@ if (STUDIES / "pressure").is_dir():
         "fewer than 3 of its boxes differ in width alone": lined(width=(1.0, 2.0, 1.0)),
     }
 
-if (STUDIES / "claims").is_dir():
-    from studies.claims import verbs
+if "claims" in NAMES:
+    from studies.claims import results, verbs
 
     TESTED = ROOT / "docs/data/flow.nc"
 
@@ -136,7 +132,7 @@ if (STUDIES / "claims").is_dir():
     CALLS |= {
         "margin is nan": lambda: verbs.test(TESTED, margin=np.nan),
         "it holds no drag; name drag.nc": lambda: verbs.test(TESTED),
-        "has no replicates; see studies": made("claims"),
+        "has no replicates; see studies": made(results.make),
         "jamming_height asks for": too_high,
         "it must be 'equal_distance' or": derived(derive="equal_pressure"),
         "has the shape 'z9'": derived(derive="equal_load", shape="z9"),
@@ -145,8 +141,8 @@ if (STUDIES / "claims").is_dir():
         "matched derives values; needs must name": derived(),
     }
 
-if (STUDIES / "stability").is_dir():
-    from studies.stability import catalogue
+if "stability" in NAMES:
+    from studies.stability import catalogue, results
 
     def listed(**case):
         def call():
@@ -160,13 +156,13 @@ if (STUDIES / "stability").is_dir():
         return call
 
     CALLS |= {
-        "sweep.blocks.map must vary shape, material": made("stability"),
+        "sweep.blocks.map must vary shape, material": made(results.make),
         "beauty": listed(limits={"beauty": 1.0}),
         "limits or an error": listed(limits={}),
         "stiffness": listed(limits={"residual": 1.0}, change={"stiffness": -1.0}),
     }
 
-if (STUDIES / "benchmark").is_dir():
+if "benchmark" in NAMES:
     from studies.common.peers import lammps
 
     def lent(kind, **changes):
