@@ -29,8 +29,8 @@ from dem.cli.app import app
 from dem.sweep.config import load, parse
 
 NASTY = (
-    *(math.nan, math.inf, -math.inf, -1, 0, -0.0, 1, 3, 0.5, 2**31, 2**63, 10**400, 1e15),
-    *(1e-300, 1e300, 5e-324, True, None, [], {}, [[]], [1, 2, 3], [math.nan], list(range(200))),
+    *(math.nan, math.inf, -1, 0, -0.0, 1, 0.5, 2**31, 2**63, 10**400, 1e15),
+    *(1e-300, 5e-324, True, None, [], {}, [[]], [math.nan], list(range(200))),
     *("", " ", "nan", "1e400", "c1", "../../etc", "results/../..", "é\u0000x", "a" * 5000),
     *({"low": 1, "high": 0}, {"a": {"b": {}}}, date(2000, 1, 1), b"bytes"),
 )
@@ -76,8 +76,6 @@ def bytes_of(folder):
 def check_sentences(text):
     """What a user reads are sentences, one a line, after the progress lines of a log; or what Python says of
     a file."""
-    if text.lstrip().startswith("Usage:"):
-        return  # of the command line's own parser
     lines = [line.rstrip() for line in text.strip().splitlines()]
     lines = [line for line in lines if not re.match(r"\d{4}-\d\d-\d\d |\[Errno ", line)]
     assert text.strip() and len(lines) <= LISTED + 1, text

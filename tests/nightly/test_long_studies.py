@@ -27,17 +27,16 @@ def test_the_benchmark_works_in_its_smallest_form(tmp_path, monkeypatch):
 
 @needs_study("benchmark")
 def test_lammps_moves_undamped_beds_alike(small_bed):
-    """To rounding without friction; of dumbbells to that of their angles."""
+    """Dumbbells without friction, to the rounding of their angles; discs are compared by day."""
     from studies.benchmark.results import SMOKE, compare_motion
     from studies.benchmark.scenes import make_case
     from studies.common.peers import lammps
 
     if reason := lammps.available():
         pytest.skip(reason)
-    beds = {kind: small_bed(kind) for kind in ("disc", "dumbbell")}
-    cases = {kind: make_case(bed.scene(), bed.state) for kind, bed in beds.items()}
-    difference = compare_motion(cases, SMOKE)["trajectory_difference"]
-    assert difference[0, 0] < 1e-12 and difference[2, 0] < 1e-9
+    bed = small_bed("dumbbell")
+    cases = {"dumbbell": make_case(bed.scene(), bed.state)}
+    assert compare_motion(cases, SMOKE)["trajectory_difference"][0, 0] < 1e-9
 
 
 @needs_study("stability")

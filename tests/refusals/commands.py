@@ -2,7 +2,6 @@
 
 OF_A_RUN = {
     "--density inf": "density is inf",
-    "--seed -4": "seed is -4",
     "--seed 2147483648": "seed is 2147483648",
     "--config config/none.yaml": "config/none.yaml",
     "--checkpoint README.md": "README.md",

@@ -59,7 +59,7 @@ def contact(change):
     return {"answers": {"find_contact": find_contact}}
 
 
-def mirrored(shape, points=64):
+def mirrored(shape, points):
     return smooth.Smooth.polygons(shape, points)[..., ::-1] * [1, -1]
 
 
@@ -90,14 +90,8 @@ def lumpy(nx, ny, sizes):
 FIELDS = [(name, np.ndarray) for name in ("radius", "lump", "shift")]
 Lumps = smooth.smooth(lumpy)(NamedTuple("Lumps", FIELDS))
 MANY = np.full(9, 1e-3)
-
-
-def one(value):
-    """Sizes (m) of which only the sixth is not zero."""
-    return np.where(np.arange(9) == 5, value * MANY, 0.0)
-
-
-OFF, BENT = Lumps(MANY, 0.05 * MANY, one(0.1)), Lumps(MANY, one(0.2), 0.0 * MANY)
+SIXTH = 1e-3 * np.eye(9)[5]
+OFF, BENT = Lumps(MANY, 0.05 * MANY, 0.1 * SIXTH), Lumps(MANY, 0.2 * SIXTH, 0.0 * MANY)
 
 
 class Stranger(NamedTuple):

@@ -49,7 +49,6 @@ CALLS = {
     "rolling is for discs, and shape is Ellipse; rolling must be None, because": lambda: dem.Scene(
         dem.Ellipse([1e-3], [5e-4]), rolling=dem.Rolling()
     ),
-    "Rolling.granule is -0.1; it must be at least 0.": lambda: dem.Rolling(-0.1),
     "it must be a law of contacts, such as dem.Hertz(), or": lambda: dem.check_law("hertz"),
     "Scene.law is 'hertz'; it must be": lambda: dem.Scene(dem.Disc([1.0]), law="hertz"),
 }

@@ -18,10 +18,6 @@ def simulate(**changes):
     return dem.simulate(**default | changes)
 
 
-def pack(seed=1, solids=None, **sides):
-    return dem.pack(DISCS, 8e-3, 8e-3, solids, seed, **sides)
-
-
 FLOOR, SIDE = [0, -1, 0], [1, 0, 1]
 CALLS = {
     "Friction.granule is -0.1; it must be at least 0.": lambda: dem.Friction(-0.1),
@@ -44,7 +40,7 @@ CALLS = {
         [1.0], [1.0], contact="chord"
     ),
     "frames is 1.5; it must be a whole number.": lambda: simulate(frames=1.5),
-    "periodic is 'yx'; it must be 'none', 'x', 'y' or 'xy'.": lambda: pack(periodic="yx"),
-    "seed is -1": lambda: pack(seed=-1),
-    "does not fit into the box": lambda: pack(solids=dem.Cylinder(2e-3, (0.5e-3, 4e-3))),
+    "does not fit into the box": lambda: dem.pack(
+        DISCS, 8e-3, 8e-3, dem.Cylinder(2e-3, (0.5e-3, 4e-3)), 1
+    ),
 }
