@@ -10,7 +10,6 @@ OF_A_RUN = {
     "shape=d1": "write --shape d1",
     "--shape C1": "the nearest is c1",
     "box_width=8mm": "it must be a number, in m",
-    "gravity=1,2,3": "it must be a number, in m s-2",
     "cylinder.speed=1": "cylinder.speed is no value that can vary; the nearest is cylinder.",
     "record.window=[1,2]": "record.window is no value that can vary",
 }

@@ -29,7 +29,6 @@ def late():
 CALLS = {
     "frame is 4; it must be below 4.": lambda: dem.plot.bed(result(), frame=4),
     "must be one of speed, force, layer.": lambda: dem.plot.bed(result(), color="mauve"),
-    "result is 3; it must be an instance of Result.": lambda: dem.plot.bed(3),
     "result has no forces: its scene has neither": lambda: dem.plot.forces(result()),
     "must be the path of a file that ends in .mp4 or .gif.": lambda: dem.film(result(), "run.avi"),
     "a film needs two: simulate with more frames.": lambda: dem.film(one_frame(), "run.gif"),

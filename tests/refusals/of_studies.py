@@ -126,9 +126,7 @@ if "claims" in NAMES:
         "margin is nan": lambda: verbs.test(TESTED, margin=np.nan),
         "it holds no drag; name drag.nc": lambda: verbs.test(TESTED),
         "has no replicates; see studies": made(results.make),
-        "it must be 'equal_distance' or": derived(derive="equal_pressure"),
         "has the shape 'z9'": derived(derive="equal_load", shape="z9"),
-        "friction is -0.1": derived(derive="equal_distance", friction=-0.1),
         "matched derives values; needs must name": derived(),
     }
 

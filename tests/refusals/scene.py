@@ -38,7 +38,6 @@ CALLS = {
     "it must be two forces (x, y), None for an axis whose": lambda: dem.Drive(3.0, 1.0),
     "Drive.mass is 0.0; it must be positive": lambda: dem.Drive((1.0, 1.0), 0.0),
     "Drive.damping is -1.0; it must be at least 0": lambda: dem.Drive((1.0, 1.0), 1.0, -1.0),
-    "Turn.inertia is 0.0; it must be positive": lambda: dem.Turn(0.0),
     "numbers of granules, or one truth value per granule": lambda: dem.Held([-1]),
     "Held.motion is 'up'; it must be a velocity (x, y), a": lambda: dem.Held([0], "up"),
     "Held.motion is PrescribedMotion(time=": lambda: dem.Held([0], TURNING),
@@ -77,7 +76,6 @@ CALLS = {
     ),
     "it must be symmetric": lambda: dem.Friction([[0.1, 0.2], [0.3, 0.3]]),
     # periods
-    "Scene.periodic is 'x'; it must be two periods": lambda: dem.Scene(DISCS, periodic="x"),
     "periodic is (0.01, -1.0); it must be": lambda: dem.Scene(DISCS, periodic=(0.01, -1.0)),
     "x is 0.002 m; it must be at least 0.0025 m": lambda: dem.Scene(DISCS, periodic=(2e-3, None)),
     "walls must have nx = 0, because the scene repeats itself along x": lambda: dem.Scene(

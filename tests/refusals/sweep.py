@@ -19,7 +19,6 @@ FILES = {
     "is 'c13', which is not one of cases; the nearest is c1.": {"sweep.case": ["c1", "c13"]},
     "sweep varies density in two ways; name it once.": {"sweep.density": [1e3]},
     "it must be a list of values, or factors: {times: [0.5, 2]}.": {"sweep.gravity": {"time": [1]}},
-    "sweep.gravity is 'x'; it must be a number.": {"sweep.gravity": {"times": ["x"]}},
     "is false, which has no multiples.": {"sweep.numerics/allow_unstable": {"times": [2]}},
     "no value that can vary; the nearest is friction.granule.": {"sweep.friction_granule": [0.1]},
     "no value that can vary; the nearest is record.bins.": {"sweep.record/window": [[0, 1]]},
