@@ -1,6 +1,5 @@
 """What no simulation takes."""
 
-import numpy as np
 from scenes import scene_of
 
 import dem
@@ -20,7 +19,7 @@ def simulated(**options):
 EDGES = "it must hold two or more edges of bins that rise, in m"
 CALLS = {
     "duration is 1 s, more than 1e+11 time steps": lambda: dem.simulate(*TINY, 1.0),
-    "must have shape (n,), not (0,)": lambda: dem.Disc(np.zeros(0)),
+    "must have shape (n,), not (0,)": lambda: dem.Disc([]),
     "step_fraction is 1.5; it must be at most 1": simulated(step_fraction=1.5),
     "threads is 2": simulated(threads=2, ledger=True),
     "ledger is False": lambda: run().ledger(),

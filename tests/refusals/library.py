@@ -25,9 +25,8 @@ CALLS = {
     "Material.density is True; it must be a number, in kg m-3.": lambda: dem.Material(True),
     "Scene.friction is 0.3; it must be an instance of Friction.": lambda: scene(friction=0.3),
     "is (0.01, 0.01); it must have shape (n, 3), not (2,).": lambda: scene(walls=(1e-2, 1e-2)),
-    "walls[1] is where walls[0] is, so that": lambda: scene(walls=[FLOOR, [0, -1, 1e-9]]),
     "walls[2] is where walls[0] is, so that": lambda: scene(
-        walls=[FLOOR, SIDE, dem.Wall(FLOOR, friction=0.1)]
+        walls=[FLOOR, SIDE, dem.Wall([0, -1, 1e-9], friction=0.1)]
     ),
     "the normal (nx, ny) of row 1 must have length 1": lambda: scene(walls=[SIDE, [1, 1, 0]]),
     "is 9.81; it must be two finite numbers (x, y), in m s-2.": lambda: scene(gravity=9.81),

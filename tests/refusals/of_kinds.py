@@ -11,14 +11,12 @@ def sheared(**changes):
 
 DUMBBELLS = {"disc": {"kind": "dumbbell", "diameter": 1e-3, "granules": 72}}
 CYLINDER = {"diameter": 2e-3, "velocity": 1.0, "start": 0.3, "stroke": 1e-3}
-CELL = sheared_values()["shear"]
 CALLS = {
     "periodic is none; the experiment shear needs x": sheared(periodic="none"),
     "gravity is 9.81; the experiment shear needs 0": sheared(gravity=9.81),
     "shear is missing; the experiment shear needs it": sheared(shear=None),
     "shapes.disc.kind is dumbbell; the experiment shear needs disc": sheared(shapes=DUMBBELLS),
     "cylinder is no section of the experiment shear; leave": sheared(cylinder=CYLINDER),
-    "shear.samples is 1; it must be at least 2": sheared(shear=CELL | {"samples": 1}),
     "cylinder is missing; the experiment drag needs it": sheared(experiment="drag"),
     "the experiment shear has no cylinder": lambda: of_values(
         sheared_values()
@@ -30,10 +28,5 @@ FILES = {
         "cylinder": None,
         "packing.fraction": None,
         "packing.pressure": 6e7,
-    },
-    "packing.friction is 0.3; the experiment onset needs 0": {
-        "experiment": "onset",
-        "cylinder": None,
-        "packing.friction": 0.3,
     },
 }
