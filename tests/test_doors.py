@@ -86,7 +86,6 @@ EXCEPTIONS = {
     "tests/kinds.py: dem.jit.address.Address": KERNELS,
     "tests/kinds.py: dem.jit.compilation.Kernel": KERNELS,
     "tests/kinds.py: numba.core.types": KERNELS,
-    "tests/observables/test_observables.py: SimpleNamespace": "it holds expected numbers, and stands for nothing of dem",
     "tests/packing/test_packing.py: 'dem.packing.random.most_iterations' patched": "a bed that takes an hour not to come to rest",
     "tests/sweep/test_sweep.py: 'dem.sweep.prune.sweeps' patched": "another sweep starts at that very moment",
     "tests/sweep/test_workers.py: client patched": "workers on one computer all see its disk",
