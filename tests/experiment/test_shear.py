@@ -31,16 +31,13 @@ def measured():
     return shear.run(run_of(young_modulus=5e8))
 
 
-def test_the_lid_bears_the_pressure_that_is_asked_for():
-    """In steady flow the lid does not rise, so the forces on it balance."""
-    assert np.mean(measured()["lid_normal_stress"]) == pytest.approx(PRESSURE, rel=0.01)
-
-
-@pytest.mark.parametrize("stress", ["shear_stress", "normal_stress"])
-def test_stress_in_the_middle_is_that_on_the_lid(stress):
-    """Momentum that goes in at the lid goes through every height."""
+def test_momentum_that_goes_in_at_the_lid_goes_through_every_height():
+    """The lid bears the pressure that is asked for: in steady flow it does not rise, so the forces on it
+    balance."""
     result = measured()
-    assert result[stress].mean() == pytest.approx(result[f"lid_{stress}"].mean(), rel=0.1)
+    assert np.mean(result["lid_normal_stress"]) == pytest.approx(PRESSURE, rel=0.01)
+    for stress in ("shear_stress", "normal_stress"):
+        assert result[stress].mean() == pytest.approx(result[f"lid_{stress}"].mean(), rel=0.1)
 
 
 def test_rough_walls_drag_the_bed_with_them():
@@ -53,17 +50,15 @@ def test_the_packing_fraction_is_that_between_the_walls():
     """Discs of the walls, whose mean heights bound the bed, are half in it. A disc that is partly in the middle
     counts with that part, so that the fraction hardly jumps."""
     result, run = measured(), run_of(young_modulus=5e8)
-    bed = make_bed(run)
-    scene, _ = shear.make_cell(run, bed)
+    scene, _ = shear.make_cell(run, make_bed(run))
     area = (scene.shape.area * np.where(scene.is_held, 0.5, 1.0)).sum()
-    between = area / (bed.width * result["shear_height"])
+    between = area / (scene.periodic[0] * result["shear_height"])
     assert result["shear_fraction"].mean() == pytest.approx(between.mean(), rel=0.03)
     assert np.abs(np.diff(result["shear_fraction"])).max() < 0.02
 
 
 @pytest.mark.parametrize(
-    ("pressure", "number", "rate"),
-    [(1e5, 0.1, NOMINAL), (16e5, 0.1, 4.0 * NOMINAL), (1e5, 0.05, 0.5 * NOMINAL)],
+    ("pressure", "number", "rate"), [(1e5, 0.1, NOMINAL), (16e5, 0.05, 2.0 * NOMINAL)]
 )
 def test_the_inertial_number_is_a_ratio_of_two_times(pressure, number, rate):
     """Sixteen times the pressure brings granules back four times as fast, at the same number. The lid moves at
@@ -81,24 +76,22 @@ def test_the_inertial_number_is_a_ratio_of_two_times(pressure, number, rate):
 
 @cache
 def time_of(number, settle):
-    """Steps of a run of soft granules over a strain of 0.1, and its time (s) at the first step."""
+    """Time (s) of a run of soft granules over a strain of 0.1, by its first step."""
     more = {"inertial_number": number, "settle": settle, "strain": 0.1, "samples": 2}
     run = run_of(young_modulus=5e7, **more)
     step = Simulation(*shear.make_cell(run, make_bed(run))).diagnose().longest_time_step
-    steps = shear.run(run)["steps"]
-    return steps, steps * step
+    return shear.run(run)["steps"] * step
 
 
 def test_a_slow_flow_settles_over_the_strain_that_is_asked_for():
-    assert time_of(0.01, 1.0)[0] / time_of(0.01, 0.5)[0] == pytest.approx(1.1 / 0.6, rel=0.05)
-    assert time_of(0.01, 1.0)[1] == pytest.approx(1.1 / 71.365, rel=0.3)
+    assert time_of(0.01, 1.0) / time_of(0.01, 0.5) == pytest.approx(1.1 / 0.6, rel=0.05)
+    assert time_of(0.01, 1.0) == pytest.approx(1.1 / 71.365, rel=0.3)
 
 
 def test_a_fast_flow_settles_until_its_bed_has_fallen_three_times():
     """Which takes 1.64 ms through 7.8 mm, more than the strain that is asked for."""
-    steps, time = time_of(0.3, 1.0)
-    assert steps == time_of(0.3, 2.0)[0]
-    assert time == pytest.approx(3 * 1.64e-3, rel=0.25)
+    assert time_of(0.3, 1.0) == time_of(0.3, 2.0)
+    assert time_of(0.3, 1.0) == pytest.approx(3 * 1.64e-3, rel=0.25)
 
 
 def test_both_walls_go_all_the_way_along_the_bed():
@@ -107,7 +100,7 @@ def test_both_walls_go_all_the_way_along_the_bed():
     scene, state = shear.make_cell(run, make_bed(run))
     for group in scene.held:
         x = np.sort(state.position[group.granules, 0] % 9e-3)
-        assert np.diff(np.append(x, x[0] + 9e-3)).max() < 2.0e-3
+        assert np.diff(x, append=x[0] + 9e-3).max() < 2.0e-3
 
 
 def test_a_granule_that_gets_out_is_told():
