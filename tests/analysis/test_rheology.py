@@ -6,7 +6,6 @@ from project import ROOT, needs_study
 from synthetic import DENSITY, NUMBERS, PRESSURE, sheared
 
 from dem.analysis.shear import rheology
-from dem.base.errors import InputError
 from dem.base.statistics import mean_interval
 from dem.sweep.config import parse
 
@@ -17,8 +16,7 @@ def test_curves_tell_places_apart():
     """All measures of two places, of which the second has another pressure in the middle. A design over the
     inertial number alone gives the same."""
     runs = sheared([[0.1, 0.2], [0.3, 0.5]], noise=0.0)
-    normal = runs["normal_stress"].where(runs["friction"] == "0", 4.0 * PRESSURE)
-    runs = runs.assign(normal_stress=normal)
+    runs["normal_stress"] = runs["normal_stress"].where(runs["friction"] == "0", 4.0 * PRESSURE)
     points = runs.rename(shear_inertial_number="point").assign_coords(point=[0, 1])
     for each in (runs, points.assign_coords(shear_inertial_number=("point", NUMBERS))):
         curves = rheology(each)
@@ -26,10 +24,9 @@ def test_curves_tell_places_apart():
             ("0", [0.1, 0.2], [0.1, 0.2], 1.0),
             ("1", [0.3, 0.5], [0.075, 0.125], 2.0),
         ):
-            curve = curves[(place,)]
-            np.testing.assert_allclose(curve.number, 0.9 * NUMBERS / slower)
-            names = "friction", "middle", "fraction", "pressure", "rate"
-            values = np.array([getattr(curve, name)[:, 0] for name in names])
+            number, *others = curves[(place,)]
+            np.testing.assert_allclose(number, 0.9 * NUMBERS / slower)
+            values = np.array(others)[..., 0]
             np.testing.assert_allclose(values, [friction, middle, [0.8] * 2, [1.0] * 2, [0.9] * 2])
 
 
@@ -37,8 +34,8 @@ def test_an_interval_is_that_of_the_means_of_runs():
     """Those of a run that failed are left out; a single run has a mean alone."""
     runs = sheared([[0.3, 0.4]], seeds=4)
     failed = runs.where(runs["seed"] != 2)
-    means = failed["shear_fraction"].isel(friction=0).mean("shear_strain", skipna=False)
-    expected = [mean_interval(sample) for sample in means.values]
+    means = failed["shear_fraction"].values[0].mean(-1)
+    expected = [mean_interval(sample) for sample in means]
     np.testing.assert_allclose(rheology(failed)[()].fraction, expected)
     for one in (runs.isel(seed=[0]), runs.isel(seed=0)):
         mean, low, high = rheology(one)[()].friction.T
@@ -60,12 +57,9 @@ def test_numbers_are_of_the_pressure_and_density_that_the_runs_have(name, usual,
 
 
 @needs_study("shear")
-def test_runs_of_another_strain_are_no_runs_of_one_file():
-    """Their samples would be at the strains of the first; a block has its own, under its own name."""
+def test_a_block_of_another_strain_has_it_under_its_own_name():
+    """Its samples are not at the strains of the file."""
     file = {"extends": "studies/shear/sweep.yaml", "results": "results/strains"}
-    values, source = {"density": 2.5e3}, f"{ROOT}/x"
-    with pytest.raises(InputError, match=r"varies shear\.strain, which runs of one block share"):
-        parse(file | {"sweep": {"values": values, "shear.strain": [4, 8]}}, source)
-    sweep = {"values": values | {"shear.strain": 8.0}}
-    labels = parse(file | {"sweep": sweep}, source).block("drag").labels()
+    values = {"density": 2.5e3, "shear.strain": 8.0}
+    labels = parse(file | {"sweep": {"values": values}}, f"{ROOT}/x").block("drag").labels()
     assert labels["shear_strain_swept"][2] == 8.0

@@ -4,19 +4,16 @@ import json
 
 import numpy as np
 import pytest
-from pictures import text_of
-from project import ROOT, needs_study
 from scipy.optimize import least_squares
 from synthetic import VELOCITY, drags, drawn
 
 from dem.analysis.velocity import inertial_number, rates
 from dem.base.errors import InputError
-from dem.figures.catalogue import draw
 from dem.figures.velocity import plot
-from dem.report.info import summary
+
+pytestmark = pytest.mark.quick
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize("exponent", [0.5, 1.0, 2.0])
 def test_the_law_finds_what_made_the_drag(exponent):
     """A yield force of 1000 N and a part that grows as a power of velocity, 40 N at 1 m/s."""
@@ -26,7 +23,6 @@ def test_the_law_finds_what_made_the_drag(exponent):
     assert law.rise[0] == pytest.approx(0.04) and law.drag(1.0)[0] == pytest.approx(1040.0)
 
 
-@pytest.mark.quick
 def test_the_law_has_the_least_relative_errors():
     """Those that scipy finds where exponents may be any."""
     drag = drags(1000.0, 400.0, 1.0, noise=0.3)
@@ -41,7 +37,6 @@ def test_the_law_has_the_least_relative_errors():
     assert np.square(missed(found)).sum() == pytest.approx(2.0 * best.cost, rel=1e-3)
 
 
-@pytest.mark.quick
 def test_beds_are_their_own_control():
     """What beds have in common with and without friction cancels in the ratio of both."""
     bed = drags(1000.0, 40.0, 1.0, scatter=0.3, noise=0.001)
@@ -52,57 +47,42 @@ def test_beds_are_their_own_control():
     assert ratio == pytest.approx((0.5, 0.5, 0.5))
 
 
-@pytest.mark.quick
 def test_a_bed_with_a_run_that_failed_does_not_count():
     """Else the beds at one velocity would be others than at the next."""
     drag = np.array([drags(1000.0, 40.0, 1.0)] * 2)
-    whole = rates(drawn(drag[..., 1:])).means
     drag[1, 3, 0] = np.nan
-    result = rates(drawn(drag))
+    result, whole = rates(drawn(drag)), rates(drawn(drag[..., 1:]))
     assert result.beds == 5
     for point, means in result.means.items():
-        np.testing.assert_allclose(means[0], whole[point][0])
+        np.testing.assert_allclose(means[0], whole.means[point][0])
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize(
-    ("name", "values", "factor"),
+    ("name", "usual", "value", "factor"),
     [
-        ("density", [4e3, 1.6e4], 2.0),  # four times as dense come back half as fast
-        ("cylinder_diameter", [3e-3, 6e-3], 0.5),  # of twice the size, half the rate of shear
+        ("density", 4e3, 1.6e4, 2.0),  # four times as dense come back half as fast
+        ("cylinder_diameter", 3e-3, 6e-3, 0.5),  # of twice the size, half the rate of shear
     ],
 )
-def test_the_inertial_number_is_a_ratio_of_two_times(name, values, factor):
+def test_the_inertial_number_is_a_ratio_of_two_times(name, usual, value, factor):
     """Of the values that the runs have, not the file; where they differ, no axis is shared. Discs of 1 mm
     and 4000 kg/m3 come back under 10 MPa in 20 us; 1 m/s shears by 1 in 3 ms."""
-    runs = drawn([drags(1000.0, 40.0, 1.0)] * 2).drop_vars(name, errors="ignore")
-    for value, expected in zip(values, (0.02 / 3.0, factor * 0.02 / 3.0), strict=True):
-        assert inertial_number(runs.assign_coords({name: value})) == pytest.approx(expected)
-    assert inertial_number(runs.assign_coords({name: ("friction", values)})) is None
+    runs = drawn([drags(1000.0, 40.0, 1.0)] * 2)
+    assert inertial_number(runs) == pytest.approx(0.02 / 3.0)
+    other = inertial_number(runs.assign_coords({name: value}))
+    assert other == pytest.approx(factor * 0.02 / 3.0)
+    assert inertial_number(runs.assign_coords({name: ("friction", [usual, value])})) is None
 
 
-def test_points_that_differ_in_velocity_alone_are_its_axis(tmp_path):
-    """A design over velocity is a sweep of it; of points that differ in more, no law is drawn."""
+def test_points_that_differ_in_velocity_alone_are_its_axis():
+    """A design over velocity is a sweep of it; of points that differ in more, no law is drawn. A velocity of the
+    file that no run has is not marked."""
     runs = drawn([drags(1000.0, 40.0, 1.0)])
-    runs = runs.assign_coords(shape=["c1"]).assign(displacement_bounds=("bound", [0.0, 3e-3]))
     points = runs.rename(cylinder_velocity="point").assign_coords(point=range(len(VELOCITY)))
     points = points.assign_coords(cylinder_velocity=("point", VELOCITY))
     assert rates(points).laws[()].limit[0] == rates(runs).laws[()].limit[0]
-    points.to_netcdf(tmp_path / "drag.nc")
-    assert len(draw("velocity", tmp_path / "drag.nc", tmp_path)) == 2
-    points.assign_coords(gravity=("point", VELOCITY)).to_netcdf(tmp_path / "more.nc")
-    with pytest.raises(InputError, match="cylinder_velocity varies over point together with grav"):
-        draw("velocity", tmp_path / "more.nc", tmp_path)
-
-
-@needs_study("velocity")
-def test_info_tells_the_velocities_of_the_runs():
-    """Not that of the file, where velocity varies."""
-    shown = text_of(summary(ROOT / "studies/velocity/velocity.nc"))
-    assert "cylinder at 0.125 to 32 m/s" in shown
-
-
-def test_a_velocity_of_the_file_that_no_run_has_is_not_marked():
     configuration = json.dumps({"cylinder": {"diameter": 3e-3, "velocity": 3.0}})
-    runs = drawn([drags(500.0, 40.0, 1.0)]).assign_attrs(configuration=configuration)
-    assert "grey line" not in plot(runs).get_suptitle()
+    figure = plot(points.assign_attrs(configuration=configuration))
+    assert "grey line" not in figure.get_suptitle()
+    with pytest.raises(InputError, match="cylinder_velocity varies over point together with grav"):
+        plot(points.assign_coords(gravity=("point", VELOCITY)))
