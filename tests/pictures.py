@@ -3,7 +3,7 @@
 import re
 
 import numpy as np
-from matplotlib.container import BarContainer, ErrorbarContainer
+from matplotlib.container import ErrorbarContainer
 from matplotlib.text import Text
 from PIL import Image
 
@@ -54,15 +54,9 @@ def intervals_shown(axes):
     return np.array(sorted(rows)).reshape(-1, 4)
 
 
-def bars_shown(axes):
-    """Middle and height (k, 2) of the bars of an axes, by place."""
-    rows = [
-        [patch.get_x() + 0.5 * patch.get_width(), patch.get_height()]
-        for container in axes.containers
-        if isinstance(container, BarContainer)
-        for patch in container.patches
-    ]
-    return np.array(sorted(rows)).reshape(-1, 2)
+def boxes_shown(collection):
+    """Lower left and upper right corner (k, 2, 2) around each outline."""
+    return np.array([path.get_extents().get_points() for path in collection.get_paths()])
 
 
 def words_shown(figure):
