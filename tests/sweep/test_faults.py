@@ -6,7 +6,6 @@ import socket
 import subprocess
 import sys
 import time
-from contextlib import chdir
 from pathlib import Path
 
 import netCDF4
@@ -16,72 +15,41 @@ from project import posix
 from sweeps import SMOKE, VALUES, contents, drawn, made, of_file, order, varied
 from typer.testing import CliRunner
 
-from dem.analysis.drag import change, summarise
 from dem.base.errors import RunError
 from dem.cli.app import app
-from dem.io.lazily import open_lazily
 from dem.sweep.batch import make
+from dem.sweep.combine import combine
 from dem.sweep.restart import prepare
 from dem.sweep.state import SweepState
+from dem.sweep.workers import Workers
 
 ERRORS = "PackingError", "OverlapError", "StateError", "RunError", "ZeroDivisionError"
-SEEDS, CASES = len(ERRORS) + 2, ("c1", "c2")
-ORDERS = {
-    **{f"100 {seed}": name for seed, name in enumerate(ERRORS[:2], 2)},
-    **{f"300 {seed}": name for seed, name in enumerate(ERRORS, 1)},
-}
-
-
-@pytest.fixture(scope="module")
-def failed(tmp_path_factory):
-    """A folder with the files of a sweep of two cases, of which runs fail for every reason."""
-    folder = tmp_path_factory.mktemp("failed")
-    with chdir(folder):
-        order(fails=ORDERS)
-        record = VALUES["record"] | {"observables": ["drag", "snapshots"]}
-        cases = {name: VALUES["cases"][old] for name, old in zip(CASES, "ac", strict=True)}
-        sweep = varied(*cases, seed=f"1 to {SEEDS}")
-        of_file(drawn(observed=True, record=record, cases=cases, sweep=sweep, failures=0.6))
-        assert len(made()) == 2 * SEEDS
-    return folder / "results/drawn"
-
-
-@pytest.mark.quick
-def test_runs_that_fail_are_gaps_with_their_reason(failed):
-    """Named by the flags of the file. What they would have given is NaN, and nothing else is."""
-    with netCDF4.Dataset(failed / "drag.nc") as file:
-        file.set_auto_mask(False)
-        flags = np.atleast_1d(file["failure"].flag_values).tolist()
-        meanings = dict(zip(flags, file["failure"].flag_meanings.split(), strict=True))
-        known = {name: name for name in ERRORS[:3]} | dict.fromkeys(ERRORS[3:], "other")
-        gaps = np.zeros((2, SEEDS), bool)
-        for (case, seed), flag in np.ndenumerate(file["failure"][:]):
-            error = ORDERS.get(f"{(100, 300)[case]} {seed + 1}")
-            assert meanings[int(flag)] == known.get(error, "none"), (case, seed)
-            gaps[case, seed] = error is not None
-        assert "PackingError of 100 2" in file["failure"].comment
-        for name, variable in file.variables.items():
-            if variable.dimensions[:2] == ("case", "seed") and variable.dtype.kind == "f":
-                missing = np.isnan(variable[:]).reshape(2, SEEDS, -1)
-                assert (missing == gaps[..., None]).all(), name
-
-
-@pytest.mark.quick
-def test_numbers_of_a_sweep_with_failed_runs_are_those_of_the_others(failed):
-    """Means of all that are there, and changes of the seeds that both cases have."""
-    drag = contents(failed / "drag.nc")["drag"][:, :, 4:10].mean(axis=-1)  # the bins of the window
-    with open_lazily(failed / "drag.nc") as dataset:
-        numbers = summarise(dataset)
-        for case, runs in zip(CASES, drag, strict=True):
-            assert float(numbers["mean"].sel(case=case)) == pytest.approx(np.nanmean(runs))
-        one, two = drag[:, len(ERRORS) :].mean(axis=1)
-        assert change(numbers["run_mean"], *CASES)[0] == pytest.approx(two / one - 1.0)
 
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+@pytest.mark.quick
+def test_runs_that_fail_are_gaps_with_their_reason(folder):
+    """Named by the flags of the file. What they would have given is NaN, and nothing else is."""
+    order(fails={f"300 {seed}": name for seed, name in enumerate(ERRORS)})
+    record = VALUES["record"] | {"observables": ["drag", "snapshots"]}
+    sweep = varied("a", "c", seed=f"0 to {len(ERRORS)}")
+    of_file(drawn(observed=True, record=record, sweep=sweep, failures=0.6))
+    with netCDF4.Dataset("results/drawn/drag.nc") as file:
+        file.set_auto_mask(False)
+        failure, flags = file["failure"][:], file["failure"].flag_values.tolist()
+        meanings = file["failure"].flag_meanings.split()
+        told = [meanings[flags.index(flag)] for flag in failure[1]]
+        assert told == [*ERRORS[:3], "other", "other", "none"] and not failure[0].any()
+        assert "PackingError of 300 0" in file["failure"].comment
+        for name, variable in file.variables.items():
+            if variable.dimensions[:2] == ("case", "seed") and variable.dtype.kind == "f":
+                missing = np.isnan(variable[:]).reshape(*failure.shape, -1)
+                assert (missing == (failure != 0)[..., None]).all(), name
 
 
 TOO_MANY = {
@@ -91,33 +59,24 @@ TOO_MANY = {
         2,
         r"2 of 8 runs .* failures allows 0.2 .* c1 at 100 kg/m3, seed 1: StateError of 100 1",
     ),
-    "one where none is allowed": (0.0, 1, r"1 of 8 runs .* failures allows 0 of them"),
 }
 
 
 @pytest.mark.quick
 @pytest.mark.parametrize("case", TOO_MANY)
 def test_runs_that_fail_stop_a_sweep_that_does_not_allow_so_many(folder, case):
-    """The first is named with its reason; no file is combined. What could be made is kept, what failed is
-    made when it is asked for, and nothing else is."""
+    """The first of the sweep is named with its reason, whichever batch is read first; no file is combined. What
+    could be made is kept, and what failed is not made before it is asked for."""
     failures, count, words = TOO_MANY[case]
     order(fails={f"100 {seed}": "StateError" for seed in range(1, count + 1)})
-    file = drawn(sweep=varied("a", "c", seed="1 to 4"), failures=failures)
+    state = SweepState.of(drawn(sweep=varied("a", "c", seed="1 to 4"), failures=failures, batch=1))
     for _ in range(2):
         with pytest.raises(RunError, match=words):
-            of_file(file)
-    assert not Path("results/drawn/drawn.nc").exists() and len(made()) == 8
-    state = SweepState.of(file)
-    (batch,) = state.files("drag")
-    before = contents(batch, without=())
-    order()
-    assert state.retry() == count
-    of_file(file)
-    after = contents(batch, without=())
-    assert len(made()) == 8 + count and not after["failure"].any() and state.retry() == 0
-    for name in ("force", "spent"):
-        kept = before["failure"] == 0
-        np.testing.assert_array_equal(before[name][kept], after[name][kept])
+            state.make(Workers())
+    output = Path("reversed.nc")
+    with pytest.raises(RunError, match=words):
+        combine(state.files("drag")[::-1], state.sweep, state.block("drag"), "drawn", output)
+    assert not [*Path().rglob("drawn.nc"), *Path().glob("*.nc")] and len(made()) == 8
 
 
 @pytest.mark.quick
@@ -134,42 +93,36 @@ def test_a_run_that_failed_in_the_batch_of_another_sweep_is_tried_again(folder):
         assert len(made()) == count and state.store.rows(state.runs())
 
 
-def command(*words):
-    return CliRunner().invoke(app, ["sweep", "sweep.yaml", "-j", "1", *words])
-
-
 def test_the_command_ends_with_1_where_runs_failed_and_tries_them_again(folder):
     """One sentence; with --retry the failed runs are made, and the same command ends well."""
-    order(fails={f"{density} {seed}": "RunError" for density in (100, 300) for seed in (1, 2)})
-    drawn(sweep=varied("a", "c", seed=[1, 2]))
-    for _ in range(2):
-        result = command()
-        assert result.exit_code == 1, (result.output, result.exception)
-        assert result.stderr.count("c1 at 100 kg/m3: none of its 2 runs could be made") == 1
-    output = command("--dry-run").stdout
-    assert "0 finished, 4 failed (dem sweep --retry makes these" in output and "About" not in output
-    output = command("--dry-run", "--retry").stdout
-    assert "4 failed (these are made again)" in output and "About" in output
-    order()
-    result = command("--retry")
-    assert result.exit_code == 0 and "4 failed runs are tried again" in result.stderr, result.output
+    order(fails={f"100 {seed}": "RunError" for seed in (1, 2)})
+    drawn(sweep=varied("a", seed=[1, 2]))
+    for words, status, said in (
+        ("", 1, "c1 at 100 kg/m3: none of its 2 runs could be made"),
+        (
+            "--dry-run",
+            0,
+            "0 finished, 2 failed (dem sweep --retry makes these again), 0 to be made",
+        ),
+        ("--dry-run --retry", 0, "2 failed (these are made again), 2 to be made"),
+        ("--retry", 0, "2 failed runs are tried again"),
+    ):
+        if words == "--retry":
+            order()
+        result = CliRunner().invoke(app, ["sweep", "sweep.yaml", "-j1", *words.split()])
+        assert result.exit_code == status and result.output.count(said) == 1, result.output
+        assert ("About" in result.output) == (words == "--dry-run --retry")
     assert Path("results/drawn/drawn.nc").is_file()
 
 
 def test_a_sweep_says_how_many_runs_of_its_file_will_be_gone(folder):
     """Of the same file, changed, or of another one of the same folder."""
-    path = Path("results/drawn/drawn.nc")
-    for seeds, lost in (
-        ([1, 2, 3], ""),
-        ([3, 4], "drawn.nc: 2 of the 3 runs that it held are no longer"),
-        ([1], "drawn.nc: 2 of the 2 runs that it held are no longer"),
-        ([1], ""),
-    ):
-        drawn(sweep=varied("a", seed=seeds))
-        result = command()
-        assert result.exit_code == 0 and lost in result.output, result.output
-        assert bool(lost) == ("no longer" in result.output)
-        assert contents(path)["seed"].tolist() == seeds
+    for seeds, lost in ([1, 2, 3], ""), ([3, 4], "2 of the 3 runs"), ([1], "2 of the 2 runs"):
+        state = SweepState.of(drawn(sweep=varied("a", seed=seeds)))
+        said = [line for line in state.check() if "drawn.nc" in line]
+        assert len(said) == bool(lost) and all(lost in line for line in said)
+        state.make(Workers())
+        assert contents(Path("results/drawn/drawn.nc"))["seed"].tolist() == seeds
 
 
 @pytest.mark.quick
@@ -182,9 +135,6 @@ def test_a_sweep_that_makes_no_run_changes_no_file(folder):
     of_file(Path("sweep.yaml"))
     for path, file in files.items():
         assert (path.read_bytes(), path.stat().st_mtime_ns) == file, path
-    of_file(drawn(batch=1, title="another"))
-    with netCDF4.Dataset("results/drawn/drawn.nc") as file:
-        assert file.title == "another" and len(made()) == 4
 
 
 def test_a_folder_is_held_until_its_process_ends(folder):
@@ -203,12 +153,12 @@ def test_a_folder_is_held_until_its_process_ends(folder):
     prepare(Path(), Path()).release()
 
 
-SAYING = "--help", "--version", f"sweep {SMOKE} -n", "store"
+SAYING = "--version", f"sweep {SMOKE} -n", "store"
 FULL = [f"{words} > /dev/full" for words in SAYING]
 
 
 @posix
-@pytest.mark.parametrize("words", [*FULL, *(f"{words} >&- 2>&-" for words in SAYING[2:])])
+@pytest.mark.parametrize("words", [*FULL, *(f"{words} >&- 2>&-" for words in SAYING[1:])])
 def test_a_verb_says_at_most_one_sentence_where_it_cannot_write(folder, words):
     """On a full disk, or into what is closed; no traceback."""
     if words in FULL and not Path("/dev/full").exists():
@@ -262,7 +212,7 @@ def test_a_stopped_command_says_one_sentence_and_leaves_no_file(folder, number):
 @posix
 @pytest.mark.parametrize(
     ("number", "again"),
-    [(signal.SIGTERM, ()), (signal.SIGTERM, (0.02,)), (signal.SIGINT, (0.05, 0.05, 0.1, 0.1))],
+    [(signal.SIGTERM, (0.02,)), (signal.SIGINT, ()), (signal.SIGINT, (0.05, 0.05, 0.1, 0.1))],
 )
 def test_a_stopped_sweep_keeps_what_is_finished_and_says_how_to_go_on(folder, number, again):
     """No worker is left alive, and no half-written file; also where it is stopped again, so many s
