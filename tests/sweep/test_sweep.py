@@ -10,32 +10,31 @@ import netCDF4
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
 import yaml
-from project import CONFIG
-from rich.console import Console
+from pictures import text_of
+from sweeps import SMOKE, drawn, of_file, varied
 from typer.testing import CliRunner
 
 import dem
 from dem.analysis.tables import TextTable
-from dem.base.errors import InputError, RunError
+from dem.base.errors import InputError
 from dem.cli.app import app
+from dem.figures.catalogue import draw
 from dem.report.info import drag_table
 from dem.report.status import status
-from dem.sweep import batch as making
-from dem.sweep import store as stores
 from dem.sweep.combine import combine, combine_block
 from dem.sweep.config import merged, parse
 from dem.sweep.derive import Jamming
 from dem.sweep.grouping import plan_batches
 from dem.sweep.prune import prune, sweeps, usage
 from dem.sweep.state import SweepState
+from dem.sweep.workers import Workers
 
 pytestmark = pytest.mark.quick
 
 C1 = {"shape": "c1"}
 SMALL = {
-    "extends": str(CONFIG / "smoke.yaml"),
+    "extends": str(SMOKE),
     "results": "results/small",
     "box_width": 6e-3,
     "cylinder": {"diameter": 1e-3, "stroke": 0.4e-3},
@@ -43,7 +42,7 @@ SMALL = {
     "record": {"bins": 8, "snapshots": 3, "window": [0.1e-3, 0.4e-3], "observables": ["drag"]},
     "shapes": {"c1": {"granules": 30}},
 }
-FEW = {"c7": {"kind": "disc", "diameter": 1092e-6, "granules": 20}}
+FEW = {"c7": {"kind": "disc", "diameter": 1092e-6, "granules": 30}}
 SHOWN = {"observables": ["drag", "snapshots"]}
 
 
@@ -56,20 +55,18 @@ def ids(sweep, block="drag"):
     return [run.id for run in sweep.block(block).runs.values()]
 
 
-def done(sweep, folder):
-    """A sweep at work, all runs made."""
-    work = SweepState(sweep, stores.Store(folder / "store"), root=folder)
-    for block in sweep.blocks:
-        work.begin(block)
-        for batch in work.batches(block):
-            making.make(work.store, batch.id)
-    return work
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """The working folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
 
 
-def combined(work, folder, block="drag", observable="drag"):
-    path = folder / f"{block}_{observable}.nc"
-    combine_block(work, block, observable, path)
-    with xr.open_dataset(path) as dataset:
+def combined(sweep, block="drag"):
+    """The file of a block, all runs made."""
+    work = SweepState(sweep)
+    work.make(Workers())
+    with dem.open_results(work.combined(block)[0]) as dataset:
         return dataset.load()
 
 
@@ -103,7 +100,6 @@ X, Y = {"cylinder.direction": [0.0]}, {"cylinder.direction": [math.pi / 2.0]}
 LIKELY = [
     ({"cylinder.velocity": [2.0, 500.0]}, "velocity is 500 m/s, 0.12 of the velocity of sound"),
     ({"cylinder.velocity": [32.0]}, ""),
-    ({"material.young_modulus": [1e3]}, "cylinder.velocity is 2 m/s, 3.9 of"),
     (X | {"periodic": ["x"]}, "drawn along x, and periodic has it too: nothing but friction"),
     (Y | {"periodic": ["xy"]}, "drawn along y, and periodic has it too"),
     (Y | {"periodic": ["x"]}, ""),
@@ -146,17 +142,13 @@ def test_a_design_fills_its_ranges(kind):
 
 
 def test_what_a_run_does_not_read_makes_no_other_run():
-    """Titles, batches, windows, other shapes, seeds and names: the same identity; other observables, another."""
+    """Titles, batches, other shapes, seeds and names: the same identity; other observables, another. All other values
+    are in test_every_key.py."""
     (first,) = ids(small(C1))
     unread = {"title": "other", "batch": 3, "failures": 0.5, "shapes": FEW}
-    unread |= {
-        "record": {"window": [0.2e-3, 0.3e-3]},
-        "ellipse": {"contact": "geometric_potential"},
-    }
     assert ids(small(C1, **unread)) == [first]
     assert ids(small({"seed": "1 to 3", "shape": ["c1"]}))[0] == first
-    named = {"c7": FEW["c7"] | {"granules": 30}}
-    assert ids(small({"shape": "c7"}, shapes=named)) == [first]
+    assert ids(small({"shape": "c7"}, shapes=FEW)) == [first]
     assert ids(small(C1, record={"observables": ["drag", "ledger"]})) != [first]
 
 
@@ -165,9 +157,7 @@ CONTACTS = {"ellipse.contact": ["common_normal", "geometric_potential"]}
 SPIN, SIZES = {"cylinder.spin": [None, "free"]}, {"shapes.c1.granules": [30, 40]}
 GROUPS = [  # what varies, how many runs a batch may have, and how many each has
     (FRICTION, 3, [3, 1]),
-    (FRICTION, 2, [2, 2]),
     (CONTACTS | {"shape": ["c1", "e3"]}, 5, [2, 4]),  # a disc reads none: its places are one run
-    ({"contact.law": ["hertz", "linear"]}, 5, [2, 2]),
     (SPIN | SIZES, 5, [2, 2, 2, 2]),
 ]
 
@@ -195,58 +185,39 @@ def test_a_sweep_keeps_to_its_batches_while_another_makes_their_runs():
     assert set(batches) == set(first) and not new
 
 
-# What is there is not made again
+# What a combined file holds
 
 
-def test_a_value_that_is_added_makes_only_its_runs(tmp_path):
-    """In batches of their own; the old ones are as they were, and beds are packed once."""
-
-    def stamps():
-        return {path: path.stat().st_mtime_ns for path in store.rglob("*.n[cp]*") if path.is_file()}
-
-    store = tmp_path / "store"
-    done(small(C1 | {"friction.granule": [0.1, 0.3]}), tmp_path)
-    old = stamps()
-    assert sorted(path.suffix for path in old) == [".nc", ".npz"]
-    work = done(small({"friction.granule": [0.5, 0.1, 0.3], "shape": "c1"}), tmp_path)
-    assert sorted(len(batch.runs) for batch in work.batches("drag")) == [1, 2]
-    assert len(stamps()) == 3 and old.items() <= stamps().items()
-
-
-def test_a_combined_file_holds_every_run_at_its_place(tmp_path):
+def test_a_combined_file_holds_every_run_at_its_place():
     """With the bits of the run made alone, also where seeds lie side by side in a batch, and with its values as
     coordinates: what is absent is a gap, and not zero. netCDF has no truth values: the axis holds 0 and 1."""
     slow = {"shape": "c1", "cylinder.velocity": 1.0, "material.thickness": 1e-3}
     fast = {"shape": "c7", "friction.granule": 0.1, "gravity": 9.81}
     values = {"pull": {"slow": slow, "fast": fast}, "numerics.allow_unstable": [True, False]}
-    file = tmp_path / "own.yaml"
     sweep = small(values | {"seed": [2, 1]}, batch=3, shapes=FEW, packing={"fraction": 0.7})
-    file.write_text(yaml.safe_dump(sweep.dump(), sort_keys=False))
-    data = combined(done(sweep, tmp_path), tmp_path)
+    data = combined(sweep)
     assert data["drag"].dims == ("pull", "numerics_allow_unstable", "seed", "displacement")
     assert data["friction_granule"].attrs["long_name"] == "friction between granules"
     assert "cylinder_velocity" not in data.attrs
-    runs = zip(sweep.block("drag").runs.items(), dem.load_sweep(file), strict=True)
-    for (point, run), of_library in runs:
+    for point, run in sweep.block("drag").runs.items():
         there = data.isel(dict(zip(data["run_id"].dims, point, strict=True)))
         assert there["run_id"] == run.id
-        for path in ("shape", "seed", "numerics.allow_unstable", *slow, *fast):
+        for path in ("seed", "numerics.allow_unstable", *slow, *fast):
             value = np.nan if run.at(path) is None else run.at(path)
             np.testing.assert_array_equal(there[path.replace(".", "_")], value, path)
         if run.at("numerics.allow_unstable"):
-            alone = dem.run_experiment(of_library)
-            assert alone.attrs["run_id"] == run.id
+            alone = dem.run_experiment(run.values())
             np.testing.assert_array_equal(there["drag"], alone["drag"])
 
 
-def test_a_combined_file_tells_the_values_that_its_runs_had(tmp_path):
+def test_a_combined_file_tells_the_values_that_its_runs_had():
     """Of a block, also those that all points of a group share, and not those of the file."""
     same = {"friction.wall": 0.2, "shapes.c1.granules": 25, "material.thickness": 1e-3}
     block = {
         "values": {"friction.granule": 0.1, "cylinder.velocity": 0.6, "shape": "c1"},
         "box": {"a": same, "b": same},
     }
-    data = combined(done(small({"blocks": {"a": block}}), tmp_path), tmp_path, "a")
+    data = combined(small({"blocks": {"a": block}}), "a")
     config = json.loads(data.attrs["configuration"])
     assert config["friction"] == {"granule": 0.1, "wall": 0.2, "cylinder": 0.3, "stiffness": 1.0}
     assert config["shapes"]["c1"]["granules"] == 25 and config["material"]["thickness"] == 1e-3
@@ -286,82 +257,57 @@ def run(replicate, bed=None, progress=None):
 """
 
 
-def test_runs_with_other_coordinates_are_not_combined(tmp_path):
+def test_runs_with_other_coordinates_are_not_combined(folder):
     """As those of an experiment whose places depend on a value that varies; runs of one value are."""
-    (tmp_path / "echo.py").write_text(ECHO)
-    values = {"experiment": "echo.py", "beside": str(tmp_path), "cylinder": None, "record": None}
-    blocks = {"a": C1 | {"echo.gap": [2.0]}, "b": C1 | {"echo.gap": [1.0, 2.0]}}
-    work = done(small({"blocks": blocks}, **values), tmp_path)
-    assert combined(work, tmp_path, "a", "echo")["place"].values.tolist() == [0.0, 2.0, 4.0]
-    words = "the coordinate place must be the same in all runs of b; use blocks"
+    Path("echo.py").write_text(ECHO)
+    values = {"experiment": "echo.py", "beside": str(folder), "cylinder": None, "record": None}
+    one, two = (small(C1 | {"echo.gap": gaps}, **values) for gaps in ([2.0], [1.0, 2.0]))
+    assert combined(one)["place"].values.tolist() == [0.0, 2.0, 4.0]
+    words = "the coordinate place must be the same in all runs of drag; use blocks"
     with pytest.raises(InputError, match=words):
-        combined(work, tmp_path, "b", "echo")
+        combined(two)
 
 
 def test_beds_at_equal_load_bear_the_same_force():
     """Force per length over E*: load times diameter, where load^(2/3) is slope times distance from jamming."""
     beds = {
         "kind": ["a", "b"],
-        "friction": 0.0,
         "fraction": [0.83, 0.85],
         "slope": [0.5, 0.8],
         "diameter": [1e-3, 3e-3],
     }
-    jamming = Jamming(pd.DataFrame(beds))
+    jamming = Jamming(pd.DataFrame(beds).assign(friction=0.0))
 
     def force(kind, fraction):
-        row = {name: values[kind] for name, values in beds.items() if name != "friction"}
-        return row["diameter"] * (row["slope"] * (fraction - row["fraction"])) ** 1.5
+        _, jams, slope, diameter = (values[kind] for values in beds.values())
+        return diameter * (slope * (fraction - jams)) ** 1.5
 
     for kind, other in ((0, 1), (1, 0)):
         fraction = jamming.at_load("ab"[kind], "ab"[other], 0.88)
         assert force(kind, fraction) == pytest.approx(force(other, 0.88))
 
 
-def test_values_on_an_axis_are_shown_apart(tmp_path):
+def test_values_on_an_axis_are_shown_apart(folder):
     """Those that hardly differ, and null beside numbers, which has no units; tables and a figure show them."""
     axes = {"material.thickness": [None, 1e-3], "friction.granule": [2, 2.0000001]}
-    work = done(small(C1 | axes), tmp_path)
-    data = combined(work, tmp_path)
+    data = combined(sweep := small(C1 | axes))
     axis = data["material_thickness"]
     assert axis.values.tolist() == ["null", "0.001"] and "units" not in axis.attrs
-    for shown in (TextTable(drag_table(data)), status(work)):
-        with (console := Console(width=200)).capture() as text:
-            console.print(shown)
-        assert "2.0000001" in text.get() and "null" in text.get()
-    result = CliRunner().invoke(
-        app, ["figure", "sweep", "-o", str(tmp_path), f"{tmp_path}/drag_drag.nc"]
-    )
-    assert result.exit_code == 0, result.output
+    for shown in (TextTable(drag_table(data)), status(SweepState(sweep))):
+        assert "2.0000001" in (text := text_of(shown)) and "null" in text
+    draw("sweep", Path("results/small/drag.nc"), folder)
 
 
-def test_a_run_that_no_file_holds_is_named(tmp_path):
+def test_a_run_that_no_file_holds_is_named():
     """A sweep is not combined before all its batches are there; no file is left."""
-    sweep = small(C1 | {"seed": [1, 2]}, batch=1)
-    work = done(sweep, tmp_path)
-    first, second = work.files("drag")
-    output = tmp_path / "drag.nc"
+    state, output = of_file(drawn(sweep=varied("a", seed=[1, 2]), batch=1)), Path("new.nc")
+    first, second = state.files("drag")
     with pytest.raises(InputError, match=r"seed [12] is in none of the 1 files; run again"):
-        combine([first], sweep, sweep.block("drag"), "drag", output)
+        combine([first], state.sweep, state.block("drag"), "drawn", output)
     second.unlink()
     with pytest.raises(InputError, match=rf"{second.name}: there is no such file\.$"):
-        combine_block(work, "drag", "drag", output)
+        combine_block(state, "drag", "drawn", output)
     assert not output.exists()
-
-
-def test_failed_runs_have_the_same_gaps_whichever_chunk_comes_first(tmp_path):
-    """NaN, and -1 for the number of steps; where too many failed, the first is named by its place."""
-    sweep = C1 | {"numerics.max_overlap": [1e-6, 1.2], "seed": [1, 2]}
-    work = done(small(sweep, batch=1, failures=0.9), tmp_path)
-    steps = combined(work, tmp_path)["steps"].fillna(-1).values[0]
-    assert (steps[0] == -1).all() and (steps[1] > 0).all()
-    strict, files = small(sweep), work.files("drag")
-    for order in (files, files[::-1]):
-        named = [shutil.copy(path, tmp_path / f"{n}.nc") for n, path in enumerate(order)]
-        with pytest.raises(
-            RunError, match=r"2 of 4 runs .* The first is c1 at 3900 kg/m3, seed 1:"
-        ):
-            combine(named, strict, strict.block("drag"), "drag", tmp_path / "drag.nc")
 
 
 # What no sweep needs is removed, and nothing else
@@ -371,9 +317,10 @@ def as_if_made(seeds, name):
     """A sweep with its plans, and files in the places of its batches, beds, runs and checkpoints."""
     work = SweepState(small(C1 | {"seed": seeds}, results=f"results/{name}", batch=1))
     work.begin("drag")
-    store, runs = work.store, work.sweep.block("drag").runs.values()
-    of_runs = [store.run_of(run.id, end) for run in runs for end in (".npz", ".checkpoint.npz")]
-    files = [*work.files("drag"), *map(store.file_of_bed, runs), *of_runs]
+    store, files = work.store, work.files("drag")
+    for run in work.replicates():
+        of_run = (store.run_of(run.id, end) for end in (".npz", ".checkpoint.npz"))
+        files += [store.file_of_bed(run), *of_run]
     for file in files:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_bytes(b"\x89HDF\r\n\x1a\n runs")
@@ -381,9 +328,8 @@ def as_if_made(seeds, name):
 
 
 @pytest.fixture
-def made(tmp_path, monkeypatch):
+def made():
     """A sweep of two batches as if they were made, and one of a sweep whose folder was deleted; their files."""
-    monkeypatch.chdir(tmp_path)
     work, files = as_if_made([1, 2], "small")
     _, gone = as_if_made([3], "gone")
     shutil.rmtree("results/gone")
@@ -427,7 +373,8 @@ def test_prune_keeps_runs_that_a_combined_file_names(made):
         file.createVariable("run_id", str, "seed")[:] = np.array(ids(work.sweep), object)
     Path("results/small/config.yaml").unlink()
     assert pruning().exit_code == 0
-    assert [path for path in files if not path.exists()] == files[2:4]
+    beds = {*map(work.store.file_of_bed, work.replicates())}
+    assert {path for path in files if not path.exists()} == beds
 
 
 def test_prune_leaves_the_plans_of_a_sweep_that_starts_meanwhile(made, monkeypatch):
@@ -444,7 +391,7 @@ def test_prune_leaves_the_plans_of_a_sweep_that_starts_meanwhile(made, monkeypat
     assert all(store.plan_of(batch.id).is_file() for batch in late.batches("drag"))
 
 
-@pytest.mark.parametrize("text", [b"", b"results: results/small\nsweep:", b"[]", b"\xff\xfe"])
+@pytest.mark.parametrize("text", [b"", b"\xff\xfe"])
 def test_prune_removes_nothing_while_a_sweep_cannot_be_read(made, text):
     """What the sweep needs is unknown then. When the sweep starts again, it is whole again."""
     work, files, _ = made
@@ -468,18 +415,18 @@ def test_prune_removes_nothing_of_a_sweep_whose_folder_is_away(made):
     refused("delete the folder results/store")
 
 
-def test_a_sweep_says_where_a_new_store_begins(tmp_path, monkeypatch):
+def test_a_sweep_says_where_a_new_store_begins(folder, monkeypatch):
     """In a folder with a store it says nothing; neither a dry run nor a command about the store makes one."""
-    monkeypatch.chdir(tmp_path)
-    for words in ([], ["--prune"]):
-        result = CliRunner().invoke(app, ["store", *words])
-        assert result.exit_code == 2 and "there is no store" in result.stderr, result.output
     Path("small.yaml").write_text(yaml.safe_dump(small(C1).dump()))
-    command = ["sweep", "small.yaml", "--dry-run"]
     monkeypatch.setattr("os.access", lambda _, mode: mode == os.R_OK)  # which only reads
-    result = CliRunner().invoke(app, command)
-    assert f"{tmp_path}/results/store: this store of runs is new" in result.stderr, result.output
-    assert not Path("results").exists()
+    new = f"{folder}/results/store: this store of runs is new"
+    for words, number, said in (
+        ("store", 2, "there is no store"),
+        ("store --prune", 2, "there is no store"),
+        ("sweep small.yaml --dry-run", 0, new),
+    ):
+        result = CliRunner().invoke(app, words.split())
+        assert result.exit_code == number and said in result.stderr, result.output
+        assert not Path("results").exists()
     Path("results/store").mkdir(parents=True)
-    result = CliRunner().invoke(app, command)
-    assert result.exit_code == 0 and "store" not in result.stderr
+    assert not SweepState.of(Path("small.yaml")).check()
