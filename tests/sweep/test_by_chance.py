@@ -5,7 +5,7 @@ from bad_input import KINDS, make_good, spoil
 from hypothesis import settings
 from store_states import Sweeps
 
-FEW = settings(max_examples=5, stateful_step_count=6)
+FEW = settings(max_examples=4, stateful_step_count=6)
 
 
 @pytest.fixture(scope="module")

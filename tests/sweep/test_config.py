@@ -24,22 +24,11 @@ FILES = [
 PAPER = CONFIG / "paper.yaml"
 
 
-@pytest.mark.parametrize(("faults", "last"), [(20, "cases.c19 is 1;"), (21, "and 1 more.")])
-def test_all_faults_are_told_at_once_but_of_many_only_twenty(faults, last):
+def test_all_faults_are_told_at_once_but_of_many_only_twenty():
     with pytest.raises(InputError) as error:
-        parse(changed_file(PAPER, {"cases": {f"c{n}": 1 for n in range(faults)}}), "my.yaml")
+        parse(changed_file(PAPER, {"cases": {f"c{n}": 1 for n in range(21)}}), "my.yaml")
     lines = str(error.value).splitlines()
-    assert len(lines) == min(faults, 21) and lines[-1].startswith(f"my.yaml: {last}")
-
-
-def test_a_missing_value_is_described():
-    """It is named, with what it is."""
-    data = read(PAPER)
-    del data["material"]["young_modulus"]
-    with pytest.raises(
-        InputError, match=r"my\.yaml: material.young_modulus is missing; it is the "
-    ):
-        parse(data, "my.yaml")
+    assert "cases.c19 is 1;" in lines[19] and lines[20:] == ["my.yaml: and 1 more."]
 
 
 def test_files_that_extend_each_other_without_end_are_refused(tmp_path):
@@ -124,9 +113,3 @@ def test_seeds_may_be_words(words, seeds):
     sweep = parse(changed_file(PAPER, {"sweep.seed": words, "batch": "20"}))
     assert sweep.block("drag").axes[-1].coordinate == seeds and sweep.batch == 20
     assert sweep.dump()["sweep"]["seed"] == words
-
-
-def test_only_runs_with_snapshots_need_bins_that_fit_them():
-    """Runs of the onset of jamming take none; what a run of the drag needs is in tests/refusals."""
-    changes = {"record.bins": 7, "record.snapshots": 4, "record.window": [1e-3, 5e-3]}
-    assert parse(changed_file(PAPER, changes | {"experiment": "onset"})).record.bins == 7

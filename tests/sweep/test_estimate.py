@@ -65,15 +65,6 @@ def test_what_is_said_of_a_sweep_under_way_is_what_the_store_holds(stopped):
 
 
 @pytest.mark.quick
-def test_a_sweep_that_has_not_begun_waits_and_writes_nothing(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    until = {"until": "10 %", "of": "force", "most": 120}
-    state = SweepState.of(drawn(sweep=varied("a", "c", seed=until)))
-    assert "waiting: 20." in text_of(status(state))
-    assert "takes 20 to 240 runs" in dry_run(state, 2) and not Path("results").exists()
-
-
-@pytest.mark.quick
 def test_damaged_files_are_left_by_who_reads_and_put_aside_by_who_makes_runs(stopped, capsys):
     """Whoever reads does not count them. Their bytes stay under another name, which is said once, and what they
     held is made again."""

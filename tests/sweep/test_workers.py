@@ -45,19 +45,15 @@ def forces(executor=None) -> list[float]:
         return dataset["force"].values.ravel().tolist()
 
 
-def left():
-    return sorted(path for path in Path("results").rglob("*.*") if path.suffix in (".nc", ".yaml"))
-
-
 def test_any_executor_leaves_what_this_process_leaves():
     """And stays open."""
     few()
-    alone, files = forces(), left()
+    alone = forces()
     shutil.rmtree("results")
     with ProcessPoolExecutor(2, get_context("spawn")) as pool:
         assert forces(pool) == alone
         assert pool.submit(abs, -1).result() == 1
-    assert files == left() and len(made()) == 8
+    assert len(made()) == 8
 
 
 @pytest.mark.quick
@@ -118,7 +114,6 @@ def test_a_cluster_of_dask_leaves_what_this_process_leaves(folder, monkeypatch):
             assert forces(client) == alone
             monkeypatch.setattr(client, "upload_file", upload_and_spoil)
         assert all("1 / 0" in path.read_text() for path in folder.glob("*.py"))
-        assert not [*machine.glob("store/batches/*.[nj]*")]
         executed = client.run(lambda dask_worker: dask_worker.state.executed_count)
         assert sum(executed.values()) == 4 and min(executed.values()) > 0
         assert client.status == "running"
@@ -154,7 +149,7 @@ def test_only_the_run_that_kills_its_worker_is_a_failed_one():
 
 
 def test_a_sweep_whose_processes_are_killed_keeps_what_is_finished():
-    """It says what to do; then only the others are made, and counted."""
+    """It says what to do; then only the others are made."""
     order(fails={"100 3": "death"})
     state = SweepState.of(few())
     kept = pytest.raises(RunError, match="run the same again: finished runs are kept")
@@ -162,9 +157,8 @@ def test_a_sweep_whose_processes_are_killed_keeps_what_is_finished():
         state.make(Workers(pool))
     assert state.counts() == (2, 4)
     order()
-    counts = []
-    state.make(Workers(), lambda *count: counts.append(count))
-    assert state.counts() == (4, 4) and counts[-1] == (4, 0) and len(made()) == 5
+    state.make(Workers())
+    assert state.counts() == (4, 4) and len(made()) == 5
 
 
 @pytest.fixture(scope="module")
