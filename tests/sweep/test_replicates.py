@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from scipy import stats
 from sweeps import drawn, interrupted, made, of_file, order, smoke, varied
 
 import dem
 from dem.base.errors import RunError
+from dem.base.statistics import mean_interval, ratio_interval
 from dem.sweep import precision
 from dem.sweep.batch import make
 from dem.sweep.state import SweepState
@@ -35,16 +35,6 @@ def result(name="drawn") -> xr.Dataset:
         return dataset.load()
 
 
-def known(above, below, value):
-    """At what level a mean, or its ratio to that of another sample, is not this value: Student's (Fieller 1954)."""
-    if below is None:
-        test = of_mean = stats.ttest_1samp(above, value)
-    else:
-        test = stats.ttest_ind(above, value * below, equal_var=False)
-        of_mean = stats.ttest_ind(above, above.mean() / below.mean() * below, equal_var=False)
-    return 2.0 * stats.t(of_mean.df).cdf(abs(test.statistic)) - 1.0
-
-
 ASKED = {
     "a number with its unit": ("25 N", "force", "95 %"),
     "a share at another level": ("12 %", "force", "80 %"),
@@ -55,7 +45,7 @@ ASKED = {
 @quick
 @pytest.mark.parametrize("asked", ASKED)
 def test_replicates_are_added_until_a_mean_is_known_as_well_as_asked_and_no_longer(asked):
-    """At the ends of what is asked for, the mean is significantly another. One round before it was not."""
+    """Its interval, as test_statistics.py has it, is as narrow as asked for, and was not after the first round."""
     words, of, confidence = stated = ASKED[asked]
     state = of_file(drawn(sweep=until(words, of=of, confidence=confidence, most=200)))
     rounds = [[*state.block("drag", k).counts.values()] for k in state.rounds("drag")]
@@ -68,15 +58,15 @@ def test_replicates_are_added_until_a_mean_is_known_as_well_as_asked_and_no_long
         assert ((old <= new) & (new <= 2 * old)).all()
     number, unit = words.split()
 
-    def levels(counts):
+    def excess(counts):
+        """The greatest half interval over what is asked for."""
         one, two = (samples[k, :n] for k, n in enumerate(counts))
-        for above, below in [(two, one)] if "/" in of else [(one, None), (two, None)]:
-            mean = above.mean() / (1.0 if below is None else below.mean())
-            # the interval of a ratio is longer above
-            yield known(above, below, mean + float(number) * (0.01 * mean if unit == "%" else 1.0))
+        means = mean_interval(one, level), mean_interval(two, level)
+        for mean in [ratio_interval(two, one, level)] if "/" in of else means:
+            yield mean.half / float(number) / (0.01 * mean.value if unit == "%" else 1.0)
 
     level = float(confidence.split()[0]) / 100.0
-    assert min(levels(rounds[-1])) >= level and min(levels(rounds[0])) < level + 0.04
+    assert max(excess(rounds[-1])) <= 1.0 and max(excess(rounds[0])) > 0.95
     if "/" in of:
         assert min(rounds[-1]) > 4  # both parts of a ratio get replicates
     # seeds without gaps, and nothing where a point has no replicate
@@ -129,16 +119,6 @@ def test_blocks_that_share_runs_are_made():
             make(state.store, batch.id)
     assert state.block("one").counts[0,] > 4 and state.near_zero("one", "one") == ""
     assert of_file(file).counts()[0] == len(state.runs()) == len(made())
-
-
-def test_the_worst_point_at_the_cap_is_said(capsys):
-    of_file(drawn(sweep=until("1 N", most=5)))
-    (sentence,) = capsys.readouterr().err.splitlines()
-    force = result()["force"].sel(case="a").values
-    half = stats.t.ppf(0.975, 4) * stats.sem(force)
-    assert "2 of 2 points are not as well known as asked for" in sentence
-    assert f"case a, is {force.mean():.3g} ± {half:.3g} after 5 replicates" in sentence
-    assert result()["replicates"].values.tolist() == [5, 5]
 
 
 @quick

@@ -26,6 +26,7 @@ from dem.base.errors import InputError
 from dem.cli.app import app
 from dem.experiment.bed import make_bed
 from dem.sweep.batch import make
+from dem.sweep.combine import combine_block
 from dem.sweep.state import SweepState
 
 
@@ -138,9 +139,8 @@ def test_memory_of_combining_does_not_grow_with_the_runs():
     for count in (5, 25):
         sweep = varied("a", seed=f"1 to {count}")
         state = of_file(drawn(observed=True, sweep=sweep, batch=10, record=record))
-        Path("results/drawn/drag.nc").unlink()
         tracemalloc.start()
-        of_file(Path("sweep.yaml"))
+        combine_block(state, "drag", "drag", Path("again.nc"))
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     batch = contents(state.files("drag")[-1])

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from project import ROOT, posix
-from sweeps import contents, drawn, made, of_file, order, varied
+from sweeps import contents, differing, drawn, made, of_file, order, varied
 from workflows import snakemake
 
 import dem
@@ -68,9 +68,7 @@ def test_a_worker_that_does_not_see_the_store_sends_the_file_of_a_batch(monkeypa
         make_batch(tasks[0])
     assert make_batch(tasks[0]) is None and state.store.file_of(batches[0].id).is_file()
     content = make_batch((*tasks[1][:2], 0))  # the number that the plan has on another disk
-    assert not state.store.file_of(batches[1].id).exists() and not list(
-        Path("machine").rglob("*.nc")
-    )
+    assert not [*Path("machine").rglob("*.nc"), *Path().rglob(f"{batches[1].id}.nc")]
     state.store.add(batches[1].id, content)
     of_file(Path("sweep.yaml"))
     assert len(made()) == 4 and np.isfinite(contents(Path("results/drawn/drawn.nc"))["force"]).all()
@@ -143,9 +141,7 @@ def test_only_the_run_that_kills_its_worker_is_a_failed_one():
     for run in state.block("drag").unique():
         row, dies = rows[run.id], run.seed == 3
         assert bool(row["failure"]) == np.isnan(row["force"]) == dies
-        assert (
-            str(row["failure_reason"]).strip() == dies * "MemoryError: each worker that ran it died"
-        )
+        assert ("each worker that ran it died" in str(row["failure_reason"])) == dies
 
 
 def test_a_sweep_whose_processes_are_killed_keeps_what_is_finished():
@@ -224,8 +220,7 @@ def test_snakemake_makes_the_same_replicates_and_adds_those_of_a_finer_precision
         assert process.returncode == 0, process.stderr
         counts.append(contents(file)["replicates"].sum())
     assert "Nothing to be done" in process.stdout + process.stderr and counts[1] > 1.5 * counts[0]
-    for name, values in contents(file).items():
-        np.testing.assert_array_equal(values, whole[name], name)
+    assert differing(contents(file), whole) == []
 
 
 @posix
