@@ -23,11 +23,3 @@ class TestSweeps(Sweeps.TestCase):
     """Two sweeps that share a store, planned, made, stopped, extended, pruned and damaged in any order."""
 
     settings = FEW
-
-
-@pytest.mark.quick
-def test_runs_are_kept_until_their_batch_is_there():
-    """What the disk has no room for is not made again."""
-    sweeps = Sweeps()
-    sweeps.make("disk full", 7, ("a",), again=False)
-    sweeps.teardown()

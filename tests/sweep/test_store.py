@@ -115,6 +115,22 @@ def test_what_cannot_be_read_now_is_left_alone(monkeypatch, kind):
 
 
 @pytest.mark.quick
+def test_runs_are_kept_until_their_batch_is_there():
+    """What the disk has no room for is not made again."""
+    file, replace = drawn(), Path.replace
+
+    def put(part, target):
+        if target.suffix == ".nc":
+            raise OSError("the disk is full")
+        return replace(part, target)
+
+    with mock.patch.object(Path, "replace", put), pytest.raises(OSError, match="the disk is full"):
+        of_file(file)
+    of_file(file)
+    assert len(made()) == 4
+
+
+@pytest.mark.quick
 @pytest.mark.parametrize("content", ["", "[]", "other code"])
 def test_a_plan_that_is_damaged_or_of_other_code_is_refused(content):
     """In one sentence, before any run: its runs would be called what they are not. It is planned again when the
