@@ -79,17 +79,21 @@ def paths():
 def test_a_path_that_cannot_be_is_called_what_it_is_called_where_it_was_given(
     tmp_path, name, kind, words
 ):
-    """Here a folder: what is to be written by the name of its option, what is to be read by its own name."""
+    """A folder, or a file of another kind: what is to be written by the name of its option, what is to be read by
+    its own name. Nothing is written or replaced."""
     if words[0] == "figure" and name == "output":
         pytest.skip("it is a folder")
-    folder = tmp_path / "folder"
-    folder.mkdir()
-    places = {"FOLDER": str(folder), "OUT": str(tmp_path / "out")}
-    result = called(*(re.sub("FOLDER|OUT", lambda m: places[m[0]], word) for word in words))
-    written = kind == "option" and name != "config"
-    assert result.exit_code == 2, result.output
-    assert result.stderr.startswith(f"{name} is '{folder}'; " if written else f"{folder}: ")
-    assert list(tmp_path.iterdir()) == [folder] and not list(folder.iterdir())
+    written, note = kind == "option" and name != "config", tmp_path / "note.md"
+    note.write_text("a note")
+    bad = [tmp_path / f"folder{end}" for end in ("", ".nc", ".html", ".png", ".txt")]
+    for folder in bad:
+        folder.mkdir()
+    for path in [*bad, *[note] * (name != "checkpoint")] if written else bad[:1]:
+        out = str(tmp_path / "out")
+        result = called(*(w.replace("FOLDER", str(path)).replace("OUT", out) for w in words))
+        assert result.exit_code == 2, result.output
+        assert result.stderr.startswith(f"{name} is '{path}'; " if written else f"{path}: ")
+        assert {*tmp_path.rglob("*")} == {note, *bad} and note.read_text() == "a note"
 
 
 ASKED = {  # of each kind of value: a number, a whole one, a truth value, a word, of a shape, of a section that is absent
