@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from scipy import stats
 
-from dem.analysis.drag import change, summarise
+from dem.analysis.drag import change
 from dem.base.statistics import half_interval, mean_interval, ratio_interval
 
 pytestmark = pytest.mark.quick
@@ -39,27 +39,6 @@ def test_the_interval_of_a_ratio_ends_where_the_difference_is_significant(level)
         assert off / error == pytest.approx(stats.t.ppf(0.5 + 0.5 * level, freedom), rel=1e-9)
     unknown = ratio_interval(sample, [1.0, -1.1, 0.4], level)
     assert unknown[1:] == (-np.inf, np.inf)
-
-
-def test_a_run_is_what_it_is_within_the_window():
-    """Both ends belong to it; a run is there as a whole or not at all."""
-    drag = np.random.default_rng(2).normal(100.0, 10.0, (1, 4, 6))
-    drag[0, 3, 2] = np.inf
-    window = {"window_start": 1e-3, "window_stop": 4e-3}
-    runs = xr.DataArray(
-        drag, {"displacement": 1e-3 * np.arange(6)}, ["case", "seed", "displacement"]
-    )
-    summary = summarise(xr.Dataset({"drag": runs}, attrs=window)).isel(case=0)
-    inside = drag[0, :3, 1:5]
-    means = inside.mean(1)
-    np.testing.assert_allclose(summary["run_mean"], [*means, np.nan])
-    for name, expected in {
-        "mean": means.mean(),
-        "sd_over_run": np.sqrt(inside.var(1).mean()),
-        "sd_between_runs": means.std(ddof=1),
-        "half_interval": mean_interval(means).half,
-    }.items():
-        assert float(summary[name]) == pytest.approx(expected), name
 
 
 def test_a_change_between_cases_is_that_of_the_pairs():
