@@ -142,6 +142,7 @@ NAMED = {
 }
 DRAW = "draw", "runs.nc", "seed=1", "--forces", "-o", "run.png"
 READERS = (
+    ("store",),
     ("info", "runs.nc"),
     ("info", "drag.nc"),
     ("means", "drag.nc"),
