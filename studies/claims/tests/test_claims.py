@@ -1,12 +1,11 @@
-"""Claims: verdicts that deserve their names, a row a run, what decides, and what remains at equal distance from
-jamming."""
+"""Claims: verdicts that deserve their names, a row a run, and what decides. The page of the study states what
+remains at equal distance from jamming."""
 
 import shlex
 import sys
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
@@ -17,12 +16,11 @@ from typer.testing import CliRunner
 from dem.base.errors import InputError
 from dem.sweep.state import SweepState
 from studies.__main__ import app
-from studies.claims import results
 from studies.claims.compare import CONTRADICTED, SUPPORTED, UNDECIDED, Comparison
-from studies.claims.evidence import NOTHING, Evidence, from_study
+from studies.claims.evidence import NOTHING, Evidence
 from studies.claims.influence import influences
 from studies.claims.irregularity import compared
-from studies.claims.remains import jamming_in, remaining
+from studies.claims.remains import jamming_in
 from studies.claims.sentences import CLAIMS
 from studies.claims.verdicts import judge, share, together
 
@@ -70,12 +68,8 @@ def test_wrong_verdicts_are_as_rare_as_the_level_says():
         "dumbbells_above_discs dumbbells_below_discs dumbbells_above_small_discs codes_agree "
         "slight_ellipses_drop longer_ellipses_drop momentum_is_insignificant"
     )
-    wrong = 0
-    for seed in range(60):
-        judged = verdicts(drawn(AT_BOUNDS, runs=10, seed=seed))
-        found = {judged[name] for name in names}
-        assert found <= {SUPPORTED, CONTRADICTED, UNDECIDED}
-        wrong += found != {UNDECIDED}
+    beds = [verdicts(drawn(AT_BOUNDS, runs=10, seed=seed)) for seed in range(60)]
+    wrong = sum({judged[name] for name in names} != {UNDECIDED} for judged in beds)
     assert wrong <= 8  # where intervals do not hold together, about 14
 
 
@@ -106,20 +100,21 @@ def test_share_of_space_counts_the_points():
 
 
 @pytest.mark.parametrize(
-    ("e0", "c1", "verdict"),
+    ("mean", "scatter", "verdict"),
     [
-        ((1405.0, 0.17), (1295.0, 0.18), SUPPORTED),
-        ((1405.0, 0.17), (1295.0, 0.09), CONTRADICTED),
-        ((1405.0, 0.34), (1295.0, 0.18), CONTRADICTED),
-        ((2810.0, 0.17), (1295.0, 0.18), CONTRADICTED),
+        (1405.0, 0.17, SUPPORTED),
+        (1405.0, 0.085, CONTRADICTED),
+        (1405.0, 0.34, CONTRADICTED),
+        (2810.0, 0.17, CONTRADICTED),
     ],
 )
-def test_the_reported_means_and_scatter_are_those_of_five_runs(e0, c1, verdict):
+def test_the_reported_means_and_scatter_are_those_of_five_runs(mean, scatter, verdict):
     """Of which the mean curve has this mean and scatter. Half the scatter, twice the scatter or twice the mean
     contradict the report."""
     rng, runs = np.random.default_rng(1), drawn({"e0": 1405.0, "c1": 1295.0}, runs=60)
     curve = [
-        mean * rng.normal(1.0, scatter * np.sqrt(5.0), (60, 400)) for mean, scatter in (e0, c1)
+        level * rng.normal(1.0, share * np.sqrt(5.0), (60, 400))
+        for level, share in ((mean, scatter), (1295.0, 0.18))
     ]
     runs = runs.assign(curve=(("case", "seed", "place"), curve))
     runs = runs.assign_coords(place=np.linspace(1e-3, 5e-3, 400))
@@ -154,7 +149,7 @@ def test_every_run_of_the_study_is_a_row(smallest):
     runs = [run for name in blocks for run in state.block(name).runs.values()]
     rows = dataset.drop_dims(["jam", "place", "moment", "factor"]).to_dataframe()
     names = ["run_part", "run_case", "run_setting", "run_x", "run_point", "run_seed"]
-    assert len(runs) == len(rows.drop_duplicates(names)) == 63
+    assert len(runs) == len(rows.drop_duplicates(names))
     packing = [run.configuration.packing.fraction for run in runs]
     assert rows.run_packing.tolist() == packing
     assert rows.run_seed.tolist() == [run.seed for run in runs]
@@ -165,20 +160,7 @@ def test_every_run_of_the_study_is_a_row(smallest):
     factors = dataset["run_factor"].assign_coords(factor=dataset["factor"].astype(str))
     assert factors[~designed].isnull().all()
     assert (factors.sel(factor="packing.fraction") == packing)[designed].all()
-    choices = factors.sel(factor="packing.friction")[designed].values
-    assert sorted(choices) == [0.0] * 10 + [1.0] * 10
-
-
-def test_a_run_that_failed_is_a_row_with_its_error():
-    block = SweepState.of(SMOKE).block("replicates")
-    point, run = next(iter(block.runs.items()))
-    module, sizes = run.configuration.module, run.configuration.module.sizes(run)
-    gaps = {
-        name: np.full([sizes[dim] for dim in dims], np.nan)
-        for name, (dims, *_) in module.layout.items()
-    }
-    row = results.row_of_run(block, point, run, gaps | {"failure": 3, "spent": 1.0}, {})
-    assert row["status"] == "StateError" and np.isnan(row["drag"]) and np.isnan(row["curve"]).all()
+    assert {*factors.sel(factor="packing.friction")[designed].values} == {0.0, 1.0}
 
 
 def test_derived_fractions_are_those_of_the_beds_in_the_file(smallest):
@@ -217,7 +199,6 @@ def test_influences_find_what_a_response_depends_on():
     assert [influence.factor for influence in ranked] == ["one", "two", "three"]
     for influence, slope in zip(ranked, (2.0, 1.0, 0.0), strict=True):
         assert influence.low < 1.02 * np.exp(slope) and influence.high > 0.98 * np.exp(slope)
-        assert influence.decides == (slope > 0.0)
     assert_allclose([influence.share for influence in ranked], [0.8, 0.2, 0.0], atol=0.08)
 
 
@@ -225,58 +206,6 @@ def test_the_package_that_ranks_influences_is_named_where_it_is_missing(monkeypa
     monkeypatch.setitem(sys.modules, "SALib.analyze", None)
     with pytest.raises(InputError, match="SALib: pip install SALib"):
         influences(None, None)
-
-
-# What remains at equal distance from jamming
-
-
-def study(drag_at_distance=1600.0):
-    """A study, its runs in no order, whose first case drags 1000 N, in which e1 drags half as much at equal fraction
-    and so much at equal distance, and d1 twice as much throughout."""
-    rng = np.random.default_rng(0)
-    parts = pd.DataFrame(
-        [
-            ("replicates", "c1", "", 0.84, 1000.0),
-            ("replicates", "e1", "", 0.84, 500.0),
-            ("replicates", "d1", "", 0.84, 2000.0),
-            ("matched", "e1", "equal distance", 0.876, drag_at_distance),
-            ("matched", "d1", "equal distance", 0.8406, 2000.0),
-        ],
-        columns=["part", "case", "setting", "packing", "drag"],
-    )
-    runs = parts.merge(pd.DataFrame({"seed": range(40)}), how="cross").sample(
-        frac=1.0, random_state=0
-    )
-    runs["drag"] *= rng.normal(1.0, 0.05, len(runs))
-    runs = runs.assign(shape=runs["case"], density=3.9e3, x=np.nan, point=-1).add_prefix("run_")
-    beds = pd.DataFrame({"shape": ["c1", "e1", "d1"], "fraction": [0.814, 0.850, 0.8146]})
-    beds = beds.loc[np.repeat(range(3), 10)].assign(friction=0.0, slope=1.0, diameter=1e-3)
-    beds["fraction"] += rng.normal(0.0, 1e-3, 30)
-    columns = {name: ("run", values) for name, values in runs.items()}
-    columns |= {name: ("jam", values) for name, values in beds.add_prefix("jam_").items()}
-    columns |= {"reference_shape": "c1", "reference_density": 3.9e3, "reference_packing": 0.84}
-    columns["run_alignment"] = ("run", "moment"), np.full((len(runs), 2), 0.3)
-    return xr.Dataset(columns, {"moment": [2e-3, 4e-3]}, WINDOW)
-
-
-@pytest.mark.parametrize("drag", [500.0, 1000.0, 2000.0])
-def test_what_remains_of_an_effect(drag):
-    """All, nothing or the opposite of it, and dumbbells keep theirs."""
-    ratios = {(r.shape, r.state): r.ratio for r in remaining(study(drag))}
-    for place, truth in {
-        ("e1", "equal distance"): drag / 1000.0,
-        ("d1", "equal distance"): 2.0,
-        ("e1", "equal fraction"): 0.5,
-    }.items():
-        _, low, high = ratios[place]
-        assert low < truth < high < 1.5 * low
-
-
-def test_evidence_has_each_run_at_its_case_and_seed():
-    rows = study()
-    rows = rows.isel(run=rows["run_part"] == "replicates")
-    found = from_study(rows).runs["drag"].sel(case=rows["run_case"], seed=rows["run_seed"])
-    assert_allclose(found, rows["run_drag"])
 
 
 @pytest.mark.parametrize("fault", FOREIGN)

@@ -37,17 +37,6 @@ def test_the_line_finds_the_box_without_end(power):
     assert near == pytest.approx(1.0 + 0.05 * power)
 
 
-def test_boxes_that_differ_in_any_other_value_are_not_of_the_line():
-    """Whatever it is, named or a label."""
-    for name, values in {
-        "friction_granule": ("box", [0.3, 0.3, 0.3, 0.1]),
-        "packing_fraction": ("box", [np.nan, np.nan, np.nan, 0.84]),
-        "diameter": (("shape", "box"), [[1e-3] * 4, [1e-3, 1e-3, 1e-3, 2e-3]]),
-    }.items():
-        runs = boxes().drop_vars("cylinder_start").assign_coords({name: values})
-        assert Widths(runs).along.tolist() == [True, True, True, False]
-
-
 def test_a_drag_that_only_walls_make_has_no_limit():
     """A bed that is not jammed makes room at infinite width."""
     widths = Widths(boxes(slope=(0.8, 1e9), noise=0.1))
