@@ -54,18 +54,17 @@ EDITS = {
     "one figure": ("dem/figures/figure13.py", LINE, {"figure"}, {"figure": 1}),
     "sentences of the claims": ("studies/claims/sentences.py", LINE, {"table", "figure"}, {}),
     "a kernel": ("dem/contacts/loops.py", LINE, {"batch"} | RESULTS, {}),
-    "a title": (SMOKE, ("title: Smoke", "title: Some"), RESULTS, {}),
     "one more seed": (
         SMOKE,
         ("seed: [1, 2]", "seed: [1, 2, 3]"),
-        {"combine", "figure", "batch"},
+        RESULTS - {"results", "table"} | {"batch"},
         {"batch": 3},  # of new runs
     ),
     "window": (SMOKE, ("window: [0.4e-3,", "window: [0.5e-3,"), RESULTS, {}),
     "another study's sweep": (
         "studies/accuracy/smoke.yaml",
         ("seed: 1001 to 1003", "seed: 1001 to 1004"),
-        {"batch", "results", "table", "figure"},
+        RESULTS - {"combine"} | {"batch"},
         {},
     ),
 }

