@@ -70,16 +70,12 @@ def edited(folder, changes):
             new = text.replace(*change) if isinstance(change, tuple) else text + change
             assert new != text, f"{name} has no {change[0]}"
             path.write_text(new)
-            stack.callback(restore, path, text, stamp)
+            if stamp is None:
+                stack.callback(path.unlink)
+            else:  # in the order of time: the first callback is the last one called
+                stack.callback(os.utime, path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
+                stack.callback(path.write_text, text)
         yield
-
-
-def restore(path, text, stamp):
-    path.write_text(text)
-    if stamp is None:
-        path.unlink()
-    else:
-        os.utime(path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
 
 
 def planned(folder, *arguments, configfile=SMOKE):
@@ -90,16 +86,15 @@ def planned(folder, *arguments, configfile=SMOKE):
     return {} if table is None else {k: int(n) for k, n in re.findall(r"(\w+) +(\d+)", table[1])}
 
 
-def run(*words, cwd, path=(), status=0):
+def run(*words, cwd, path=()):
     """A command of Python; what it says."""
-    folders = os.pathsep.join(map(str, (*path, ROOT)))
     process = subprocess.run(
         [sys.executable, *map(str, words)],
         cwd=cwd,
-        env=os.environ | {"PYTHONPATH": folders},
+        env=environment(os.pathsep.join(map(str, (*path, ROOT)))),
         text=True,
         capture_output=True,
         timeout=600,
     )
-    assert process.returncode == status, process.stderr + process.stdout
+    assert process.returncode == 0, process.stderr + process.stdout
     return process.stdout + process.stderr

@@ -15,9 +15,10 @@ import pytest
 from pictures import text_of
 from project import CONFIG, FILES, LAW, PRODUCT, PRODUCTS, SHAPE, posix
 from sweeps import contents
+from workflows import environment
 
 import dem
-from dem.base.source_hash import ROOT, cache_folder
+from dem.base.source_hash import ROOT
 from dem.experiment.config import of_values
 from dem.report.info import summary
 from dem.report.status import status
@@ -331,16 +332,13 @@ def test_a_plan_finds_shapes_that_were_moved_since(tmp_path):
 
 
 @posix
-@pytest.mark.parametrize("compiles", [False, True])
-def test_workers_end_with_the_process_that_started_them(tmp_path, compiles):
-    """However it ends: they would keep memory, and a pipe that somebody reads."""
+def test_workers_end_with_the_process_that_started_them(tmp_path):
+    """However it ends, also while they compile: they would keep memory, and a pipe that somebody reads."""
     write(tmp_path, sweep=OF_DISCS.replace("seed: 1", "seed: 1 to 400"))
-    cache = tmp_path / "cache" if compiles else cache_folder()
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(cache), "PYTHONPATH": str(ROOT)}
     with subprocess.Popen(
         [sys.executable, "-m", "dem", "sweep", "sweep.yaml", "-j2"],
         cwd=tmp_path,
-        env=environment,
+        env=environment(ROOT) | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")},
         start_new_session=True,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

@@ -9,7 +9,7 @@ from typing import get_args
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from refusals.library import PLACES, scene, simulate
+from refusals.library import PLACES, scene
 
 import dem
 from dem.base.types import parsed
@@ -60,7 +60,6 @@ def test_a_value_that_cannot_be_used_is_refused_in_a_sentence():
 
 KINDS = {
     "lists": lambda a: a.tolist(),
-    "tuples": lambda a: tuple(map(tuple, a)) if a.ndim > 1 else tuple(a),
     "float32": lambda a: a.astype("f4"),
     "integers": lambda a: a.astype("i4"),
     "big-endian": lambda a: a.astype(">f8"),
@@ -124,10 +123,8 @@ def test_nothing_follows_the_arrays_of_its_user(make, arrays):
 @quick
 def test_a_run_whose_steps_shrink_ends_within_seconds():
     """Granules that fall ever faster take ever shorter steps; the wall is met by none."""
-    beside = {"walls": [[1.0, 0.0, 1.0]], "solids": None, "gravity": (0.0, -1e20)}
-    with pytest.raises(dem.StateError, match="what remains would take too many"):
-        simulate(scene=scene(**beside), duration=1e-3, frames=1000)
-    run = dem.Simulation(scene(**beside), dem.State(PLACES))
+    beside = scene(walls=[[1.0, 0.0, 1.0]], solids=None, gravity=(0.0, -1e20))
+    run = dem.Simulation(beside, dem.State(PLACES))
     run.check_duration(1e-3)
     with pytest.raises(dem.StateError, match="what remains would take too many"):
         run.record(1e-9, 1000)

@@ -113,11 +113,11 @@ def test_a_sound_file_is_not_blamed_for_a_figure_that_fails(tmp_path):
     assert "damaged" not in output and not list((tmp_path / "out").glob("*"))
 
 
-@pytest.mark.parametrize("dims", [(), ("seed",), ("displacement", "seed", "case")])
+@pytest.mark.parametrize("dims", [(), ("displacement", "seed", "case")])
 def test_a_drag_over_other_dimensions_is_refused(tmp_path, dims):
     def change(data):
-        left_out = {dim: 0 for dim in data["drag"].dims if dim not in dims}
-        return data.assign(drag=data["drag"].isel(left_out, drop=True).transpose(*dims))
+        drag = data["drag"] if dims else data["drag"][0, 0, 0].reset_coords(drop=True)
+        return data.assign(drag=drag.transpose(*dims))
 
     path = foreign(tmp_path / "mine.nc", change)
     for verb in ("info", "figure"):

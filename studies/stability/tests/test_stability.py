@@ -60,7 +60,6 @@ def test_momenta_of_a_known_motion():
         ({"change": {"fraction": 1.6}, "expect": "InputError"}, [1]),
         ({"expect": "OverlapError"}, [0]),
         ({"experiment": "restart", "limits": {"difference": 0}}, [1]),
-        ({"experiment": "follow", "change": {"density": 10}, "limits": {"scaling": 0.1}}, [1]),
     ],
 )
 def test_verdicts_follow_limits(sweep, case, passed):
