@@ -53,6 +53,7 @@ ONE_THREAD, TWO_THREADS = map(LARGE.format, (1, 2))
 RUN = "tests/dynamics/test_twin.py::test_a_run_of_a_configuration_is_that_of_the_model"
 ROWS = (
     # the force law, and what a contact does with it
+    ("contacts/force_law.py", "elastic + damping", "elastic - damping", BOX),
     ("contacts/force_law.py", "max(force, -limit), limit)", "max(force, 0.0), limit)", BOX),
     ("contacts/force_law.py", "+ kept * last)", "+ last)", BOX),
     ("contacts/force_law.py", "max(last, TINY), 1.0)", "max(last, TINY), 2.0)", BOX),
@@ -62,6 +63,7 @@ ROWS = (
     ("contacts/response.py", "either(times(given(radius, math.sqrt(constant)), known), known)", "known", TURNED),
     ("dynamics/assembly.py", "meeting(one.appended(*more).take(number), scene.shape)", "one.appended(*more).take(number)", TURNED),
     ("contacts/force_law.py", "capped(mindlin(history[p], measured, last, stiffness, distance), limit)", "mindlin(history[p], measured, last, stiffness, distance)", BOX),
+    ("contacts/loops.py", "gx, gy, -torque, 0.0)", "gx, gy, torque, 0.0)", BOX),
     ("contacts/blocks.py", "+= two[j + FIVE]", "+= two[j + SIX]", SMOOTH),
     ("contacts/blocks.py", "+= contacts.shift_x[p]", "-= contacts.shift_x[p]", ONE_THREAD),
     ("contacts/loops.py", "loads[b, 0] += normal", "loads[b, 0] = normal", BOX),
@@ -72,11 +74,14 @@ ROWS = (
     ("dynamics/forces.py", "contact_forces[b, 1] = on[b, FX], on[b, FY]", "contact_forces[b, 1] = on[b, FX], on[b, FX]", SMOOTH),
     ("dynamics/forces.py", "force[source + c] = 0.0", "force[source + c] *= 1.0", ONE_THREAD),
     ("dynamics/integration.py", "((pending_kick + half, ahead), (half, 0.0))", "((half, ahead), (half, 0.0))", BOX),
+    ("dynamics/integration.py", "dv = half * extrapolated", "dv = dt * extrapolated", BOX),
     ("dynamics/integration.py", "ahead = 2.0 * now - previous_acceleration[i, c]", "ahead = now", BOX),
     ("contacts/blocks.py", "values[lane.MEAN_ROOT + k] = mean\n", "pass\n", BOX),
+    ("dynamics/integration.py", "rotate(orientation, i, angle[i], dt * spin)", "rotate(orientation, i, angle[i], -dt * spin)", ELLIPSES),
     ("dynamics/integration.py", "        barrier(thread)\n        if leads(thread):\n            boundary_forces", "        if leads(thread):\n            boundary_forces", TWO_THREADS),
     ("dynamics/boundary_motion.py", "impulses[b, c] += kick * contact_forces", "impulses[b, c] += dt * contact_forces", BOX),
     ("dynamics/boundary_motion.py", "after, 0.5 * (time + stop), c)", "after, stop, c)", SMOOTH),
+    ("dynamics/boundary_motion.py", "end, c) - motion[b, VX + c]", "end, c) + motion[b, VX + c]", SMOOTH),
     ("dynamics/boundary_motion.py", "account[WORK] -= 0.5 * kick", "account[WORK] -= kick", "tests/test_motion.py::test_the_work_of_a_drive_is_what_it_and_the_bed_gain"),
     ("dynamics/boundary_motion.py", "boundaries.angle[b], dt * motion[b, W])", "boundaries.angle[b], -dt * motion[b, W])", SOLIDS),
     ("dynamics/neighbor_list.py", "mass * both if both + turns > 0.0 else 1.0", "1.0", SMOOTH),
@@ -97,16 +102,21 @@ ROWS = (
     # shapes
     ("shapes/dumbbell.py", "- oy * (constituent_force", "+ oy * (constituent_force", "tests/dynamics/test_twin.py::test_a_run_is_that_of_the_model[dumbbells]"),
     ("shapes/ellipse.py", "else rho1 * rho2 / (rho1 + rho2)", "else 0.5 * rho1 * rho2 / (rho1 + rho2)", TURNED),
+    ("shapes/common_normal.py", "t2 = -(q2 +", "t2 = (q2 +", ELLIPSES),
     ("shapes/common_normal.py", "if gap > best:", "if gap < best:", "tests/shapes/test_geometry.py"),
     ("shapes/geometric_potential.py", "if g1 >= 0.0:", "if g1 >= -0.1:", "tests/dynamics/test_twin.py::test_a_run_is_that_of_the_model[ellipses by the chord]"),
     ("shapes/smooth.py", "return 0.25 * _integral", "return 0.5 * _integral", SUPER),
+    ("shapes/superellipse.py", "root + (1.0 - q) * root", "root - (1.0 - q) * root", SUPER),
     ("shapes/polygon.py", "place = -(x * ny - y * nx)", "place = (x * ny - y * nx)", SOLIDS),
+    ("shapes/polygon.py", "ry * nx - rx * ny", "rx * ny - ry * nx", TURNED),
     # beds
     ("packing/minimise.py", "        forces(world, 0.0, math.inf)\n    return", "    return"),
     ("packing/random.py", "(r + radius[near]) ** 2", "radius[near] ** 2"),
     ("packing/swelling.py", "KEPT * end.velocity", "end.velocity"),
     # runs
+    ("experiment/box.py", "(granules / fraction + area)", "(granules / fraction - area)", RUN),
     ("experiment/kinds/drag.py", "min(every - done % every, BINS_A_CALL)", "BINS_A_CALL", RUN),
+    ("experiment/observables/drag.py", '"drag": -(total @ along)', '"drag": (total @ along)', RUN),
     ("experiment/kinds/jamming.py", "load[start:] ** (1.0 / power)", "load[start:] ** (3.0 / 2.0)", "tests/experiment/test_onset.py::test_a_bed_jams_where_the_line_of_its_loads_begins"),
     ("experiment/kinds/onset.py", "HOLDING = 3", "HOLDING = 2", "tests/experiment/test_onset.py"),
     ("experiment/identity.py", '"packing.fraction", "packing.friction"', '"packing.fraction"'),
