@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from forms import clumps
 
 import dem
 
@@ -69,21 +70,8 @@ def granules(make, columns=5, rows=4):
     return make(sizes), state
 
 
-RESISTING = dem.Rolling(0.2, 0.3, 0.1, damping=0.2)
-LAWS = {
-    "linear discs": {"law": dem.Linear()},
-    "discs in plane strain": {"law": dem.Line(), "rolling": RESISTING},
-}
-
-
 # with the kernels that test_laws.py and test_motion.py share; without rolling, and without a ledger: at night
 LEDGERS = "discs in plane strain", "discs"
-
-FORMS = [
-    [(0, 0, 1)],
-    [(0, 0, 0.7), (0.9, 0.3, 0.4)],
-    [(-0.7, 0, 0.6), (0.5, 0, 0.5), (0, 0.6, 0.4)],
-]  # x, y, radius of the discs of clumps
 
 
 def ellipses(**options):
@@ -92,7 +80,7 @@ def ellipses(**options):
 
 MADE = {
     "dumbbells": lambda r: dem.Dumbbell(0.55 * r),
-    "clumps": lambda r: dem.Clump([size * np.array(FORMS[k % 3]) for k, size in enumerate(r)]),
+    "clumps": lambda r: clumps(0.8 * r),
     "ellipses": ellipses(),
     "ellipses by the chord": ellipses(contact="geometric_potential"),
     "ellipses of local radius around solids": ellipses(
@@ -113,10 +101,6 @@ def scene_of(name):
     hard = {"friction": 0.9, "material": steel}
     group = [9, 13, 14]
     changes = {
-        "discs that resist rolling": {
-            "solids": replace(cylinder, spin=TURN),
-            "rolling": RESISTING,
-        },
         "discs": mixture | {
             "material": [damped, elastic],
             "walls": moving((0.0, 0.0), (-1.0, 2.0), path(*TO_AND_FRO), LID, friction=0.1, material=elastic),
@@ -131,10 +115,9 @@ def scene_of(name):
         },
         "smooth discs": {
             "friction": None,
-            "walls": moving((0.0, 0.0), (0.0, 0.0), path(*TO_AND_FRO), LID),
-            "solids": dem.Cylinder(1e-3, axis, FREE),
+            "walls": moving((0.0, 0.0), (0.0, 0.0), path(*TO_AND_FRO), (0.0, -1.0)),
+            "solids": dem.Cylinder(1e-3, axis, path(*TO_AND_FRO)),
             "gravity": (3e3, -1e4),
-            "held": [dem.Held([3, 4], path(*TO_AND_FRO)), dem.Held(group, GUIDED)],
         },
         "discs around solids": {
             "friction": None,
@@ -165,9 +148,12 @@ def scene_of(name):
             "held": [dem.Held(group, GUIDED)],
         },
         "ellipses by the chord": {"friction": None},
-    } | {
-        law: mixture | {"material": [damped, steel], "boundary": elastic} | values
-        for law, values in LAWS.items()
+        "discs in plane strain": mixture | {
+            "law": dem.Line(),
+            "rolling": dem.Rolling(0.2, 0.3, 0.1, damping=0.2),
+            "material": [damped, steel],
+            "boundary": elastic,
+        },
     }  # fmt: skip
     shape, state = granules(MADE.get(name, dem.Disc))
     if name == "smooth discs":
@@ -182,7 +168,6 @@ SHAPES = "box of discs", "dumbbells", "clumps", "ellipses", "superellipses"
 
 SCENES = (
     "box of discs",
-    "discs that resist rolling",
     "discs",
     "smooth discs",
     "discs around solids",
@@ -192,20 +177,11 @@ SCENES = (
     "ellipses by the chord",
     "ellipses of local radius around solids",
     "superellipses",
-    *LAWS,
+    "discs in plane strain",
 )  # fmt: skip; smooth discs around solids at night
 
 
 ANCHOR = dem.Drive((0.0, 0.0), mass=1e6)
-
-
-def smoothly(speed, time, axis=0, spin=0.0):
-    """A path that gains its speed (m/s) and its spin (rad/s) over a time (s), without a jerk."""
-    at = np.linspace(0.0, time, 101)
-    share = np.sin(0.5 * np.pi * at / time) ** 2
-    velocity = np.zeros((101, 2))
-    velocity[:, axis] = speed * share
-    return dem.PrescribedMotion(at, velocity, spin * share if spin else None)
 
 
 def lids(rows):

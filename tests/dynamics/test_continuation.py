@@ -12,7 +12,7 @@ from functools import cache, partial
 
 import numpy as np
 import pytest
-from mechanics import assert_bits_are_the_same, assert_threads_change_no_bit, crowd, seen, swarm
+from mechanics import assert_bits_are_the_same, assert_threads_change_no_bit, crowd, seen
 from project import posix
 from scenes import LEDGERS, SCENES, scene_of
 
@@ -93,7 +93,6 @@ def forked(make):
 
 
 WAYS = {
-    "in two calls": lambda make: finished(begun(make)),
     "recorded": recorded,
     "in frames": framed,
     "as a result that is continued": continued,
@@ -134,7 +133,7 @@ def test_a_run_goes_on_with_the_same_bits(bed, way):
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("bed", [crowd(), swarm(side=33)], ids=["crowd", "few more than a patch"])
+@pytest.mark.parametrize("bed", [crowd(), crowd(side=33)], ids=["crowd", "few more than a patch"])
 def test_the_number_of_threads_changes_no_bit(bed):
     """Also where one thread has hardly anything to do, and no boundary near. Other granules are asked at night."""
     assert_threads_change_no_bit(*bed)
@@ -147,24 +146,8 @@ def test_a_run_goes_on_with_another_velocity_of_a_solid():
     run.set_velocity((1.0, -2.0), spin=30.0)
     other.restore(run.checkpoint())
     assert_bits_are_the_same(*(seen(simulation, LASTS / 8) for simulation in (run, other)))
-    for changes in ({"walls": scene.planes[:3]}, {"gravity": (0.0, -1.0)}):
-        with pytest.raises(dem.InputError, match="of another scene"):
-            dem.Simulation(replace(scene, **changes), state).restore(run.checkpoint())
-
-
-class Alarm:
-    """A Ctrl-C after some time (s)."""
-
-    def __init__(self, delay):
-        self._delay = delay
-
-    def __enter__(self):
-        self._previous = signal.signal(signal.SIGALRM, signal.default_int_handler)
-        signal.setitimer(signal.ITIMER_REAL, self._delay)
-
-    def __exit__(self, *_):
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, self._previous)
+    with pytest.raises(dem.InputError, match="of another scene"):
+        dem.Simulation(replace(scene, gravity=(0.0, -1.0)), state).restore(run.checkpoint())
 
 
 ENDLESS = {
@@ -181,9 +164,11 @@ def test_an_interrupt_is_answered_and_loses_nothing(call, threads):
     """What was simulated until then is what a run of that time has, and goes on like it."""
     scene, state = crowd()
     run, calm = (dem.Simulation(scene, state, 1e-8, threads=threads) for _ in range(2))
+    signal.signal(signal.SIGALRM, signal.default_int_handler)  # as a Ctrl-C
     for moment in (0.3, 0.02, 0.1):
         began, before = time.monotonic(), run.steps
-        with Alarm(moment), pytest.raises(KeyboardInterrupt):
+        signal.setitimer(signal.ITIMER_REAL, moment)
+        with pytest.raises(KeyboardInterrupt):
             ENDLESS[call](run)
         assert time.monotonic() - began < 60.0  # s, on a busy computer; the run takes hours
         at, steps = run.time, run.steps
