@@ -57,11 +57,8 @@ class Small(NamedTuple):
 
 @cache
 def make_small_bed(kind, seed=1, fraction=0.84, aspect_ratio=None):
-    sweep = load(CONFIG / "smoke.yaml")
+    sweep = load(CONFIG / "smoke.yaml").changed({"packing.fraction": fraction}, "c1")
     section = section_of(kind)
-    sweep = sweep.model_copy(
-        update={"packing": sweep.packing.model_copy(update={"fraction": fraction})}
-    )
     diameters = sample_diameters(section, sweep.packing.size_spread, seed)
     height = height_of_box(sweep, diameters)
     shape = shapes.KINDS[kind].shape.of_size(diameters, aspect_ratio or section.form)

@@ -85,20 +85,16 @@ def test_coefficients_of_zero_leave_the_motion_as_it_is():
 
 @pytest.mark.quick
 def test_rolling_resistance_varies_as_others_do_and_leaves_the_bed(tmp_path):
-    """A dimension of a sweep from zero on, whose runs share their beds, and all roll. Other shapes are beside discs
-    where their coefficients are zero."""
-    file, zero = tmp_path / "roll.yaml", "rolling: {granule: 0.0, wall: 0.0, cylinder: 0.0}\n"
-    common = f"extends: {CONFIG / 'smoke.yaml'}\nresults: results/roll\n"
+    """From zero on; runs share their beds, and all of discs roll. Other shapes are beside them where their
+    coefficients are zero."""
+    file = tmp_path / "roll.yaml"
     file.write_text(
-        f"{common}{zero.replace('0.0', '0.1')}"
-        "sweep: {shape: c1, density: 3900.0, seed: [1], rolling.granule: [0.0, 0.3]}"
+        f"extends: {CONFIG / 'smoke.yaml'}\nresults: results/roll\n"
+        "rolling: {granule: 0.0, wall: 0.0, cylinder: 0.0}\n"
+        "sweep: {density: 3900.0, seed: [1], granules: {smooth: {shape: c1}, "
+        "rough: {shape: c1, rolling.granule: 0.2}, d1: {shape: d1}}}"
     )
-    runs, plain = load(file).block("drag").runs.values(), load(CONFIG / "smoke.yaml").block("drag")
-    assert [run.rolling.granule for run in runs] == [0.0, 0.3] and not plain.first.rolling
-    assert {run.bed_id for run in runs} == {plain.first.bed_id}
-    file.write_text(
-        f"{common}{zero}sweep: {{density: 3900.0, seed: [1], granules: {{rough: {{shape: c1, "
-        "rolling.granule: 0.2}, d1: {shape: d1}}}"
-    )
-    discs, dumbbells = load(file).block("drag").runs.values()
-    assert discs.rolling.granule == 0.2 and dumbbells.rolling is None
+    smooth, rough, dumbbells = load(file).block("drag").runs.values()
+    assert (smooth.rolling.granule, rough.rolling.granule, dumbbells.rolling) == (0.0, 0.2, None)
+    plain = load(CONFIG / "smoke.yaml").block("drag").first
+    assert smooth.bed_id == rough.bed_id == plain.bed_id and not plain.rolling

@@ -5,68 +5,31 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from beds import STIFF
-from collisions import APART, ELASTIC, LEAST
+from collisions import APART, ELASTIC
 from numpy.testing import assert_allclose
-from scenes import SHAPES, scene_of
+from scenes import MADE, SHAPES, scene_of
 
 import dem
 
 RADIUS = 1e-3  # m
 
-# With the kernels of drawn beds. Nothing slides.
-BEDS = {"friction": dem.Friction(), **APART}
-
 
 @pytest.mark.parametrize("restitution", [0.1, 0.9])
-@pytest.mark.parametrize("partner", ["disc", "ellipse", "superellipse", "wall"])
-def test_restitution_at_the_default_step(partner, restitution):
-    """It is met within 0.3 % in the mean, and within 1 % at whatever phase of a step two bodies touch."""
+@pytest.mark.parametrize("shape", ["discs", "ellipses", "superellipses"])
+def test_restitution_at_the_default_step(shape, restitution):
+    """It is met within 0.3 % in the mean, and within 1 % at whatever phase of a step two granules touch."""
+    granules = MADE.get(shape, dem.Disc)(np.full(200, RADIUS))
+    reach = granules.polygons()[0, 0, :, 0].max()
     gap = 2e-6 + 2e-8 * np.arange(100)  # m; a step is of 1e-7 m to 1e-6 m
-    count, changes = 200, {}
-    if partner == "wall":
-        count, changes = 100, {"walls": [[1.0, 0.0, 0.0]], "solids": None}
-    sizes = np.full(count, RADIUS)
-    superellipse = dem.Superellipse(0.9 * sizes, 0.7 * sizes, 0.3 * sizes, 3.0)
-    shape, reach = {
-        "ellipse": (dem.Ellipse(1.2 * sizes, sizes / 1.2), 1.2 * RADIUS),
-        "superellipse": (superellipse, 0.5 * np.ptp(superellipse.polygons()[0, 0, :, 0])),
-    }.get(partner, (dem.Disc(sizes), RADIUS))
-    x = np.append(-reach - gap, np.full(100, reach))[:count]
-    position = np.stack([x, np.resize(20.0 * RADIUS * np.arange(100), count)], axis=1)
-    velocity = np.stack([np.repeat([1.0, 0.0], 100), np.zeros(200)], axis=1)[:count]
-    scene = dem.Scene(shape, dem.Material(restitution=restitution), **BEDS | changes)
-    run = dem.Simulation(scene, dem.State(position, velocity))
+    x, y = np.append(-reach - gap, np.full(100, reach)), 20.0 * RADIUS * np.arange(100)
+    start = dem.State(np.stack([x, np.tile(y, 2)], 1), np.repeat([[1.0, 0.0], [0.0, 0.0]], 100, 0))
+    scene = dem.Scene(granules, dem.Material(restitution=restitution), dem.Friction(), **APART)
+    run = dem.Simulation(scene, start)
     run.advance(1e-4)
     assert not len(run.contacts().granule)
-    after = run.state.velocity[:, 0]
-    rebound = -after if changes else after[100:] - after[:100]
-    error = rebound / restitution - 1.0
-    assert abs(error.mean()) < 3e-3
-    assert np.abs(error).max() < 1e-2
-
-
-@pytest.mark.quick
-def test_an_elastic_gas_keeps_its_energy():
-    """Over thousands of collisions of a hundred discs of one speed, at the default step."""
-    rng, side = np.random.default_rng(1), 30e-3
-    grid = np.stack(np.meshgrid(np.arange(10), np.arange(10)), -1).reshape(-1, 2)
-    position = (grid + 0.5 + rng.uniform(-0.03, 0.03, (100, 2))) * side / 10
-    angle = rng.uniform(0.0, 2.0 * np.pi, 100)
-    material = replace(ELASTIC, young_modulus=1e8)
-    scene = dem.Scene(
-        dem.Disc(np.full(100, RADIUS)), material, LEAST["friction"], dem.box(side, side)
-    )
-    velocity = np.stack([np.cos(angle), np.sin(angle)], 1)
-    run = dem.Simulation(scene, dem.State(position, velocity))
-
-    def energy():
-        """Kinetic energy, and that of Hertz's law, 2/5 F delta (J)."""
-        contacts = run.contacts()
-        return run.diagnose().kinetic_energy + 0.4 * contacts.force @ contacts.overlap
-
-    initial = energy()
-    run.advance(0.2)
-    assert energy() == pytest.approx(initial, rel=8e-3)
+    before, after = run.state.velocity[:, 0].reshape(2, 100)
+    error = (after - before) / restitution - 1.0
+    assert abs(error.mean()) < 3e-3 and np.abs(error).max() < 1e-2
 
 
 @pytest.mark.quick
@@ -120,23 +83,6 @@ def test_a_solid_is_where_its_velocity_takes_it():
 # The bound on the step
 
 
-def test_the_bound_on_the_step_holds_for_any_stiffness_and_damping():
-    """At k dt^2 / 4 + 2 c dt = 1 no motion grows, for random matrices of both without common eigenvectors."""
-    growth = pytest.importorskip("studies.stability.linear").growth
-    rng = np.random.default_rng(1)
-
-    def random(n):
-        rank = rng.integers(1, n + 1)
-        factor = rng.normal(size=(n, rank)) * np.exp(rng.normal(size=rank))
-        matrix = factor @ factor.T
-        return matrix / np.linalg.eigvalsh(matrix).max()
-
-    for _ in range(1000):
-        n, share = rng.integers(2, 6), rng.random()
-        k, c = 0.999 * 4.0 * (1.0 - share) * random(n), 0.999 * 0.5 * share * random(n)
-        assert growth(k, c, 1.0) < 1.0 + 1e-6
-
-
 def resting(small):
     """A small bed around a cylinder at rest."""
     return small.scene(solids=replace(small.cylinder, velocity=(0.0, 0.0))), small.state
@@ -171,19 +117,16 @@ def test_critical_time_step_does_not_depend_on_how_contacts_are_found():
 
 @pytest.mark.quick
 def test_a_fixed_step_is_refused_from_the_critical_one_on(small_bed):
-    """Just below it a simulation is made without a word, until faster collisions are stiffer; above it, too,
-    where that is allowed."""
+    """Just below it a simulation is made without a word, until faster collisions are stiffer. Beyond it one asks
+    for a fraction, where that is allowed."""
     scene, state = resting(small_bed("disc"))
     critical = dem.Simulation(scene, state, 1e-9).diagnose().critical_time_step
     words = "time_step is .* s, longer than the critical one, .* at step {}, time .* allow_unstable"
     with pytest.raises(dem.StateError, match=words.format(0)):
         dem.Simulation(scene, state, 1.001 * critical)
     step = 0.999 * critical
-    for allowed in (True, False):
-        run = dem.Simulation(scene, state, step, allow_unstable=allowed)
-        run.set_velocity((0.0, 100.0))
-        if allowed:
-            run.advance(step)
+    run = dem.Simulation(scene, state, step)
+    run.set_velocity((0.0, 100.0))
     with pytest.raises(dem.StateError, match=words.format(r"\d")):
         run.advance(10 * step)
     run = dem.Simulation(scene, state, step_fraction=1.5, allow_unstable=True)
@@ -211,30 +154,31 @@ def test_an_overlap_beyond_the_limit_ends_a_run(name):
     """Before and during the motion; the sentence names the granule and the step."""
     scene, state = scene_of(name)
     deep = dem.Simulation(scene, state).diagnose()
-    words = rf"granule \d+ overlaps .* at step 0, .* limit is {0.99 * deep.max_overlap:g}: "
-    with pytest.raises(dem.OverlapError, match=words) as error:
+    words = (
+        rf"granule {deep.deepest} overlaps .* at step 0, .* limit is {0.99 * deep.max_overlap:g}: "
+    )
+    with pytest.raises(dem.OverlapError, match=words):
         dem.simulate(scene, state, 1e-6, max_overlap=0.99 * deep.max_overlap)
-    assert f"granule {deep.deepest} " in str(error.value)
     with pytest.raises(dem.OverlapError, match=r"granule \d+ overlaps .* step [1-9]\d*, time "):
         dem.simulate(scene, state, 1e-3, max_overlap=1.01 * deep.max_overlap)
 
 
 @pytest.mark.quick
 @pytest.mark.parametrize(
-    ("position", "partner"),
-    [([[1.2e-3, 8e-3], [3.5e-3, 8e-3]], "granule 1"), ([[1.2e-3, 5e-3], [2e-3, 9e-3]], "solid 1"),
-     ([[8.6e-3, 5e-3], [2e-3, 9e-3]], "wall 1")],
-)  # fmt: skip
-def test_an_overlap_names_both_bodies_and_a_stiffer_material(position, partner):
+    ("x", "speed", "words"),
+    [
+        (3.9e-3, -8.0, "granule 0 overlaps granule 1 by .*: take a smaller time step, a stiffer"),
+        (4.6e-3, 8.0, "granule 1 overlaps solid 1 by .*: take a smaller time step, a stiffer"),
+        (8.9e-3, 8.0, "granule 1 overlaps wall 1 by .*: take a smaller time step, a stiffer"),
+        (11e-3, 0.0, "granule 1 .* behind wall 1 at step 0.* a stiffer"),
+    ],
+)
+def test_an_overlap_names_both_bodies_and_a_stiffer_material(x, speed, words):
     """So that one knows where to look: another granule, a solid or a wall."""
-    solids = [dem.Cylinder(1e-3, (x, 5e-3 * y)) for x, y in ((9e-3, 0.2), (4e-3, 1.0))]
     scene = dem.Scene(
-        dem.Disc([1e-3, 1e-3]), dem.Material(young_modulus=1e5), dem.Friction(), dem.box(1e-2, 1e-2), solids,
+        dem.Disc([1e-3, 1e-3]), dem.Material(young_modulus=1e5), dem.Friction(), dem.box(1e-2, 1e-2),
+        [dem.Cylinder(1e-3, place) for place in ((9e-3, 1e-3), (6e-3, 5e-3))],
     )  # fmt: skip
-    state = dem.State(position, velocity=[[8.0, 0.0], [0.0, 0.0]])
-    words = rf"granule 0 overlaps {partner} by .*: take a smaller time step, a stiffer material"
-    with pytest.raises(dem.OverlapError, match=words):
+    state = dem.State([[2e-3, 5e-3], [x, 5e-3]], [[0.0, 0.0], [speed, 0.0]])
+    with pytest.raises(dem.RunError, match=words):
         dem.simulate(scene, state, 1e-3, max_overlap=0.4)
-    outside = dem.State([[5e-3, 5e-3], [11e-3, 5e-3]])
-    with pytest.raises(dem.StateError, match=r"granule 1 .* behind wall 1 at step 0.* a stiffer"):
-        dem.simulate(scene, outside, 1e-6)
