@@ -11,29 +11,16 @@ import hashlib
 import os
 
 import pytest
-from numba.core import types
 
-from dem.jit.address import Address
 from dem.jit.compilation import Kernel
 
 # Kinds of the kernels that take longest, in all processes of pytest. Jobs of sweeps and of the workflow are
 # not counted: they draw beds.
 # Of run_steps two are for solids, and five for laws, clumps and rolling resistance.
-BUDGET = {"run_steps": 24, "settle": 12, "forces": 12}
+BUDGET = {"run_steps": 27, "settle": 12, "forces": 12}
 
-# by kernel and hash of the types: what they have, and the first test that asked
-uses: dict[tuple[str, str], tuple[list[str], str]] = {}
-
-
-def members(name: str, kind):
-    """Class names of the named tuples in a type, and which of their members are absent."""
-    kind = kind.held if isinstance(kind, Address) else kind
-    if isinstance(kind, types.BaseNamedTuple):
-        yield kind.instance_class.__name__
-        for field, member in zip(kind.fields, kind.types, strict=True):
-            yield from members(f"{name}{'.' * bool(name)}{field}", member)
-    elif isinstance(kind, types.NoneType):
-        yield f"no {name}"
+# by kernel and hash of the types: the first test that asked
+uses: dict[tuple[str, str], str] = {}
 
 
 class Kinds:
@@ -45,37 +32,33 @@ class Kinds:
         def noted(kernel, signature):
             name, test = kernel.py_func.__name__, os.environ.get("PYTEST_CURRENT_TEST", "")
             if name in BUDGET and test:
-                arguments = getattr(signature, "args", signature)
-                key = name, hashlib.sha256(str(arguments).encode()).hexdigest()
-                words = [word for argument in arguments for word in members("", argument)]
-                uses.setdefault(key, (words, test.partition(" (")[0]))
+                types = str(getattr(signature, "args", signature))
+                digest = hashlib.sha256(types.encode()).hexdigest()
+                uses.setdefault((name, digest), test.partition(" (")[0])
             return compile_kernel(kernel, signature)
 
         Kernel.compile = noted
 
     def pytest_sessionfinish(self, session):
         if hasattr(session.config, "workeroutput"):
-            session.config.workeroutput["kinds"] = [(*key, *value) for key, value in uses.items()]
+            session.config.workeroutput["kinds"] = [(*key, test) for key, test in uses.items()]
         elif self.excess() and session.exitstatus == pytest.ExitCode.OK:
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
     @pytest.hookimpl(optionalhook=True)
     def pytest_testnodedown(self, node):
-        for name, digest, *value in getattr(node, "workeroutput", {}).get("kinds", ()):
-            uses.setdefault((name, digest), tuple(value))
+        for *key, test in getattr(node, "workeroutput", {}).get("kinds", ()):
+            uses.setdefault(tuple(key), test)
 
     def pytest_terminal_summary(self, terminalreporter):
-        for name in self.excess():
-            kinds = [value for (kernel, _), value in uses.items() if kernel == name]
-            common = set.intersection(*(set(words) for words, _ in kinds))
-            terminalreporter.section(f"{len(kinds)} kinds of {name}: at most {BUDGET[name]} may be")
-            for words, test in kinds:
-                terminalreporter.line(f"{test}: {', '.join(w for w in words if w not in common)}")
+        for name, tests in self.excess().items():
+            terminalreporter.section(f"{len(tests)} kinds of {name}: at most {BUDGET[name]} may be")
+            terminalreporter.line("\n".join(tests))
 
-    def excess(self) -> list[str]:
-        """Kernels of which there are more kinds than may be."""
-        counts = [name for name, _ in uses]
-        return [name for name, most in BUDGET.items() if counts.count(name) > most]
+    def excess(self) -> dict[str, list[str]]:
+        """Tests that asked for kinds of a kernel, where there are more than may be."""
+        tests = {name: [uses[key] for key in uses if key[0] == name] for name in BUDGET}
+        return {name: tests[name] for name in BUDGET if len(tests[name]) > BUDGET[name]}
 
 
 def pytest_configure(config):
