@@ -46,13 +46,10 @@ def places(tree, name=None):
         inside = node.name if isinstance(node, ast.FunctionDef) else name
         if isinstance(node, ast.Call) and getattr(node.func, "attr", "") in DELETIONS:
             yield f"{inside}: {node.func.attr}"
-        caught = []
-        if isinstance(node, ast.ExceptHandler):
-            caught = ast.walk(node.type) if node.type else [ast.Name("Exception")]
-        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") == "suppress":
-            caught = node.args
-        for error in caught:
-            if getattr(error, "id", "") in ("Exception", "BaseException"):
+        catches = isinstance(node, ast.ExceptHandler)
+        if catches or "suppress" in ast.unparse(getattr(node, "func", ast.Name(""))):
+            caught = ast.unparse(node).partition("\n")[0]
+            if "Exception" in caught or caught == "except:":
                 yield f"{inside}: Exception"
         yield from places(node, inside)
 
