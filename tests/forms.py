@@ -1,5 +1,7 @@
 """Granules of every shape, of several sizes, aspect ratios and discs at once."""
 
+from functools import partial
+
 import numpy as np
 from egg import Egg
 
@@ -30,9 +32,7 @@ FORMS = {
     "dumbbell": dem.Dumbbell,
     "clump": clumps,
     "ellipse": ellipses,
-    "superellipse of 1.3": lambda radius: superellipses(radius, 1.3),
-    "superellipse of 4": lambda radius: superellipses(radius, 4.0),
-    "superellipse of 12": lambda radius: superellipses(radius, 12.0),
+    **{f"superellipse of {n}": partial(superellipses, exponent=float(n)) for n in (1.3, 4, 12)},
     "egg": Egg,
     "loaded egg": lambda radius: Egg(radius, 0.05, 0.3),
 }

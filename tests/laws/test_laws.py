@@ -32,37 +32,29 @@ PAGE = (ROOT / "docs/howto/law.md").read_text()
 def pressed(law, partner, two, overlap, one=ELASTIC, velocity=(0.0, 0.0), spin=0.0, **options):
     """A disc that overlaps what is at its right: another disc, a wall or a round solid of another material, rigid
     where that is None. Returns the simulation, and the radii (m) of both."""
-    around, both, radii, place = dict(APART), [one], [SMALL], [[overlap - SMALL, 0.0]]
-    other = np.inf if partner == "wall" else LARGE
-    if partner == "granule":
-        both, radii, place = [one, two], [SMALL, LARGE], [*place, [LARGE, 0.0]]
-    elif partner == "wall":
-        around["walls"] = [dem.Wall([1.0, 0.0, 0.0], material=two)]
-        around["solids"] = dem.Cylinder(SMALL, (-1.0, 0.0))
-    else:
-        around["solids"] = dem.Cylinder(2.0 * LARGE, (LARGE, 0.0), material=two)
-    number = range(len(both))
-    around |= {"species": number, "thickness": THICK} | options_of(law)
-    rough = dem.Friction(9.0, 9.0, 9.0, stiffness=0.5)
-    scene = dem.Scene(dem.Disc(radii), both, rough, **around)
-    first = np.array([1.0, 0.0])[number]
-    state = dem.State(place, np.outer(first, velocity), None, spin * first)
-    ledger = isinstance(law, dem.Line)
-    return dem.Simulation(scene, state, ledger=ledger, **options), (SMALL, other)
+    wall, body = dem.Wall([1.0, 0.0, 0.0], material=two), dem.Cylinder(SMALL, (-1.0, 0.0))
+    if partner == "solid":
+        body = dem.Cylinder(2.0 * LARGE, (LARGE, 0.0), material=two)
+    changes = {"granule": {}, "wall": {"walls": [wall], "solids": body}, "solid": {"solids": body}}
+    count = slice(2 if partner == "granule" else 1)
+    scene = dem.Scene(
+        dem.Disc([SMALL, LARGE][count]), [one, two][count], dem.Friction(9.0, 9.0, 9.0, stiffness=0.5),
+        species=[0, 1][count], thickness=THICK, **APART | changes[partner] | options_of(law),
+    )  # fmt: skip
+    place, speed = [[overlap - SMALL, 0.0], [LARGE, 0.0]][count], [velocity, (0.0, 0.0)][count]
+    state = dem.State(place, speed, None, [spin, 0.0][count])
+    run = dem.Simulation(scene, state, ledger=isinstance(law, dem.Line), **options)
+    return run, (SMALL, np.inf if partner == "wall" else LARGE)
 
 
-PARTNERS = [
-    ("granule", STEEL),
-    ("wall", None),
-    ("wall", STEEL),
-    ("solid", None),
-    ("solid", STEEL),
-]
+EACH_LAW = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+PARTNERS = [("granule", STEEL), ("wall", None), ("wall", STEEL), ("solid", None), ("solid", STEEL)]
+EACH_PARTNER = pytest.mark.parametrize(("partner", "two"), PARTNERS)
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize(("partner", "two"), PARTNERS)
-@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+@EACH_PARTNER
+@EACH_LAW
 def test_the_springs_of_a_contact_are_those_of_the_books(law, partner, two):
     """Between unlike materials and sizes. Normal: see `stated_force`. Tangential: 4 G*/E* times the normal stiffness,
     which is Mindlin's 8 G* sqrt(R* delta) under Hertz's law, times that of `Friction`. Rolling: 3 (mu_r R*)^2
@@ -104,9 +96,9 @@ def rebound(law, restitution, partner, two, speed, **options):
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize(("partner", "two"), PARTNERS)
+@EACH_PARTNER
 @pytest.mark.parametrize("restitution", [0.9, 0.5, 0.1, 1e-3])
-@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+@EACH_LAW
 def test_restitution_is_as_asked(law, restitution, partner, two):
     """At any speed. Between two materials it is the geometric mean; a body without a material has no say."""
     asked = np.sqrt(0.8 * restitution) if two else restitution
@@ -140,13 +132,13 @@ def test_discs_in_plane_strain_go_on_smoothly_where_half_spaces_end():
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+@EACH_LAW
 def test_the_critical_step_before_a_collision_is_that_of_the_stiffest_to_come(law):
     """It bounds those of all contacts that come, whichever of the granules are large, small, light or heavy."""
     radius, loose = np.array([4e-3, 4e-3, 2e-4, 2e-4]), dem.Rolling(0.0, 0.0, 0.0)
     around = APART | {"species": [0, 0, 1, 1], "thickness": THICK} | options_of(law, loose)
     x = np.array([-4e-3 - 5e-7, 4e-3 + 5e-7, 0.0199 - 5e-8, 0.0203 + 5e-8])
-    speed = np.array([0.5, -0.5, 0.5, -0.5])
+    speed = np.resize([0.5, -0.5], 4)
     start = dem.State(np.outer(x, [1.0, 0.0]), np.outer(speed, [1.0, 0.0]))
     for densities in ((100.0, 2e4), (2e4, 100.0)):
         materials = [replace(ELASTIC, density=density) for density in densities]

