@@ -23,43 +23,43 @@ BUDGET = {"run_steps": 27, "settle": 12, "forces": 12}
 uses: dict[tuple[str, str], str] = {}
 
 
-class Kinds:
-    """Notes each kind that a test asks for, and fails the session where the budget is exceeded."""
-
-    def __init__(self):
-        compile_kernel = Kernel.compile
-
-        def noted(kernel, signature):
-            name, test = kernel.py_func.__name__, os.environ.get("PYTEST_CURRENT_TEST", "")
-            if name in BUDGET and test:
-                types = str(getattr(signature, "args", signature))
-                digest = hashlib.sha256(types.encode()).hexdigest()
-                uses.setdefault((name, digest), test.partition(" (")[0])
-            return compile_kernel(kernel, signature)
-
-        Kernel.compile = noted
-
-    def pytest_sessionfinish(self, session):
-        if hasattr(session.config, "workeroutput"):
-            session.config.workeroutput["kinds"] = [(*key, test) for key, test in uses.items()]
-        elif self.excess() and session.exitstatus == pytest.ExitCode.OK:
-            session.exitstatus = pytest.ExitCode.TESTS_FAILED
-
-    @pytest.hookimpl(optionalhook=True)
-    def pytest_testnodedown(self, node):
-        for *key, test in getattr(node, "workeroutput", {}).get("kinds", ()):
-            uses.setdefault(tuple(key), test)
-
-    def pytest_terminal_summary(self, terminalreporter):
-        for name, tests in self.excess().items():
-            terminalreporter.section(f"{len(tests)} kinds of {name}: at most {BUDGET[name]} may be")
-            terminalreporter.line("\n".join(tests))
-
-    def excess(self) -> dict[str, list[str]]:
-        """Tests that asked for kinds of a kernel, where there are more than may be."""
-        tests = {name: [uses[key] for key in uses if key[0] == name] for name in BUDGET}
-        return {name: tests[name] for name in BUDGET if len(tests[name]) > BUDGET[name]}
+compile_kernel = Kernel.compile
 
 
-def pytest_configure(config):
-    config.pluginmanager.register(Kinds())
+def noted(kernel, signature):
+    """Compile, and note who asks."""
+    name, test = kernel.py_func.__name__, os.environ.get("PYTEST_CURRENT_TEST", "")
+    if name in BUDGET and test:
+        types = str(getattr(signature, "args", signature))
+        digest = hashlib.sha256(types.encode()).hexdigest()
+        uses.setdefault((name, digest), test.partition(" (")[0])
+    return compile_kernel(kernel, signature)
+
+
+Kernel.compile = noted
+
+
+def excess() -> dict[str, list[str]]:
+    """Tests that asked for kinds of a kernel, where there are more than may be."""
+    tests = {name: [uses[key] for key in uses if key[0] == name] for name in BUDGET}
+    return {name: tests[name] for name in BUDGET if len(tests[name]) > BUDGET[name]}
+
+
+def pytest_sessionfinish(session):
+    """The session fails where there are too many; a process of pytest-xdist only says what it has."""
+    if hasattr(session.config, "workeroutput"):
+        session.config.workeroutput["kinds"] = [(*key, test) for key, test in uses.items()]
+    elif excess() and session.exitstatus == pytest.ExitCode.OK:
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node):
+    for *key, test in getattr(node, "workeroutput", {}).get("kinds", ()):
+        uses.setdefault(tuple(key), test)
+
+
+def pytest_terminal_summary(terminalreporter):
+    for name, tests in excess().items():
+        terminalreporter.section(f"{len(tests)} kinds of {name}: at most {BUDGET[name]} may be")
+        terminalreporter.line("\n".join(tests))

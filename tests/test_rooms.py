@@ -1,6 +1,7 @@
 """The rooms of the package: which may import which, and where files are deleted."""
 
 import ast
+import re
 
 from importlinter.cli import EXIT_STATUS_SUCCESS, lint_imports
 
@@ -37,19 +38,18 @@ DELETES_OR_CATCHES = {
     "sweep/workers.py make_batch: unlink": "a batch whose content goes to the client",
     "cli/terminal.py reported: Exception": "all but what has a sentence is raised again",
 }
-DELETIONS = {"unlink", "rmtree", "rmdir", "removedirs"}
+DELETES = re.compile(r"\b(unlink|rmtree|rmdir|removedirs)\(")
+CATCHES = re.compile(r"except:|(except |.*\bsuppress\().*Exception")
 
 
 def places(tree, name=None):
     """What deletes or catches any error, with the function around it."""
     for node in ast.iter_child_nodes(tree):
         inside = node.name if isinstance(node, ast.FunctionDef) else name
-        if isinstance(node, ast.Call) and getattr(node.func, "attr", "") in DELETIONS:
-            yield f"{inside}: {node.func.attr}"
-        catches = isinstance(node, ast.ExceptHandler)
-        if catches or "suppress" in ast.unparse(getattr(node, "func", ast.Name(""))):
-            caught = ast.unparse(node).partition("\n")[0]
-            if "Exception" in caught or caught == "except:":
+        if isinstance(node, ast.ExceptHandler | ast.Call):
+            line = ast.unparse(node).partition("\n")[0]
+            yield from (f"{inside}: {name}" for name in DELETES.findall(line))
+            if CATCHES.match(line):
                 yield f"{inside}: Exception"
         yield from places(node, inside)
 
