@@ -171,26 +171,18 @@ def test_the_pressure_is_the_force_on_the_walls_over_their_length(name):
 
 
 @QUICK
-@pytest.mark.parametrize("name", ["ellipse", *OF_DISCS])
+@pytest.mark.parametrize("name", OF_DISCS)
 def test_overlaps_and_contacts_are_as_a_bed_says(name):
-    """Over the smaller radius. Those of ellipses are of the list of contacts, which test_geometry.py asks."""
+    """Over the smaller radius. Ellipses and dumbbells have the bits of released beds, see below."""
     bed, scene, model, _ = packed(name)
-    if name == "ellipse":
-        contacts = dem.Simulation(scene, bed.state).contacts()
-        is_pair, size = contacts.partner >= 0, scene.shape.constituent_radius
-        # of walls and of the cylinder, which is larger, that of the granule
-        other = np.where(is_pair, size[contacts.partner], np.inf)
-        shares = contacts.overlap / np.minimum(size[contacts.granule], other)
-        count, shares = is_pair.sum(), [shares]
-    else:
-        radius, (pairs, overlap, _) = scene.shape.radius, packed(name).contacts
-        count, shares = len(pairs), [np.zeros(1), overlap / radius[pairs].min(axis=1)]
-        shares += [(radius + bed.position @ normal - end) / radius for *normal, end in scene.planes]
-        for solid in scene.solids:
-            away = np.hypot(*model.nearest(bed.position - solid.position).T)
-            shares.append((radius + solid.radius - away) / np.minimum(radius, solid.radius))
+    radius, (pairs, overlap, _) = scene.shape.radius, packed(name).contacts
+    shares = [np.zeros(1), overlap / radius[pairs].min(axis=1)]
+    shares += [(radius + bed.position @ normal - end) / radius for *normal, end in scene.planes]
+    for solid in scene.solids:
+        away = np.hypot(*model.nearest(bed.position - solid.position).T)
+        shares.append((radius + solid.radius - away) / np.minimum(radius, solid.radius))
     assert_allclose(bed.max_overlap, np.concatenate(shares).max(), rtol=1e-6, atol=1e-12)
-    assert_allclose(bed.coordination_number, 2.0 * count / scene.granules, atol=0.05)
+    assert_allclose(bed.coordination_number, 2.0 * len(pairs) / scene.granules, atol=0.05)
 
 
 @pytest.mark.parametrize("name", ["large", "under a pressure", "with friction"])
@@ -322,7 +314,7 @@ def test_granules_grow_as_the_page_of_grow_says():
         state = dem.State(end.position, 0.5 * end.velocity, end.angle)
         factor = min(1.02 * factor, 1.0)
     bed = dem.grow(shape, 8e-3, 12e-3, cylinder, 1)
-    assert np.abs(end.velocity).max() > 0.0 and np.ptp(bed.angle) > 1.0
+    assert np.abs(end.velocity).max() > 0.0
     assert_allclose(bed.position, state.position, atol=1e-9)
     assert_allclose(bed.angle, state.angle % (2.0 * np.pi))
 
