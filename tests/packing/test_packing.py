@@ -238,15 +238,15 @@ def test_what_finds_no_place_is_refused():
 
 # Where granules begin
 
-OUTLINES = dem.plate(4e-3, 1e-3), dem.plate(4e-3, 1e-3), dem.plate(2e-3, 1e-3)
-PLACES = (4e-3, 3e-3), (4e-3, 4.75e-3), (2e-3, 8e-3)
+PLATE = dem.plate(4e-3, 1e-3)
+PLACES = (4e-3, 3e-3, 0.0), (4e-3, 4.75e-3, 0.0), (0.65e-3, 8e-3, 1.5)  # m, m, rad
 
 
 @QUICK
 @pytest.mark.parametrize("periodic", ["none", "x", "xy"])
 def test_granules_begin_apart_from_each_other_and_from_solids(periodic):
     """Their bounding circles, and those of images; none between two solids where it will not fit."""
-    solids = tuple(map(dem.Solid, OUTLINES, PLACES, (0.0, 0.0, 0.7)))
+    solids = tuple(dem.Solid(PLATE, (x, y), angle) for x, y, angle in PLACES)
     room = Room(8e-3, 11e-3, solids, 5, periodic)
     shape = dem.Ellipse.of_size(np.linspace(0.8e-3, 1.2e-3, 60), 1.5)
     factor, state = dilute_start(shape, room)
