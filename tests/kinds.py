@@ -17,7 +17,7 @@ from dem.jit.compilation import Kernel
 # Kinds of the kernels that take longest, in all processes of pytest. Jobs of sweeps and of the workflow are
 # not counted: they draw beds.
 # Of run_steps two are for solids, and five for laws, clumps and rolling resistance.
-BUDGET = {"run_steps": 27, "settle": 12, "forces": 12}
+BUDGET = {"run_steps": 24, "settle": 11, "forces": 12}
 
 # by kernel and hash of the types: the first test that asked
 uses: dict[tuple[str, str], str] = {}
