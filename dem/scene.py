@@ -18,7 +18,6 @@ from dem.material import Friction, Material, Rolling
 from dem.motion import Held, finite
 from dem.periodic import ROOM, Periods, nearest_image
 from dem.shapes.disc import Disc
-from dem.shapes.protocol import is_of_discs
 from dem.solids import ROUNDED, Polygon, Solid, Solids, Walls, beyond, granules
 
 TOUCHING = 1e-9  # of the size of solids: less is no overlap
@@ -48,7 +47,8 @@ Materials = Annotated[
 class Scene:
     """Everything about a system that does not change during a run.
 
-    The kernels are compiled for the scene: what is None costs nothing.
+    The kernels are compiled for the kind of scene: friction, damping or a period that is absent costs
+    nothing.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ class Scene:
                     "could pass through it unseen."
                 )
         elif not (
-            solid.is_round or type(solid.outline) is type(self.shape) or is_of_discs(self.shape)
+            solid.is_round or type(solid.outline) is type(self.shape) or not self.shape.oriented
         ):
             raise InputError(
                 f"{name} has the outline {type(solid.outline).__name__}; among granules of "

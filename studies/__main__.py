@@ -9,7 +9,7 @@ import typer
 import studies
 from dem.cli.options import FolderOption, OutputOption, TextOption, argument, option
 from dem.cli.show import draw_figure, print_or_write
-from dem.cli.terminal import Verbs, start_lean
+from dem.cli.terminal import Verbs
 from dem.io.progress import bar
 from studies.catalogue import figures, reported
 
@@ -30,7 +30,6 @@ def make_of(name: str):
         jobs: option(int, "Processes side by side.", min=1) = 1,
     ):
         """Write the file of results, from runs that are there."""
-        start_lean()
         from studies.common.results import write_results
 
         with bar(name, 1.0) as update:

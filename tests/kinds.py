@@ -1,25 +1,22 @@
 """The kinds of kernels that the suite compiles: a budget, and which tests ask for more. A plugin of pytest.
 
-Numba compiles a kernel for each combination of types of its arguments: for each shape, with friction or
-without, with held granules or without, ... A kind of run_steps takes 10 to 40 s of a processor. A test that needs
-none of its own takes a scene of those that are there: the limit of little friction and damping (LEAST, ELASTIC)
-for none, a held granule that rests (scenes.ANCHOR), heavy walls that nothing pushes (scenes.lids), or
-a ledger that nothing asks. Walls, round solids, gravity and paths add no kind.
+A kernel is compiled for each shape and law, and for each combination of what a scene has: friction, damping, an energy
+ledger, ... (dem/dynamics/kinds.py). A kind takes 3 to 15 s of a processor. A test that needs none of its own takes a scene of
+those that are there: the limit of little friction and damping (LEAST, ELASTIC), or a ledger that nothing asks. Walls, round
+solids, gravity, paths, held granules and sizes of a bed add no kind.
 """
 
-import hashlib
 import os
 
 import pytest
 
-from dem.jit.compilation import Kernel
+from dem.jit.kernel import Kernel
 
-# Kinds of the kernels that take longest, in all processes of pytest. Jobs of sweeps and of the workflow are
+# Kinds of the kernels of a shape and a law, in all processes of pytest. Jobs of sweeps and of the workflow are
 # not counted: they draw beds.
-# Of run_steps two are for solids, and five for laws, clumps and rolling resistance.
-BUDGET = {"run_steps": 24, "settle": 11, "forces": 12}
+BUDGET = {"work": 30}
 
-# by kernel and hash of the types: the first test that asked
+# by kernel, and what it has: the first test that asked
 uses: dict[tuple[str, str], str] = {}
 
 
@@ -28,11 +25,11 @@ compile_kernel = Kernel.compile
 
 def noted(kernel, signature):
     """Compile, and note who asks."""
-    name, test = kernel.py_func.__name__, os.environ.get("PYTEST_CURRENT_TEST", "")
+    name, test = kernel.function.__name__, os.environ.get("PYTEST_CURRENT_TEST", "")
     if name in BUDGET and test:
-        types = str(getattr(signature, "args", signature))
-        digest = hashlib.sha256(types.encode()).hexdigest()
-        uses.setdefault((name, digest), test)
+        has = [cls.__name__ for cls in kernel.binding.classes]
+        has += [flag for flag, value in kernel.binding.given.items() if value is True]
+        uses.setdefault((name, ", ".join(has)), test)
     return compile_kernel(kernel, signature)
 
 

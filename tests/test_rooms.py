@@ -2,7 +2,10 @@
 
 import ast
 import re
+import subprocess
+import sys
 
+import pytest
 from importlinter.cli import EXIT_STATUS_SUCCESS, lint_imports
 
 from dem.base.source_hash import PACKAGE
@@ -24,7 +27,7 @@ DELETES_OR_CATCHES = {
     "base/types.py shown: Exception": "any error of a user's object becomes a sentence",
     "cli/sweep.py simulate: unlink": "checkpoints of a run whose file is written",
     "io/dataset.py content_of: Exception": "it becomes a sentence, once all bytes could be read",
-    "jit/compilation.py load_overload: Exception": "the kernel is compiled, and its file replaced",
+    "jit/cache.py checked: unlink": "machine code that is damaged; it is compiled again",
     "sweep/batch.py _row: Exception": "an error of a user's file becomes a failed run; all others are raised",
     "sweep/batch.py _row: unlink": "the checkpoint of a run that is kept",
     "sweep/batch.py retry: unlink": "its sound runs are kept, and the user asks for the failed ones",
@@ -62,3 +65,45 @@ def test_each_place_that_deletes_a_file_or_catches_any_error_has_its_reason():
         for place in places(ast.parse(file.read_text(encoding="utf-8")))
     }
     assert found == DELETES_OR_CATCHES.keys()
+
+
+# What each file of the package takes of Numba and of LLVM: what they promise to keep.
+COMPILERS = {
+    "base/provenance.py": ["llvmlite.binding"],
+    "jit/cache.py": ["llvmlite.binding", "numba"],
+    "jit/intrinsics.py": ["llvmlite", "numba", "numba.extending"],
+    "jit/kernel.py": ["numba", "numba.extending"],
+}
+
+
+def imports_of(file):
+    """Modules of Numba and of LLVM that a file imports."""
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        names = [alias.name for alias in getattr(node, "names", ()) if isinstance(node, ast.Import)]
+        names += [node.module] if isinstance(node, ast.ImportFrom) else []
+        yield from (name for name in names if name and name.startswith(("numba", "llvmlite")))
+
+
+@pytest.mark.quick
+def test_numba_and_llvm_are_asked_in_four_files_for_what_they_promise():
+    """All else is plain functions."""
+    found = {
+        file.relative_to(PACKAGE).as_posix(): sorted(set(imports_of(file)))
+        for file in PACKAGE.rglob("*.py")
+    }
+    assert {name: modules for name, modules in found.items() if modules} == COMPILERS
+
+
+@pytest.mark.quick
+def test_shapes_laws_and_scenes_need_no_compiler():
+    """Geometry and planning start at once."""
+    ask = """
+import sys, dem
+from dem import laws, shapes
+kinds = [kind.shape for kind in shapes.KINDS.values()]
+dem.Scene(dem.Disc([1e-3]), law=dem.Hertz(), solids=dem.Cylinder(diameter=1e-3, position=(0.0, 0.0)))
+dem.check_shape(dem.Ellipse.of_size([1e-3], 1.5)), dem.check_law(dem.Linear())
+print("numba" in sys.modules)
+"""
+    words = [sys.executable, "-c", ask]
+    assert subprocess.run(words, check=True, capture_output=True, text=True).stdout == "False\n"

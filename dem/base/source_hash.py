@@ -22,7 +22,7 @@ from dem.base.files import write_bytes
 
 ROOT = Path(__file__).parent.parent.parent
 PACKAGE = ROOT / "dem"
-# What is compiled, and the scene that it is compiled for: the key of machine code.
+# What decides how granules move, by which released numbers are known (docs/data/kernels.py).
 KERNELS = (
     "contacts",
     "dynamics",
@@ -103,7 +103,7 @@ def run_hash(*plugins: Path) -> str:
 
 @cache
 def kernel_hash() -> str:
-    """Hash of the code that is compiled."""
+    """Hash of the code that decides how granules move."""
     kernels = tuple(f"dem/{name}" for name in KERNELS)
     return code_hash({n: code for n, code in _codes_of_all_runs().items() if n.startswith(kernels)})
 

@@ -186,7 +186,7 @@ def checked(target: Target) -> Target:
         return _checked(target, "")
     maker = "__new__" if issubclass(target, tuple) else "__init__"
     setattr(target, maker, _checked(getattr(target, maker), f"{target.__name__}."))
-    if issubclass(target, tuple):  # a copy has what kernels put in place of None, which no user may
+    if issubclass(target, tuple):  # a copy has what is kept in place of a text, which no user may
         setattr(target, "__reduce__", lambda self: (type(self)._make, (tuple(self),)))  # noqa: B010  # mypy
     return target
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from dem.cli.options import argument
-from dem.cli.terminal import Verbs, start_lean
+from dem.cli.terminal import Verbs
 from dem.io.progress import bar
 
 app = Verbs(add_completion=False, pretty_exceptions_enable=False)
@@ -14,7 +14,6 @@ def batch(
     output: argument(Path, "File of the store, results/store/batches/....nc."),
 ):
     """Make the runs of one batch of the store, as the file of its name that ends in .json says."""
-    start_lean()
     from dem.sweep.batch import make
     from dem.sweep.store import Store
 

@@ -4,7 +4,6 @@ from pathlib import Path
 
 from dem.cli.options import OUTPUT, FolderOption, TextOption, argument, option, writes
 from dem.cli.show import draw_figure, print_or_write
-from dem.cli.terminal import start_lean
 from dem.io.progress import bar
 
 
@@ -99,7 +98,6 @@ def draw(
 
     Example: dem draw results/drag.nc case=c1 seed=1 -o c1.mp4
     """
-    start_lean()
     from dem.analysis.one_run import read_snapshots
     from dem.base.files import check_output
     from dem.figures.export import export

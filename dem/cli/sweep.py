@@ -6,7 +6,6 @@ from pathlib import Path
 from dem.base.messages import say
 from dem.cli.options import PAPER, ConfigOption, OutputOption, argument, option, writes
 from dem.cli.show import print_or_write, watched
-from dem.cli.terminal import start_lean
 from dem.io.progress import bar
 
 FileArgument = argument(Path, "Configuration file of a sweep (YAML).")
@@ -167,7 +166,6 @@ def simulate(
 
     Example: dem simulate --shape c1 --density 3900 --seed 1 friction.granule=0.2 -o run.nc
     """
-    start_lean()
     from dem.base.errors import InputError
     from dem.experiment import run_checkpoint
     from dem.experiment.bed import make_bed

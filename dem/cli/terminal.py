@@ -62,10 +62,3 @@ def reported():
             raise
         say(str(error) or "memory is used up.")
         raise typer.Exit(2 if isinstance(error, InputError) else 1) from None
-
-
-def start_lean():
-    """Load the kernels without what they do not need."""
-    from dem.jit.compilation import spare_blas
-
-    spare_blas()

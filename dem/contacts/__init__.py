@@ -1,5 +1,6 @@
-"""One contact, and many: the force law (scalars), the response, blocks of contacts, the loops.
+"""Blocks of contacts: where their numbers are, their geometry, their forces.
 
-In: motion of constituents and a neighbour list. Out: forces, torques, impulses on walls and
-cylinder. Here you may change the force law or add one (force_law, response).
+In: motion of constituents and a list of contacts. Out: forces and torques on constituents, loads on walls
+and solids. Here you may change damping and friction of one contact (force_law), add a force
+(response) or an outline of solids (geometry), or a column (layout).
 """

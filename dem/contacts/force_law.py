@@ -10,20 +10,11 @@ c = alpha sqrt(m* K), E* and G* the effective moduli (Pa), m* the effective mass
 import functools
 import math
 
-from dem.jit.compilation import inlined
-from dem.jit.optional import minus, optional, times
-from dem.laws.protocol import TINY
+TINY = 1e-300
 
 
-@inlined
-def damped(elastic, root, damping, rate):
-    """Normal force (N) with the dashpot c root d(delta)/dt. A contact never pulls."""
-    return max(elastic + damping * root * rate, 0.0)
-
-
-@inlined
-def mindlin(spring, measured, last, stiffness, slip):
-    """Tangential spring force (N) after a further slip (m), against the slip.
+def spring_after(spring, measured, last, stiffness, slip):
+    """Force (N) or moment (N m) of a tangential or rolling spring after a further slip (m or rad).
 
     A contact remembers this force. Its increment is k_t slip, where k_t = stiffness * measured is
     the mean over both ends of the step while the overlap grows. This makes the increment second
@@ -35,41 +26,11 @@ def mindlin(spring, measured, last, stiffness, slip):
     return spring * kept - stiffness * 0.5 * (measured + kept * last) * slip
 
 
-@inlined
 def capped(force, limit):
     """Coulomb: the force (N), at most limit in size."""
     return min(max(force, -limit), limit)
 
 
-@optional
-def dissipated_power(account, force, rate):
-    """Power (W) that a force or a moment takes: minus that on what moves at `rate` (m/s, rad/s)."""
-    return -force * rate
-
-
-@inlined
-def spring_and_dashpot(history, p, limit, stiffness, dashpot, elastic, slip, account):
-    """Force (N) or moment (N m) of a spring that contact p remembers, and of a dashpot.
-
-    The spring is capped first, then spring and dashpot, so that friction does no positive work.
-    stiffness: over the measure of the law; elastic: constant and measure of the law, the measure in
-    the last step, constant and root of the dashpot; slip: in this step (m or rad), and its rate at
-    the full step. Returns also the powers (W) that dashpot and spring take, None without an energy
-    ledger.
-    """
-    _, measured, last, _, _ = elastic
-    distance, rate = slip
-    spring = capped(mindlin(history[p], measured, last, stiffness, distance), limit)
-    history[p] = spring
-    total = capped(minus(spring, times(dashpot, rate)), limit)
-    return (
-        total,
-        dissipated_power(account, total - spring, rate),
-        dissipated_power(account, spring, rate),
-    )
-
-
-@inlined
 def effective_radius(one, two):
     """R* (m) of two radii, of which the second is zero for a flat body."""
     return one * two / (one + two) if two > 0.0 else one

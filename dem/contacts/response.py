@@ -1,148 +1,246 @@
-"""The response of one contact: from its geometry and its slip to the forces N and T and a moment M.
+"""Forces of a block of contacts, from their geometry and velocities.
 
-A contact acts from constituent 1 to body 2 (a constituent, a wall or a solid) with N n + T t
-on body 2, n and t as in dem.shapes.protocol; N >= 0 pushes them apart, T opposes the slip.
-M on body 2 and -M on constituent 1 oppose the rotation of one relative to the other.
+A contact acts from body 1 to body 2 with N n + T t on body 2, n and t as in dem.shapes.protocol;
+N >= 0 pushes them apart, T opposes the slip. A moment M on body 2 and -M on body 1 oppose the
+rotation of one relative to the other.
 """
 
 import math
 
-from dem.contacts.force_law import damped, dissipated_power, spring_and_dashpot
-from dem.contacts.rolling import rolling_moment
-from dem.jit.compilation import inlined
-from dem.jit.optional import either, given, minus, optional, plus, times
-from dem.laws.protocol import force, measure, root, stiffness
+import numpy as np
+
+from dem.contacts.force_law import capped, spring_after
+from dem.contacts.layout import (
+    D_SPIN,
+    DAMPED,
+    DV_NORMAL,
+    DV_TANGENT,
+    FORCE_X,
+    FORCE_Y,
+    FOUR,
+    MEAN_ROOT,
+    N1,
+    N2,
+    NX,
+    NY,
+    OVERLAP,
+    POWER_DAMPED,
+    POWER_ROLLING,
+    POWER_SPRINGS,
+    RADIUS,
+    ROLLED,
+    SLID,
+    SPIN,
+    T1,
+    T2,
+    TARGET,
+    TORQUE_1,
+    TORQUE_2,
+    V_NORMAL,
+    V_TANGENT,
+)
+from dem.jit.intrinsics import add_four, widest_vectors
+from dem.laws.protocol import force, mean_root, measure, root, slope, stiffness
+
+# What a kernel has: dem.dynamics.kinds
+FRICTION = DAMPING = TURNS = LEVERS = ROLLING = LEDGER = LOCAL = LONG = YIELDS = True
+STIFFNESS = LENGTH = DASHPOT = FRICTION_STIFFNESS = FRICTION_DASHPOT = ROLLING_DASHPOT = np.uint64(
+    0
+)
+MASS_X = MASS_Y = MASS_TURN = TANGENTIAL_FORCE = MEASURE = ROLLING_MOMENT = np.uint64(0)
+COEFFICIENT = ARM = np.uint64(0)
 
 NO_MEAN = -1.0  # of the root of the law over a step, where that at its middle serves
+NEAR = 8.0  # halves of a step's change; beyond, the mean over the step differs by less than 5e-4
 
 
-@optional
-def _local_stiffness(radius, law, modulus):
-    """K for the effective radius (m) at the contact."""
-    return stiffness(law, modulus, radius)
+def length_of(table, p):
+    """Second constant (m) of the law for contact p, zero where the law has none."""
+    if LONG:
+        return table[p + LENGTH]
+    return 0.0
 
 
-@optional
-def entry(array, p):
-    """What an array has for contact p, where there is one."""
-    return array[p]
+def average_roots(law, table, base, count, dt, lanes):
+    """The mean over the step of the root of the law, for the dashpots of the few contacts that are
+    near touch, one by one; NO_MEAN of all others."""
+    widest_vectors()
+    near = 0
+    for q in range(count):
+        k = np.uint64(q)
+        overlap, change = lanes[k + OVERLAP], 0.5 * dt * abs(lanes[k + V_NORMAL])
+        lanes[k + MEAN_ROOT] = NO_MEAN
+        near += (-change < overlap) & (overlap < NEAR * change)
+    if near > 0:
+        for q in range(count):
+            k = np.uint64(q)
+            overlap, change = lanes[k + OVERLAP], 0.5 * dt * abs(lanes[k + V_NORMAL])
+            if -change < overlap < NEAR * change:
+                mean = mean_root(law, overlap, change, length_of(table, base + k))
+                lanes[k + MEAN_ROOT] = mean
 
 
-@inlined
-def measure_of(contacts, p, overlap):
-    """Measure of the law for contact p at an overlap (m) of zero or more."""
-    return measure(contacts.law, overlap, entry(contacts.length, p))
-
-
-@optional
-def _yielding(mass_ratio, damping, p, nx, ny, lever):
-    ratio = mass_ratio[0, p] * nx * nx + mass_ratio[1, p] * ny * ny
-    ratio = plus(ratio, times(mass_ratio[2, p], times(lever, lever)))
-    return damping[p] / math.sqrt(ratio if ratio > 0.0 else 1.0)
-
-
-@optional
-def dashpot_constant(damping, mass_ratio, p, nx, ny, lever, radius, constant):
+def dashpot_of(table, p, nx, ny, lever, constant):
     """alpha sqrt(m* K) of contact p, with the effective mass m* along its normal.
 
-    lever: of the normal about the centre of body 2 (m), None where no normal has one; radius: not None where R* is that at the contact; then `damping` lacks the root of K, `constant`.
+    lever (m): of the normal about the centre of body 2; constant: K.
     """
-    known = either(_yielding(mass_ratio, damping, p, nx, ny, lever), damping[p])
-    return either(times(given(radius, math.sqrt(constant)), known), known)
+    dashpot = table[p + DASHPOT]
+    if YIELDS:
+        ratio = table[p + MASS_X] * nx * nx + table[p + MASS_Y] * ny * ny
+        ratio += table[p + MASS_TURN] * lever * lever
+        dashpot = dashpot / math.sqrt(ratio if ratio > 0.0 else 1.0)
+    if LOCAL:
+        dashpot = math.sqrt(constant) * dashpot
+    return dashpot
 
 
-@optional
-def _root_of(mean, law, overlap, measured):
-    steady = root(law, overlap, measured)
-    return steady if mean == NO_MEAN else mean
+def rolling_stiffness(law, arm, constant):
+    """Rolling stiffness over the measure of the law: 3 (mu_r R_r)^2 times that of the normal force.
 
-
-@optional
-def damped_force(damping, elastic, root, rate):
-    return damped(elastic, root, damping, rate)
-
-
-@optional
-def friction_force(friction, contacts, p, normal, elastic, slip, account):
-    """Tangential force: see `spring_and_dashpot`, and dem.dynamics.world.COEFFICIENT."""
-    constant, measured, _, damping, mean = elastic
-    contacts.measure[p] = measured
-    limit, stiffness = friction[0, p] * normal, friction[1, p] * constant
-    dashpot = times(times(friction[2, p], damping), mean)
-    history = contacts.tangential_force
-    return spring_and_dashpot(history, p, limit, stiffness, dashpot, elastic, slip, account)
-
-
-@inlined
-def stiffness_of(contacts, p, radius):
-    """K of contact p; radius: R* (m) there, None where the pair has one."""
-    constant = contacts.stiffness[p]
-    return either(_local_stiffness(radius, contacts.law, constant), constant)
-
-
-@inlined
-def relative_velocity(one, two, geometry):
-    """Velocity of body 2 relative to body 1 at the contact, along n and along t, and its spin.
-
-    one, two: velocity x, y (m/s) and spin (rad/s; None where nothing turns), or their changes to
-    the full step.
+    arm: mu_r R_r (m); constant: of the law.
     """
-    _, nx, ny, n1, t1, n2, t2, _ = geometry
-    gx, gy = two[0] - one[0], two[1] - one[1]
-    v_normal = plus(minus(gx * nx + gy * ny, times(t2, two[2])), times(t1, one[2]))
-    v_tangent = minus(minus(gy * nx - gx * ny, times(n2, two[2])), times(n1, one[2]))
-    return v_normal, v_tangent, minus(two[2], one[2])
+    return 3.0 * arm * arm * slope(law, constant, 1.0)
 
 
-@inlined
-def respond(contacts, p, geometry, velocity, change, mean, dt, account):
-    """Forces N and T (N) and moment M (N m) of contact p, and powers (W) that dashpots, tangential
-    springs and rolling springs take.
+def respond(law, table, base, count, dt, lanes):
+    """Forces and torques of a block over a step (s), and what its springs remember.
 
-    T is None without friction, M without rolling resistance, the powers without an energy ledger.
-    velocity, change: from relative_velocity, of the half step and to the full step. Where nothing
-    turns change is None: the velocity is that of the full step, and no slip follows from it. mean:
-    of the root of the law over the step, for the dashpot; NO_MEAN where that at the overlap serves,
-    None without a dashpot. Bodies that do not touch remember nothing, and feel nothing but the
-    dashpot if they touch within half a step: their overlap counts as zero in the law.
+    Bodies that do not touch remember nothing, and feel nothing but the dashpot if they touch within
+    half a step: their overlap counts as zero in the law. Springs are capped first, then spring and
+    dashpot, so that friction does no positive work.
     """
-    overlap = max(geometry.overlap, 0.0)
-    measured = measure_of(contacts, p, overlap)
-    constant = stiffness_of(contacts, p, geometry.radius)
-    elastic = force(contacts.law, constant, overlap, measured)
-    mean = _root_of(mean, contacts.law, overlap, measured)
-    rate = -plus(velocity[0], change[0])
-    nx, ny, lever, radius = geometry.nx, geometry.ny, geometry.t2, geometry.radius
-    damping = dashpot_constant(
-        contacts.damping, contacts.mass_ratio, p, nx, ny, lever, radius, constant
-    )
-    normal = either(damped_force(damping, elastic, mean, rate), elastic)
-    damped_normal = dissipated_power(given(damping, account), normal - elastic, -rate)
-    last = entry(contacts.measure, p)  # before friction overwrites it
-    springs = constant, measured, last, damping, mean
-    tangential, damped_tangential, slid = either(
-        friction_force(
-            contacts.friction,
-            contacts,
-            p,
-            normal,
-            springs,
-            (velocity[1] * dt, plus(velocity[1], change[1])),
-            account,
-        ),
-        (None, None, None),
-    )
-    moment, damped_rolling, rolled = either(
-        rolling_moment(
-            contacts.rolling,
-            contacts,
-            p,
-            normal,
-            springs,
-            (times(velocity[2], dt), plus(velocity[2], change[2])),
-            account,
-        ),
-        (None, None, None),
-    )
-    damped = plus(plus(damped_normal, damped_tangential), damped_rolling)
-    return normal, tangential, moment, damped, slid, rolled
+    widest_vectors()
+    if DAMPING:
+        average_roots(law, table, base, count, dt, lanes)
+    for q in range(count):
+        k = np.uint64(q)
+        p = base + k
+        nx, ny, overlap = lanes[k + NX], lanes[k + NY], max(lanes[k + OVERLAP], 0.0)
+        measured, constant = measure(law, overlap, length_of(table, p)), table[p + STIFFNESS]
+        if LOCAL:
+            constant = stiffness(law, constant, lanes[k + RADIUS])
+        elastic = force(law, constant, overlap, measured)
+        normal = elastic
+        damped = 0.0
+        if DAMPING:
+            mean = lanes[k + MEAN_ROOT]
+            steady = root(law, overlap, measured)
+            mean = steady if mean == NO_MEAN else mean
+            rate = lanes[k + V_NORMAL]
+            if TURNS:
+                rate = rate + lanes[k + DV_NORMAL]
+            lever = lanes[k + T2] if LEVERS else 0.0
+            dashpot = dashpot_of(table, p, nx, ny, lever, constant)
+            normal = max(elastic + dashpot * mean * -rate, 0.0)
+            damped = -(normal - elastic) * rate
+        fx, fy = normal * nx, normal * ny
+        tangential = 0.0
+        if FRICTION:
+            last = table[p + MEASURE]
+            table[p + MEASURE] = measured
+            limit, slip = table[p + COEFFICIENT] * normal, lanes[k + V_TANGENT]
+            spring = spring_after(
+                table[p + TANGENTIAL_FORCE],
+                measured,
+                last,
+                table[p + FRICTION_STIFFNESS] * constant,
+                slip * dt,
+            )
+            spring = capped(spring, limit)
+            table[p + TANGENTIAL_FORCE] = spring
+            if TURNS:
+                slip = slip + lanes[k + DV_TANGENT]
+            tangential = spring
+            if DAMPING:
+                tangential = spring - table[p + FRICTION_DASHPOT] * dashpot * mean * slip
+            tangential = capped(tangential, limit)
+            if LEDGER:
+                damped = damped - (tangential - spring) * slip
+                lanes[k + SLID] = -spring * slip
+            fx, fy = fx - tangential * ny, fy + tangential * nx
+        moment = 0.0
+        if ROLLING:
+            arm, spin = table[p + ARM], lanes[k + SPIN]
+            limit = arm * normal
+            spring = spring_after(
+                table[p + ROLLING_MOMENT],
+                measured,
+                last,
+                rolling_stiffness(law, arm, constant),
+                spin * dt,
+            )
+            spring = capped(spring, limit)
+            table[p + ROLLING_MOMENT] = spring
+            spin = spin + lanes[k + D_SPIN]
+            moment = capped(spring - table[p + ROLLING_DASHPOT] * mean * spin, limit)
+            if LEDGER:
+                damped = damped - (moment - spring) * spin
+                lanes[k + ROLLED] = -spring * spin
+        if LEDGER:
+            lanes[k + DAMPED] = damped
+        lanes[k + FORCE_X], lanes[k + FORCE_Y] = fx, fy
+        if TURNS:
+            one = two = 0.0
+            if LEVERS:
+                one, two = lanes[k + T1] * normal, -lanes[k + T2] * normal
+            if FRICTION:
+                one, two = one - lanes[k + N1] * tangential, two - lanes[k + N2] * tangential
+            lanes[k + TORQUE_1], lanes[k + TORQUE_2] = one - moment, two + moment
+
+
+def add_losses(account, count, lanes):
+    """Add up what a block of contacts loses (W)."""
+    for q in range(count):
+        k = np.uint64(q)
+        account[POWER_DAMPED] += lanes[k + DAMPED]
+        if FRICTION:
+            account[POWER_SPRINGS] += lanes[k + SLID]
+        if ROLLING:
+            account[POWER_ROLLING] += lanes[k + ROLLED]
+
+
+def accumulate(numbers, at, count, lanes, flat):
+    """Add the forces of a block to both constituents of each pair.
+
+    flat: rows of force, one after the other. To keep the sum of one constituent in registers from
+    pair to pair takes longer: each pair must choose which sum it adds to.
+    """
+    for q in range(count):
+        k = np.uint64(q)
+        fx, fy = lanes[k + FORCE_X], lanes[k + FORCE_Y]
+        one = two = 0.0
+        if TURNS:
+            one, two = lanes[k + TORQUE_1], lanes[k + TORQUE_2]
+        add_four(flat, FOUR * np.uint64(numbers[at + TARGET + k]), fx, fy, two, 0.0)
+        add_four(flat, FOUR * np.uint64(numbers[at + k]), -fx, -fy, one, 0.0)
+
+
+def load_boundaries(numbers, at, count, walls, lanes, flat, on, loads):
+    """Add the forces of a block to constituents, and sum up those on boundaries.
+
+    on, loads: Boundaries.force and Boundaries.contact_forces; walls: how many there are.
+    """
+    for q in range(count):
+        k = np.uint64(q)
+        b = np.int64(numbers[at + TARGET + k])
+        fx, fy, nx, ny = lanes[k + FORCE_X], lanes[k + FORCE_Y], lanes[k + NX], lanes[k + NY]
+        one = two = 0.0
+        if TURNS:
+            one, two = lanes[k + TORQUE_1], lanes[k + TORQUE_2]
+        add_four(flat, FOUR * np.uint64(numbers[at + k]), -fx, -fy, one, 0.0)
+        normal = fx * nx + fy * ny
+        hx, hy = normal * nx, normal * ny
+        tx, ty = fx - hx, fy - hy
+        on[b, 0] += hx + tx
+        on[b, 1] += hy + ty
+        if b < walls:
+            loads[b, 0] += normal
+            loads[b, 3] += fy * nx - fx * ny  # along (-ny, nx)
+        else:
+            loads[b, 0] += hx
+            loads[b, 1] += hy
+            loads[b, 2] += tx
+            loads[b, 3] += ty
+            on[b, 2] += two
+            loads[b, 4] += two

@@ -11,27 +11,33 @@ from dem.contacts.force_law import (
     effective_modulus,
     effective_shear_modulus,
 )
-from dem.dynamics.boundary_motion import fastest
-from dem.dynamics.diagnostics import step_alone, usual_overlap
+from dem.contacts.layout import BLOCK, PEAK, VX, VY, W, X, Y, aligned
+from dem.dynamics.kinds import columns_of, of_positions
+from dem.dynamics.measures import fastest, steps_alone, usual_overlap
+from dem.dynamics.neighbours import Bodies, Lists, new_contacts, new_patches
+from dem.dynamics.step import work
+from dem.dynamics.system import System
 from dem.dynamics.world import (
     ALPHA,
+    CIRCLES,
     DAMPING,
     DRIVE,
     EXTERNAL_FORCE,
     FRICTION,
     INVERSE_MASS,
     LAW,
+    OUTLINES,
     PATCH,
+    POLYGONS,
+    WALLS,
     Boundaries,
-    Contacts,
+    Constituents,
     Faces,
-    HeldGroups,
-    Patches,
-    Surface,
+    Granules,
+    Held,
     World,
+    number_of_patches,
 )
-from dem.jit.block_memory import make_lanes
-from dem.jit.columns import VX, VY, W, X, Y, rows
 from dem.laws.protocol import length, slope
 from dem.motion import Drive, PrescribedMotion, Turn
 from dem.periodic import wrapped
@@ -53,10 +59,6 @@ class GranuleTable(NamedTuple):
 
     Attributes
     ----------
-    law : tuple
-        The law of contacts, as kernels take it.
-    alone : bool
-        Whether each granule is its own only constituent.
     arm : ndarray of shape (n,)
         Bound of the distances of centres of constituents from that of the granule (m).
     radius : ndarray of shape (constituents,)
@@ -72,12 +74,8 @@ class GranuleTable(NamedTuple):
         adds, over k delta.
     bulk : float
         Of the law (dem.laws.protocol.Law).
-    skin : float
-        Skin of the neighbour lists (m).
     fraction : float
         Time step over the critical one, without unit.
-    period : tuple of float
-        Period along x and y (m), 0 where the scene does not repeat itself.
     laws : ndarray of shape (s + w + k, s, 6)
         Constants of contacts of a granule of each of s materials (second axis) with one of each
         material, then with each wall and solid: see dem.dynamics.world.MODULUS.
@@ -91,14 +89,13 @@ class GranuleTable(NamedTuple):
         Modulus of the law for two granules (Pa or N/m); the greatest.
     mean_radius, mean_mass : float
         Means (m, kg).
-    held : ndarray of shape (constituents,) or None
+    held : ndarray of shape (constituents,)
         Which are held.
-    rolling : tuple of float or None
-        Coefficients of rolling resistance with granules, walls and solids, and the damping ratio.
+    rolling : tuple of float
+        Coefficients of rolling resistance with granules, walls and solids, and the damping ratio;
+        zeros without.
     """
 
-    law: tuple
-    alone: bool
     arm: np.ndarray
     radius: np.ndarray
     bounding: np.ndarray
@@ -106,9 +103,7 @@ class GranuleTable(NamedTuple):
     mobility: float
     bend: np.ndarray
     bulk: float
-    skin: float
     fraction: float
-    period: tuple[float, float]
     laws: np.ndarray
     species: np.ndarray
     solid_radius: np.ndarray
@@ -116,8 +111,8 @@ class GranuleTable(NamedTuple):
     modulus: float
     mean_radius: float
     mean_mass: float
-    held: np.ndarray | None
-    rolling: tuple[float, float, float, float] | None
+    held: np.ndarray
+    rolling: tuple[float, float, float, float]
 
 
 def widest_skins(scene: Scene) -> list[float]:
@@ -126,32 +121,31 @@ def widest_skins(scene: Scene) -> list[float]:
     return [0.25 * (period - 2.0 * reach(scene)) for period in scene.periodic or () if period]
 
 
-def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTable:
-    """GranuleTable of a scene; skin as a share of the mean bounding radius, fraction of the
-    critical step."""
+def skin_of(scene: Scene, share: float) -> float:
+    """Skin (m) for a share of the mean bounding radius, at most the widest."""
+    mean = scene.shape.constituent_bounding_radius.mean()
+    return min([float(share * mean), *widest_skins(scene)])
+
+
+def granule_table(scene: Scene, fraction: float = 1.0) -> GranuleTable:
+    """GranuleTable of a scene; fraction: time step over the critical one."""
     shape, (inverse_mass, inverse_inertia) = scene.shape, mobilities(scene)
     laws, count = laws_of(scene), len(scene.materials)
     bounding, owner, arm = shape.constituent_bounding_radius, shape.owner, np.zeros(scene.granules)
     np.maximum.at(arm, owner, shape.bounding_radius[owner] - bounding)
-    x, y = scene.periodic or (None, None)
     solid_radius = np.zeros(len(scene.walls) + len(scene.solids))
     for b, solid in enumerate(scene.solids, len(scene.walls)):
         if not isinstance(solid.outline, Polygon):
             solid_radius[b] = solid.outline.constituent_radius[0]
     return GranuleTable(
-        # values that are None would be another type: these constants follow from `laws`
-        law=scene.law._replace(**{k: 0.0 for k, v in scene.law._asdict().items() if v is None}),
-        alone=is_alone(shape),
         arm=arm,
         radius=shape.constituent_radius,
         bounding=bounding,
         mass=scene.mass[owner],
         mobility=float((inverse_mass + shape.bounding_radius**2 * inverse_inertia).max()),
         bend=scene.law.bulk * shape.normal_bend * inverse_inertia,
-        bulk=scene.law.bulk,
-        skin=min([float(skin * bounding.mean()), *widest_skins(scene)]),
+        bulk=float(scene.law.bulk),
         fraction=float(fraction),
-        period=(x or 0.0, y or 0.0),
         laws=laws,
         species=scene.species.copy(),
         solid_radius=solid_radius,
@@ -159,8 +153,8 @@ def granule_table(scene: Scene, skin: float, fraction: float = 1.0) -> GranuleTa
         modulus=max(modulus(scene, material, material) for material in scene.materials),
         mean_radius=float(shape.constituent_radius.mean()),
         mean_mass=float(scene.mass.mean()),
-        held=scene.is_held[owner] if scene.held else None,
-        rolling=astuple(scene.rolling) if scene.rolling else None,
+        held=scene.is_held[owner] if scene.held else np.zeros(len(owner), bool),
+        rolling=astuple(scene.rolling) if scene.rolling else (0.0, 0.0, 0.0, 0.0),
     )
 
 
@@ -249,9 +243,9 @@ def boundaries(scene: Scene) -> Boundaries:
     motions = [wall.motion for wall in scene.walls]
     motions += [solid.velocity for solid in solids]
     motions += [group.motion for group in scene.held]
-    r = len(motions)
+    r, bodies = len(motions), walls + len(solids)
     paths = [waypoints_of(motion) for motion in motions]
-    moved, drive, angle, reach = rows(r, 8), np.zeros((r, DRIVE)), np.zeros(r), np.zeros(r)
+    moved, drive, angle, reach = aligned(r, 8), np.zeros((r, DRIVE)), np.zeros(r), np.zeros(bodies)
     for b, motion in enumerate(motions):
         if isinstance(motion, Drive):
             moved[b, [VX, VY]] = motion.velocity
@@ -274,12 +268,12 @@ def boundaries(scene: Scene) -> Boundaries:
             if len(path):
                 moved[b, column] = np.interp(0.0, path[:, 0], path[:, 1 + column - VX])
     return Boundaries(
+        planes=scene.planes,
         motion=moved,
         angle=angle,
-        orientation=np.column_stack([np.cos(angle), np.sin(angle)]) if reach.any() else None,
         reach=reach,
-        reference=np.zeros((r, 3)),
-        force=rows(r, 4),
+        reference=np.zeros((bodies, 3)),
+        force=aligned(r, 4),
         contact_forces=np.zeros((r, 5)),
         impulses=np.zeros((r, 5)),
         previous_acceleration=np.zeros((r, 3)),
@@ -290,56 +284,15 @@ def boundaries(scene: Scene) -> Boundaries:
     )
 
 
-def held_groups(scene: Scene, bodies: np.ndarray, motion: np.ndarray) -> HeldGroups | None:
+def held_groups(scene: Scene, bodies: np.ndarray, motion: np.ndarray) -> Held:
     """The groups of a scene, whose granules take their velocities (of Boundaries.motion) at
     once."""
-    if not scene.held:
-        return None
     first, group = len(motion) - len(scene.held), np.full(scene.granules, -1)
     for b, held in enumerate(scene.held):
         group[held.granules] = first + b
     member = np.flatnonzero(group >= 0)
     bodies[np.ix_(member, [VX, VY])] = motion[np.ix_(group[member], [VX, VY])]
-    return HeldGroups(first, group, member, bodies[np.ix_(member, [X, Y])])
-
-
-def contacts(
-    scene: Scene, table: GranuleTable, yields: bool, partner: str = "granule", shape=None
-) -> Contacts:
-    """The contacts of granules with granules, walls or solids, none yet: see
-    dem.dynamics.neighbor_list.
-
-    yields: whether forces move a boundary that may be part of them; shape: of the contact search,
-    that of the granules if absent.
-    """
-    index, numbers = np.empty(0, np.uint32), np.empty(0)
-    rolls = table.rolling is not None
-    damped, rough = rolls or table.laws[..., ALPHA].any(), rolls or has_friction(table.laws)
-    memory = numbers if rough else None
-    remembers = (scene.shape if shape is None else shape).guesses
-    guesses = numbers if partner != "wall" and remembers else None
-    x, y = (0.0, 0.0) if partner == "wall" else table.period
-    return Contacts(
-        first=np.zeros(len(table.radius) + 1, np.uint32) if partner == "granule" else None,
-        constituent=index,
-        partner=index,
-        force_row=index,
-        law=table.law,
-        stiffness=numbers,
-        length=None if length(table.law, 1.0, 1.0, 1.0, 1.0) is None else numbers,
-        damping=numbers if damped else None,
-        mass_ratio=np.empty((3, 0)) if damped and yields else None,
-        friction=np.empty((3, 0)) if rough else None,
-        tangential_force=memory,
-        measure=memory,
-        rolling=np.empty((2, 0)) if rolls else None,
-        rolling_moment=numbers if rolls else None,
-        normal_x=guesses,
-        normal_y=guesses,
-        shift_x=numbers if x else None,
-        shift_y=numbers if y else None,
-        sizes=np.empty((0, 0)) if partner == "granule" and scene.shape.lists_sizes else None,
-    )
+    return Held(group, member, bodies[np.ix_(member, [X, Y])])
 
 
 def meeting(outlines, shape):
@@ -351,86 +304,149 @@ def meeting(outlines, shape):
     return outlines._replace(contact=shape.contact, hertz_radius=shape.hertz_radius)
 
 
-def yielding(moving: Boundaries) -> np.ndarray:
-    """Whether normal forces move each boundary (r,), or turn it."""
+def yields(moving: Boundaries) -> bool:
+    """Whether normal forces move any boundary, or turn it."""
     inverse = moving.drive[:, INVERSE_MASS : INVERSE_MASS + 3]
-    return inverse[:, :2].any(axis=1) | (inverse[:, 2] * moving.reach > 0.0)
+    turned = inverse[: len(moving.reach), 2] * moving.reach
+    return bool(inverse[:, :2].any() or turned.any())
 
 
-def surfaces(scene: Scene, table: GranuleTable, yields: bool) -> dict[str, Surface | None]:
-    """Walls, and solids by their outlines, as members of a World."""
-    walls = len(scene.walls)
+def sections_of(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """Section of the list of each wall and solid, and radius (m) of the circle that holds it."""
+    sections, sizes = [WALLS] * len(scene.walls), [0.0] * len(scene.walls)
+    for solid in scene.solids:
+        is_polygon = isinstance(solid.outline, Polygon)
+        sections.append(CIRCLES if solid.is_round else POLYGONS if is_polygon else OUTLINES)
+        sizes.append(solid.radius)
+    return np.array(sections, np.int64), np.array(sizes, float)
+
+
+def faces_of(scene: Scene) -> Faces:
+    """Faces of the polygons of a scene."""
+    r = len(scene.walls) + len(scene.solids) + len(scene.held)
+    first, radius, rows = np.zeros(r + 1, np.int64), np.zeros(r), [np.empty((0, 5))]
+    for b, solid in enumerate(scene.solids, len(scene.walls)):
+        if isinstance(solid.outline, Polygon):
+            radius[b], first[b + 1] = solid.outline.radius, len(solid.outline.faces)
+            rows.append(solid.outline.faces)
+    return Faces(np.cumsum(first), np.concatenate(rows), radius)
+
+
+def outlines_of(scene: Scene, sections: np.ndarray):
+    """The granules, and solids with the outline of a granule; the numbers of outlines of both: of
+    constituents, then of boundaries (c + r, s)."""
+    shape, walls = scene.shape, len(scene.walls)
     r = walls + len(scene.solids) + len(scene.held)
-    radius, rounding, first = np.zeros(r), np.zeros(r), np.zeros(r + 1, np.int64)
-    circles, polygons, faces, others = [], [], [], {}
+    like = [
+        solid.outline
+        for s, solid in zip(sections[walls:], scene.solids, strict=True)
+        if s == OUTLINES
+    ]
+    solids = meeting(like[0].appended(*like[1:]), shape) if like else shape
+    of_granules = np.zeros((len(shape.owner) + r, shape.outlines.shape[1]))
+    of_solids = np.zeros((len(of_granules), solids.outlines.shape[1]))
+    of_granules[: len(shape.owner)] = shape.outlines
+    bodies = of_granules[len(shape.owner) :]
     for b, solid in enumerate(scene.solids, walls):
-        outline = solid.outline
-        if solid.is_round:
-            circles.append(b)
-            radius[b] = solid.radius
-        elif isinstance(outline, Polygon):
-            polygons.append(b)
-            rounding[b], first[b + 1] = outline.radius, len(outline.faces)
-            faces.append(outline.faces)
-        else:
-            others[b] = outline
+        if sections[b] == CIRCLES:
+            bodies[b] = shape.circle_outline(solid.radius)
+        elif sections[b] == POLYGONS:
+            bodies[b] = shape.circle_outline(solid.outline.radius)
+    if like:
+        own = type(solids) is type(shape)
+        rows = shape.outlines if own else map(solids.circle_outline, shape.constituent_radius)
+        of_solids[: len(shape.owner)] = [*rows]
+        of_solids[len(shape.owner) + np.flatnonzero(sections == OUTLINES)] = solids.outlines
+    return solids, of_granules, of_solids
 
-    def surface(boundary, partner="solid", **outline) -> Surface:
-        listed = contacts(scene, table, yields, partner, outline.get("outlines"))
-        forms = dict.fromkeys(("planes", "radius", "outlines", "faces")) | outline
-        return Surface(boundary=np.array(boundary, np.int64), **forms, contacts=listed)
 
-    members = {
-        "walls": surface(range(walls), "wall", planes=scene.planes),
-        "circles": surface(circles, radius=radius),
-        "outlines": None,
-        "polygons": None,
+def flags_of(scene: Scene, table: GranuleTable, moving: Boundaries, sections, solids) -> dict:
+    """What a scene has: see dem.dynamics.kinds."""
+    shape, rolls, rough = scene.shape, scene.rolling is not None, has_friction(table.laws)
+    damps = rolls or bool(table.laws[..., ALPHA].any())
+    others = bool((sections == OUTLINES).any()), bool((sections == POLYGONS).any())
+    return {
+        "FRICTION": rolls or rough,
+        "DAMPING": damps,
+        "TURNS": can_turn(scene, table.laws) or shape.needs_angle,
+        "ROTATES": shape.needs_angle,
+        "LEVERS": shape.oriented or any(others),
+        "ORIENTED": shape.oriented,
+        "COMPOSED": not is_alone(shape),
+        "GUESSES": bool(shape.guesses or (others[0] and solids.guesses)),
+        "ROLLING": rolls,
+        "LOCAL": bool(shape.local_radius),
+        "LONG": length(scene.law, 1.0, 1.0, 1.0, 1.0) != 0.0,
+        "PERIODIC": any(scene.periodic or ()),
+        "YIELDS": damps and yields(moving),
+        "WITH_OUTLINES": others[0],
+        "WITH_POLYGONS": others[1],
     }
-    if others:
-        number = np.zeros(r, np.int64)  # of the outline of each boundary
-        number[[*others]] = range(len(others))
-        one, *more = others.values()
-        outlines = meeting(one.appended(*more).take(number), scene.shape)
-        members["outlines"] = surface([*others], outlines=outlines)
-    if polygons:
-        listed = Faces(np.cumsum(first), np.concatenate(faces), rounding)
-        members["polygons"] = surface(polygons, faces=listed)
-    return members
 
 
-def assemble(scene: Scene, state: State, table: GranuleTable, accounted: bool = False) -> World:
-    """All arrays of the kernels, with empty neighbour lists; accounted: keep an energy ledger."""
-    n, index, count = scene.granules, np.empty(0, np.uint32), len(table.radius)
-    bodies, force = rows(n, 8), rows(n, 4)
-    bodies[:, [X, Y]], bodies[:, [VX, VY]] = state.position, state.velocity
-    bodies[:, W] = state.angular_velocity
+def assemble(
+    scene: Scene, state: State, table: GranuleTable, ledger: bool = False, task=work
+) -> System:
+    """The arrays of a scene, its kernels and what makes its lists; no list is made yet. task: see
+    System."""
+    n, c = scene.granules, len(table.radius)
+    moving, (sections, sizes) = boundaries(scene), sections_of(scene)
     inverse_mass, inverse_inertia = mobilities(scene)
-    turns = can_turn(scene, table.laws)
-    turned = np.column_stack([np.cos(state.angle), np.sin(state.angle)])
-    moving, none = boundaries(scene), np.zeros(0, np.int64)
-    yields = yielding(moving)
-    pairs = contacts(scene, table, yields[len(yields) - len(scene.held) :].any())
-    return World(
-        shape=scene.shape,
-        bodies=bodies,
-        angle=state.angle,
-        orientation=turned if scene.shape.needs_angle else None,
-        inverse_mass=inverse_mass,
-        # None is a type, and zeros let round ellipses keep theirs
-        inverse_inertia=inverse_inertia * turns if turns or scene.shape.needs_angle else None,
-        force=force,
-        constituents=bodies if table.alone else rows(count, 8),
-        constituent_force=force if table.alone else rows(count, 4),
-        reference=np.zeros((count, 2)),
-        previous_acceleration=None if pairs.damping is None else rows(n, 4),
-        pairs=pairs,
-        boundaries=moving,
-        **surfaces(scene, table, yields.any()),
-        gravity=scene.gravity or (0.0, 0.0),
-        lanes=make_lanes(accounted),
-        patches=Patches(index, index, none, none) if n > PATCH else None,
-        held=held_groups(scene, bodies, moving.motion),
+    solids, of_granules, of_solids = outlines_of(scene, sections)
+    flags = flags_of(scene, table, moving, sections, solids)
+    flags |= {"FULL": flags["DAMPING"] and not flags["TURNS"], "LEDGER": ledger}
+    where = columns_of(flags, scene.shape, solids)
+    columns = of_positions(flags, where, of_granules.shape[1], of_solids.shape[1])
+    r, alone = len(moving.motion), is_alone(scene.shape)
+    motion, force = aligned(c + r, 8), aligned(c + r, 4)
+    bodies, pushed = (motion, force) if alone else (aligned(n, 8), aligned(n, 4))
+    bodies[:n, [X, Y]], bodies[:n, [VX, VY]] = state.position, state.velocity
+    bodies[:n, W] = state.angular_velocity
+    turned = np.concatenate([state.angle, moving.angle])
+    owner = scene.shape.owner
+    patches = number_of_patches(n)
+    x, y = scene.periodic or (None, None)
+    bodies_listed = Bodies(
+        radius=table.bounding,
+        held=table.held,
+        sections=sections,
+        sizes=sizes,
+        outlines=of_granules,
+        others=of_solids,
+        period=(x or 0.0, y or 0.0),
     )
+    world = World(
+        shape=scene.shape,
+        outlines=solids,
+        # values that are None would be another type: these constants follow from `laws`
+        law=scene.law._replace(**{k: 0.0 for k, v in scene.law._asdict().items() if v is None}),
+        granules=Granules(
+            motion=bodies,
+            angle=state.angle,
+            inverse_mass=inverse_mass,
+            # zeros let round ellipses keep their angles
+            inverse_inertia=inverse_inertia * can_turn(scene, table.laws),
+            force=pushed,
+            previous_acceleration=aligned(n, 4),
+        ),
+        constituents=Constituents(
+            motion=motion,
+            orientation=np.column_stack([np.cos(turned), np.sin(turned)]),
+            force=force,
+            reference=np.zeros((c, 2)),
+            first=np.searchsorted(owner, np.arange(n + 1)),
+            owner=owner,
+            place=np.zeros((c, 2)) if alone else np.ascontiguousarray(scene.shape.places),
+        ),
+        contacts=new_contacts(0, columns.all // BLOCK, patches),
+        boundaries=moving,
+        faces=faces_of(scene),
+        held=held_groups(scene, bodies[:n], moving.motion),
+        patches=new_patches(0, patches),
+        gravity=np.array(scene.gravity or (0.0, 0.0), float),
+        account=np.zeros(PEAK + 1),
+    )
+    return System(world, table, flags, Lists(bodies_listed, columns), task)
 
 
 # Order in memory: that of Morton (1966), the bits of two cell numbers interleaved, so that a patch
@@ -475,7 +491,7 @@ def skin_for(scene, world, table, time_step: float | None) -> float:
     """
     squared = (world.bodies[:, [VX, VY]] ** 2).sum(axis=1).mean()
     speed = math.sqrt(max(9.0 * float(squared), fastest(world.boundaries)))
-    usual = step_alone(table, usual_overlap(table, speed), table.fraction)
+    usual = steps_alone(world.law, table, usual_overlap(world.law, table, speed))[1]
     step, size = time_step or usual, table.bounding.mean()
     wanted = np.clip(math.sqrt(REBUILD_COST * speed * step * size), SKIN * size, WIDEST * size)
     return min([float(wanted), *widest_skins(scene)])

@@ -5,8 +5,8 @@ from dataclasses import is_dataclass
 
 import numpy as np
 
-# of a World: what the scene holds, and what part step writes before it reads
-LEFT_OUT = "world.shape.", "world.lanes.motion", "world.lanes.values"
+# of a World: what the scene holds
+LEFT_OUT = "world.shape.", "world.outlines."
 
 
 def mapped(tree, change, path=""):
@@ -70,3 +70,14 @@ def replaced(tree, arrays, path):
         return np.array(saved) if isinstance(part, np.ndarray) else type(part)(saved)
 
     return mapped(tree, taken, path)
+
+
+def restored(system, saved):
+    """The arrays of a checkpoint; one array for granules and constituents where they are alone."""
+    world = replaced(system.world, saved, "world")
+    if not system.alone:
+        return world
+    granules = world.granules._replace(
+        motion=world.constituents.motion, force=world.constituents.force
+    )
+    return world._replace(granules=granules)

@@ -1,4 +1,4 @@
-"""The contacts of a bed as they are now: geometry, summary, and a list with all forces.
+"""The contacts of a bed as they are now, as a list with all forces.
 
 Output only: the integrator does not read it.
 """
@@ -7,139 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.contacts.blocks import last_normal, put, shifted
-from dem.contacts.response import NO_MEAN, measure_of, respond, stiffness_of
-from dem.dynamics.checkpoint import copied
-from dem.dynamics.world import Surface
-from dem.jit.columns import VX, VY, W, X, Y
-from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import either, given
-from dem.laws.protocol import force
-from dem.shapes.polygon import polygon_contact
-from dem.shapes.protocol import (
-    ContactGeometry,
-    circle,
-    outline,
-    outline_among,
-    solve_contact,
-    support,
-)
-
-# members of Contacts on which no force depends
-NOT_OF_RESPONSE = [
-    "first",
-    "normal_x",
-    "normal_y",
-    "shift_x",
-    "shift_y",
-    "sizes",
-    "rolling",
-    "rolling_moment",
-]
-
-
-@compiled(allocates=True)
-def geometries(shape, motion, orientation, others, frames, surface):
-    """Rows (m, 6), one per listed contact with a surface, or between granules (`pairs_of`), seen
-    from its constituent: overlap (m; negative: a gap), normal, arms n1 and t1 (m), and
-    constant K of the law. others: motion of the partners; frames: Boundaries.orientation."""
-    contacts, planes, radius = surface.contacts, surface.planes, surface.radius
-    outlines, faces = surface.outlines, surface.faces
-    rows = np.empty((contacts.constituent.shape[0], 6))
-    for p in range(rows.shape[0]):
-        i, j = contacts.constituent[p], contacts.partner[p]
-        one, x, y = outline(shape, i, orientation), motion[i, X], motion[i, Y]
-        dx, dy = shifted(contacts, p, others[j, X] - x, others[j, Y] - y)
-        guess = last_normal(contacts, p)
-        if planes is not None:
-            nx, ny = planes[j, 0], planes[j, 1]
-            reach, t1, rho = support(shape, one, nx, ny)
-            overlap = reach + x * nx + y * ny - planes[j, 2]
-            contact = overlap, nx, ny, reach - 0.5 * overlap, t1, None, None, rho
-        elif radius is not None:
-            contact = solve_contact(shape, dx, dy, one, circle(shape, radius[j]), guess)
-        elif outlines is not None:
-            one = outline_among(outlines, shape, i, orientation)
-            contact = solve_contact(outlines, dx, dy, one, outline(outlines, j, frames), guess)
-        elif faces is not None:
-            contact = polygon_contact(faces, j, frames, shape, one, dx, dy, guess)
-        else:
-            contact = solve_contact(shape, dx, dy, one, outline(shape, j, orientation), guess)
-        overlap, nx, ny, n1, t1, _, _, rho = contact
-        # number by number, because a row brings in the text of its error message
-        rows[p, 0], rows[p, 1], rows[p, 2], rows[p, 3] = overlap, nx, ny, n1
-        rows[p, 4], rows[p, 5] = either(t1, 0.0), stiffness_of(contacts, p, rho)
-    return rows
-
-
-@inlined
-def pairs_of(world):
-    """Contacts between granules as a Surface."""
-    none = world.boundaries.first_waypoint
-    return Surface(
-        boundary=none, planes=None, radius=None, outlines=None, faces=None, contacts=world.pairs
-    )
-
-
-def measured(world):
-    """Contacts between granules, then those with solids and walls: the Surface, motion of the
-    partners, and the geometries."""
-    partners = [(pairs_of(world), world.constituents)]
-    for surface in (world.circles, world.outlines, world.polygons, world.walls):
-        if surface is not None and len(surface.boundary):
-            partners.append((surface, world.boundaries.motion))
-    for surface, motion in partners:
-        rows = geometries(
-            world.shape,
-            world.constituents,
-            world.orientation,
-            motion,
-            world.boundaries.orientation,
-            surface,
-        )
-        yield surface, motion, rows
-
-
-@inlined
-def deeper(worst, overlap, i, size):
-    """Greater of two relative overlaps, each with the granule it belongs to; NaN wins."""
-    relative = overlap / size
-    if relative <= worst[0] or worst[0] != worst[0]:
-        return worst
-    return relative, i
-
-
-@inlined
-def deepest_of(surface, others, world, table, worst):
-    """How many contacts of a surface, or between granules, touch, and the greater of `worst` and of
-    their relative overlaps; others: motion of the partners."""
-    touching = 0
-    if surface is not None:
-        contacts, frames = surface.contacts, world.boundaries.orientation
-        motion, orientation = world.constituents, world.orientation
-        rows = geometries(world.shape, motion, orientation, others, frames, surface)
-        for p in range(rows.shape[0]):
-            if not rows[p, 0] <= 0.0:
-                i, j = np.int64(contacts.constituent[p]), np.int64(contacts.partner[p])
-                size = table.radius[i]
-                if contacts.first is not None:
-                    size = min(size, table.radius[j])
-                touching += 1
-                worst = deeper(worst, rows[p, 0], i, size)
-    return touching, worst
-
-
-@compiled(allocates=True)
-def contact_summary(world, table):
-    """Number of pairs of constituents that touch, greatest overlap over the smaller radius, its
-    constituent."""
-    none, others = (0.0, 0), world.boundaries.motion
-    touching, worst = deepest_of(pairs_of(world), world.constituents, world, table, none)
-    worst = deepest_of(world.walls, others, world, table, worst)[1]
-    worst = deepest_of(world.circles, others, world, table, worst)[1]
-    worst = deepest_of(world.outlines, others, world, table, worst)[1]
-    worst = deepest_of(world.polygons, others, world, table, worst)[1]
-    return touching, worst[0], worst[1]
+from dem.contacts.layout import BLOCK
+from dem.dynamics.scan import ALONG_X, ALONG_Y, ARM_N1, ARM_T1, ELASTIC, GAP, PUSH_X, PUSH_Y
+from dem.dynamics.step import RESPOND
+from dem.dynamics.world import PAIRS, WALLS
 
 
 class ContactList(NamedTuple):
@@ -186,89 +57,74 @@ class ContactList(NamedTuple):
     rolling_moment: np.ndarray
 
 
-def number_of_solids(world) -> int:
-    solids = [world.circles, world.outlines, world.polygons]
-    return sum(len(surface.boundary) for surface in solids if surface is not None)
+RANK = np.array([0, 4, 1, 2, 3])  # of sections in the list: granules, solids, walls
 
 
-def list_contacts(world, names: np.ndarray) -> ContactList:
+def list_contacts(system, names: np.ndarray) -> ContactList:
     """All contacts of a bed; names (n,): the number of each granule of the World."""
-    parts, owner = [], world.shape.owner
-    numbers, walls = number_of_solids(world), len(world.walls.boundary)
-    for surface, motion, rows in measured(world):
-        partner = surface.contacts.partner.astype(np.int64)
-        if surface.contacts is world.pairs:
-            partner = owner[partner]
-            second, partner = world.bodies[partner], names[partner]
-        else:
-            second = motion[partner]
-            partner = -1 - partner + (walls if surface.planes is None else -numbers)
-        columns = _columns(world, names, surface.contacts, rows, partner, second)
-        parts.append([column[rows[:, 0] > 0.0] for column in columns])
-    return ContactList(*map(np.concatenate, zip(*parts, strict=True)))
+    found = [_columns(system, names, *given) for given in system.geometries(RESPOND)]
+    section, *columns = map(np.concatenate, zip(*found, strict=True))
+    order = np.argsort(RANK[section], kind="stable")
+    return ContactList(*(column[order] for column in columns))
 
 
 def partner_words(world, contacts: ContactList, granule: int) -> str:
     """What a granule meets where it overlaps most: "granule 3", "solid 0" or "wall 1"."""
     mine = np.where(contacts.granule == granule, contacts.overlap, -np.inf)
-    partner, solids = int(contacts.partner[mine.argmax()]), number_of_solids(world)
+    partner = int(contacts.partner[mine.argmax()])
+    solids = len(world.boundaries.reference) - len(world.boundaries.planes)
     if partner >= 0:
         return f"granule {partner}"
     return f"solid {-1 - partner}" if -partner <= solids else f"wall {-1 - partner - solids}"
 
 
-def _columns(world, names, listed, geometries, partner, second):
-    """Columns of ContactList for all listed contacts; second: motion of the partners."""
-    granule = world.shape.owner[listed.constituent]
-    first, centre = world.bodies[granule], world.constituents[listed.constituent][:, [X, Y]]
-    for column, shift in ((X, listed.shift_x), (Y, listed.shift_y)):
-        if shift is not None:
-            second[:, column] += shift
-    overlap, nx, ny, n1, t1, constant = geometries.T.copy()
+def _columns(system, names, begin, end, rows):
+    """Section and columns of ContactList for the touching contacts of some blocks."""
+    world, columns = system.world, system.kernels.columns
+    contacts, owner, motion = world.contacts, world.constituents.owner, world.constituents.motion
+    touching = np.arange(BLOCK) < contacts.count[begin:end, None]
+    touching &= rows[:, GAP] > 0.0
+    numbers = contacts.numbers.reshape(-1, 3, BLOCK)[begin:end].astype(np.int64)
+    constituent, body, target = (numbers[:, k][touching] for k in range(3))
+    section = np.searchsorted(contacts.first[1:], np.arange(begin, end), side="right")
+    section = np.broadcast_to(section[:, None], touching.shape)[touching]
+    table = contacts.table.reshape(-1, columns.all // BLOCK, BLOCK)[begin:end]
+
+    def column(at):
+        return table[:, at // BLOCK][touching] if at >= 0 else np.zeros(len(constituent))
+
+    walls = len(world.boundaries.planes)
+    solids, is_pair = len(world.boundaries.reference) - walls, section == PAIRS
+    granule, other = owner[constituent], owner[np.where(is_pair, body, 0)]
+    first, centre = world.bodies[granule, :2], motion[constituent, :2]
+    boundary = -1 - target + np.where(section == WALLS, -solids, walls)
+    overlap, nx, ny, n1, t1, fx, fy, elastic = (
+        rows[:, row][touching]
+        for row in (GAP, ALONG_X, ALONG_Y, ARM_N1, ARM_T1, PUSH_X, PUSH_Y, ELASTIC)
+    )
     normal, tangent = np.column_stack([nx, ny]), np.column_stack([-ny, nx])
-    point = centre + n1[:, None] * normal
-    point += t1[:, None] * tangent
-    apart = second[:, [X, Y]] - first[:, [X, Y]]
-    branch = np.where(partner[:, None] >= 0, apart, point - first[:, [X, Y]])
-    nearing = _velocity(second, point) - _velocity(first, point)
-    rates = np.column_stack([(nearing * normal).sum(axis=1), (nearing * tangent).sum(axis=1)])
-    pushed, none = np.empty((len(rates), 3)), np.zeros(len(granule))
-    # a response remembers, and the bed must not see it
-    copy = copied(listed._replace(stiffness=constant, **dict.fromkeys(NOT_OF_RESPONSE)))
-    _respond_now(copy, np.maximum(overlap, 0.0), normal, rates, pushed)
+    point = centre + n1[:, None] * normal + t1[:, None] * tangent
+    shift, flags = columns.shift, system.kernels.flags
+    images = np.column_stack([column(shift), column(shift + BLOCK if shift >= 0 else -1)])
+    branch = np.where(is_pair[:, None], world.bodies[other, :2] + images, point) - first
     return (
+        section,
         names[granule],
-        partner,
+        np.where(is_pair, names[other], boundary),
         point,
         normal,
         branch,
         overlap,
-        pushed[:, 2],
-        none if listed.tangential_force is None else listed.tangential_force,
-        pushed[:, :1] * normal + pushed[:, 1:2] * tangent,
-        none if listed.rolling_moment is None else listed.rolling_moment,
+        elastic,
+        column(columns.history if flags["FRICTION"] else -1),
+        np.column_stack([fx, fy]),
+        column(columns.history + 2 * BLOCK if flags["ROLLING"] else -1),
     )
 
 
-def _velocity(motion, point):
-    """Velocity (m, 2) in m/s of bodies at points: motion (m, 8), rows of dem.jit.columns."""
-    arm, spin = point - motion[:, [X, Y]], motion[:, [W]]
-    return motion[:, [VX, VY]] + spin * np.column_stack([-arm[:, 1], arm[:, 0]])
-
-
-@compiled
-def _respond_now(contacts, overlap, normals, rates, pushed):
-    """Fill pushed (m, 3): forces N and T (N) at relative velocities (m, 2) along n and t (m/s), and
-    the elastic part of N (N)."""
-    for p in range(overlap.shape[0]):
-        nx, ny = normals[p, 0], normals[p, 1]
-        geometry = ContactGeometry(overlap[p], nx, ny, 0.0, None, None, None, None)
-        velocity = rates[p, 0], rates[p, 1], None
-        measured = measure_of(contacts, p, overlap[p])
-        put(given(contacts.friction, measured), contacts.measure, p)
-        mean = given(contacts.damping, NO_MEAN)
-        normal, tangential, _, _, _, _ = respond(
-            contacts, p, geometry, velocity, (0.0, 0.0, None), mean, 0.0, None
-        )
-        pushed[p, 0], pushed[p, 1] = normal, either(tangential, 0.0)
-        pushed[p, 2] = force(contacts.law, contacts.stiffness[p], overlap[p], measured)
+def listed_pairs(world) -> np.ndarray:
+    """Constituents (m, 2) of all pairs of the neighbour list, touching or not."""
+    contacts, end = world.contacts, world.contacts.first[WALLS]
+    numbers = contacts.numbers.reshape(-1, 3, BLOCK)[:end, :2].astype(np.int64)
+    listed = np.arange(BLOCK) < contacts.count[:end, None]
+    return np.column_stack([numbers[:, 0][listed], numbers[:, 1][listed]])

@@ -1,6 +1,6 @@
 """Kinetic energy, and the energy ledger: what a bed holds, gains and loses.
 
-The kernels sum powers over time (dem.jit.block_memory): those that dashpots, tangential springs and
+The kernels sum powers over time (dem.contacts.layout): those that dashpots, tangential springs and
 rolling springs take. They sum the work of walls, solids and held granules as they kick them.
 Kinetic and elastic energies follow from the state. What springs have taken and do not hold is lost
 by sliding or rolling; energy that a spring loses while the overlap shrinks is included. Powers
@@ -8,22 +8,11 @@ count with the kicks of their forces, up to the time of the state: the trapezoid
 order in the time step.
 """
 
-import math
 from typing import NamedTuple
 
-import numpy as np
-
-from dem.contacts.force_law import TINY
-from dem.contacts.response import measure_of
-from dem.contacts.rolling import rolling_stiffness
-from dem.dynamics.contact_output import measured
-from dem.dynamics.forces import greater
-from dem.dynamics.world import STIFFNESS_RATIO, at_full_steps
-from dem.jit.block_memory import ACCOUNTS, PEAK, WORK
-from dem.jit.columns import DVX, FX, TAU, VX, W
-from dem.jit.compilation import compiled, inlined
-from dem.jit.optional import given, minus
-from dem.laws.protocol import energy
+from dem.contacts.layout import ACCOUNTS, PEAK, WORK
+from dem.dynamics.measures import over
+from dem.dynamics.scan import KINETIC
 
 
 class Ledger(NamedTuple):
@@ -88,74 +77,23 @@ class Ledger(NamedTuple):
         return abs(change - gained + gone) / scale if scale > 0.0 else 0.0
 
 
-@inlined
-def velocity_later(world, i, c, later):
-    """Component c of the velocity of granule i after kicks of a time `later` (s)."""
-    kick = later * world.inverse_mass[i] * world.force[i, FX + c]
-    velocity = minus(world.bodies[i, VX + c], given(at_full_steps(world), world.bodies[i, DVX + c]))
-    return velocity + kick + later * world.gravity[c]
-
-
-@compiled
-def kinetic(world, later, frame):
-    """Kinetic energy (J) of the granules that are free, and greatest speed (m/s) of all; NaN wins.
-
-    later (s): kicks that velocities lack; frame: velocity (m/s) that is added to all for the
-    energy.
-    """
-    total, speed_bound, inverse_inertia = 0.0, 0.0, world.inverse_inertia
-    for i in range(world.bodies.shape[0]):
-        vx, vy = velocity_later(world, i, 0, later), velocity_later(world, i, 1, later)
-        if world.inverse_mass[i] > 0.0:
-            squared = (vx + frame[0]) ** 2 + (vy + frame[1]) ** 2
-            total += 0.5 * squared / world.inverse_mass[i]
-            if inverse_inertia is not None and inverse_inertia[i] > 0.0:
-                spin = world.bodies[i, W] + later * inverse_inertia[i] * world.force[i, TAU]
-                total += 0.5 * spin * spin / inverse_inertia[i]
-        speed_bound = greater(speed_bound, vx * vx + vy * vy)
-    return total, math.sqrt(speed_bound)
-
-
-@compiled(allocates=True)
-def elastic(geometries, contacts):
-    """Normal, tangential and rolling elastic energy (J) of contacts; a spring stores
-    T^2 / (2 k_t)."""
-    normal, tangential, rolled = 0.0, 0.0, 0.0
-    friction, rolling = contacts.friction, contacts.rolling
-    for p in range(geometries.shape[0]):
-        overlap, constant = max(geometries[p, 0], 0.0), geometries[p, 5]
-        normal += energy(contacts.law, constant, overlap, measure_of(contacts, p, overlap))
-        if rolling is not None:
-            moment = contacts.rolling_moment[p]
-            stiffness = rolling_stiffness(contacts, p, constant) * contacts.measure[p]
-            rolled += 0.5 * moment * moment / max(stiffness, TINY)
-        if friction is not None:
-            force = contacts.tangential_force[p]
-            stiffness = friction[STIFFNESS_RATIO, p] * constant * contacts.measure[p]
-            tangential += 0.5 * force * force / max(stiffness, TINY)
-    return normal, tangential, rolled
-
-
-def balance(world) -> tuple[float, ...]:
+def balance(system) -> tuple[float, ...]:
     """Kinetic energy (J) of the bed, and elastic energies of normal, tangential and rolling
     springs."""
-    listed = measured(world)
-    stored = np.array([elastic(rows, surface.contacts) for surface, _, rows in listed])
-    return kinetic(world, 0.0, (0.0, 0.0))[0], *stored.sum(axis=0).tolist()
+    return float(system.scan(steps=False)[KINETIC]), *system.elastic().tolist()
 
 
 def fallen(world) -> float:
     """Minus the potential energy (J) of the granules in gravity."""
-    depth, light = world.bodies[:, :2] @ world.gravity, world.inverse_mass
-    return float(np.sum(np.divide(depth, light, out=np.zeros_like(depth), where=light > 0.0)))
+    return float(over(world.bodies[:, :2] @ world.gravity, world.granules.inverse_mass).sum())
 
 
-def energies(world, held: float, height: float, later: float) -> Ledger:
+def energies(system, held: float, height: float, later: float) -> Ledger:
     """The ledger now, of a bed that held an energy (J) at the start, and had a `fallen` (J); later
     (s): kicks that its arrays lacked."""
-    account = world.lanes.account
+    account = system.world.account
     damped, slid, rolled = account[ACCOUNTS:WORK] + later * account[:ACCOUNTS]
-    moving, normal, tangential, rolling = balance(world)
+    moving, normal, tangential, rolling = balance(system)
     return Ledger(
         kinetic=moving,
         elastic_normal=normal,
@@ -165,7 +103,7 @@ def energies(world, held: float, height: float, later: float) -> Ledger:
         slid=float(slid - tangential),
         rolled=float(rolled - rolling),
         work=float(account[WORK]),
-        fallen=fallen(world) - height,
+        fallen=fallen(system.world) - height,
         before=held,
         peak=float(account[PEAK]),
     )

@@ -1,42 +1,55 @@
-"""The arrays of a scene in motion, the only calls of the kernel that moves them, and why a run stops.
+"""The loop of a run: choose the time step, renew lists, check limits, measure; and why a run stops.
 
 Between two neighbour lists nothing moves by more than half the skin. A check at each new list
 therefore sees every overlap before it has grown by more than the skin.
+
+Steps are whole: no interval cuts one, and what lies within a step is seen on a copy. The step is
+chosen where the lists are made, and every SCAN_INTERVAL steps: down at once, up once the bound has
+allowed it for QUIET steps. A step that follows its bound closely would be long on the way into a
+contact and short on the way out, and heat the bed. Bits do not depend on where intervals and calls
+end, nor on who looks.
 """
 
+import math
 import time
+from collections.abc import Iterable
 from contextlib import nullcontext
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from dem.base.errors import OverlapError, RunError, StateError
-from dem.dynamics.assembly import GranuleTable
+from dem.contacts.layout import VX, VY, X, Y
 from dem.dynamics.checkpoint import copied
 from dem.dynamics.contact_output import list_contacts, partner_words
-from dem.dynamics.diagnostics import Diagnostics
-from dem.dynamics.stepping import (
-    FINE,
-    LOST,
-    OUTSIDE,
-    PAUSED,
-    TOO_DEEP,
-    TOO_LONG,
-    UNSTABLE,
-    Progress,
-    Schedule,
-    StepControl,
-    apart,
-    run_steps,
+from dem.dynamics.measures import steps_alone
+from dem.dynamics.scan import (
+    CHOSEN,
+    CRITICAL,
+    DEEP_CONSTITUENT,
+    DEEPEST,
+    KINETIC,
+    LEAST_OVERLAP,
+    SPEED,
+    TOUCHING,
 )
-from dem.dynamics.threads import Threads
+from dem.dynamics.step import Threads
+from dem.dynamics.system import System, is_finite, longest_move
 from dem.dynamics.world import World, number_of_patches
-from dem.jit.columns import VX, VY, X, Y
 from dem.jit.interrupts import signals_deferred
 
-FIRST_BUDGET = 20_000  # constituents times steps until the kernel returns for the first time
-BRIEF, LONG = 0.05, 0.15  # s: between these it returns, so that Python can answer Ctrl-C
-NO_RECORD = np.zeros((0, 0))
+FINE, LOST, TOO_DEEP, OUTSIDE, TOO_LONG, UNSTABLE = range(6)
+MOST_STEPS = 1e11  # an hour or more for two granules, weeks for a bed of hundreds
+COLLAPSE = 1e-3  # of the first step: a shorter one has collapsed
+MOST_WORK = 4e8  # steps times granules, once the step has collapsed: less than a minute
+SCAN_INTERVAL = 1000  # steps without a scan, at most
+QUIET = 2000  # steps for which the bound must have allowed a longer step before it is taken
+PER_OCTAVE = 8  # quantised steps to a factor of two
+MARGIN = 0.75  # share of skin / 2 that a constituent may move before the lists are rebuilt
+NEARLY = 1e-9  # of a step: a time is reached that is no farther off
+FIRST_BUDGET = 20_000  # constituents times steps of the first call of a kernel
+BRIEF, LONG = 0.05, 0.15  # s: between these a call returns, so that Python can answer Ctrl-C
+
 NOT_A_NUMBER = -1
 WHEN = "at step {steps}, time {time:.6g} s"
 LESS = "take a smaller time step, a stiffer material or a lower packing fraction"
@@ -55,119 +68,417 @@ SENTENCES = {
     "the limit is {max_overlap:g}: {remedy}.",
 }
 
+# Columns of a record: of the bed; then of each boundary, its impulses over the interval, its place
+# and its angle
+ENERGY, CONTACTS, OVERLAP, STEP, OF_BED = range(5)
+PLACE, ANGLE, OF_BOUNDARY = 5, 7, 8
 
-class Engine:
-    """The arrays of a scene in motion, and the only calls of the kernel that moves them.
+
+class StepControl(NamedTuple):
+    """How the time step is chosen, and when lists are rebuilt or a run stops.
 
     Attributes
     ----------
-    world : World
-        The arrays at the last whole step.
-    table : GranuleTable
-        Constants of the granules.
+    time_step : float
+        Fixed time step (s), or 0 for a quantised step below the bound.
+    max_overlap : float
+        Largest allowed overlap over the smaller radius, without unit.
+    reach : float
+        Displacement (m) of a constituent that stops the run, because a contact may have been
+        missed; lists are rebuilt before.
+    allow_unstable : bool
+        Whether no step is shortened for fast granules, and a fixed one may be longer than the
+        critical one.
+    frame : tuple of float
+        Velocity (m/s) that is taken off all.
+    """
+
+    time_step: float
+    max_overlap: float
+    reach: float
+    allow_unstable: bool
+    frame: tuple[float, float]
+
+
+class Diagnostics(NamedTuple):
+    """The bed at one moment, as `Simulation.diagnose` returns it.
+
+    Attributes
+    ----------
+    kinetic_energy : float
+        Kinetic energy (J) of all granules that are not held.
+    speed_bound : float
+        Bound on the speed (m/s) of any granule until the next neighbour list.
+    coordination_number : float
+        Contacts with other granules per granule, without unit.
+    max_overlap : float
+        Largest overlap over the smaller radius, without unit.
+    deepest : int
+        Number of the granule with that overlap, without unit.
+    critical_time_step : float
+        Lower bound on the critical time step (s).
+    longest_time_step : float
+        The time step (s) of which `step_fraction` is that fraction; in steps of an eighth root of
+        two it is taken.
+    """
+
+    kinetic_energy: float
+    speed_bound: float
+    coordination_number: float
+    max_overlap: float
+    deepest: int
+    critical_time_step: float
+    longest_time_step: float
+
+
+class Progress(NamedTuple):
+    """How far a run is, and what it goes on from.
+
+    Attributes
+    ----------
+    outcome : int
+        FINE, or why the run stopped.
+    value : float
+        What says so: moved distance (m), overlap or time step (s).
+    granule : int
+        Granule that says so.
+    seen : float
+        The time (s) that was asked for, or that of the last step where it is not reached.
+    time : float
+        Time (s) of the last whole step, which is not later than `seen`.
+    steps : int
+        Whole steps since the start.
+    shortest : float
+        Shortest time step (s) of the last call.
+    speed_bound : float
+        Of the last scan (m/s).
+    dt : float
+        Time step (s).
+    first_dt : float
+        The first time step (s).
+    dt_since : float
+        Time (s) since which dt is taken.
+    steps_at_dt : int
+        Steps since then.
+    pending_kick : float
+        Kicks (s) that velocities lack at `time`.
+    scanned : int
+        Step of the last scan, -1 if one is due.
+    candidate_dt : float
+        Longer step (s) that has been allowed since step `candidate_since`; inf if it is the one
+        taken.
+    candidate_since : int
+        See candidate_dt.
+    """
+
+    outcome: int = FINE
+    value: float = 0.0
+    granule: int = -1
+    seen: float = 0.0
+    time: float = 0.0
+    steps: int = 0
+    shortest: float = math.inf
+    speed_bound: float = 0.0
+    dt: float = 0.0
+    first_dt: float = 0.0
+    dt_since: float = 0.0
+    steps_at_dt: int = 0
+    pending_kick: float = 0.0
+    scanned: int = -1
+    candidate_dt: float = math.inf
+    candidate_since: int = 0
+
+
+def quantised(step: float) -> float:
+    """The longest of the powers of two, and of seven steps between two of them, up to a step
+    (s)."""
+    return 2.0 ** (math.floor(PER_OCTAVE * math.log2(step) + NEARLY) / PER_OCTAVE)
+
+
+def within(ahead: float, dt: float) -> float:
+    """A time (s) from a step on, none if it is only rounding."""
+    return ahead if abs(ahead) > NEARLY * dt else 0.0
+
+
+def first_outside(world: World) -> int:
+    """The first granule whose centre is behind a wall, or -1."""
+    planes = world.boundaries.planes
+    beyond = (world.bodies[:, :2] @ planes[:, :2].T > planes[:, 2]).any(axis=1)
+    return int(beyond.argmax()) if beyond.any() else -1
+
+
+class Engine:
+    """The loop of a run.
+
+    Attributes
+    ----------
+    system : System
+        The bed at the last whole step, and its kernels.
+    skin : float
+        Skin of the lists (m).
     rules : StepControl
         How the time step is chosen.
     order : ndarray of shape (n,)
-        Number of each granule of `world`.
+        Number of each granule of the arrays.
     progress : Progress
-        How far the arrays are.
+        How far they are.
     until : float
         End of the whole run (s), where that is known.
     """
 
-    def __init__(
-        self,
-        world: World,
-        table: GranuleTable,
-        rules: StepControl,
-        order: np.ndarray,
-        threads: int,
-    ):
-        self.world, self.table, self.rules, self.order = world, table, rules, order
+    def __init__(self, system: System, skin: float, rules: StepControl, order, threads: int):
+        self.system, self.skin, self.rules, self.order = system, skin, rules, order
         self.until = 0.0
-        self.threads = min(threads, number_of_patches(len(world.bodies)))
-        self.budget = max(FIRST_BUDGET // len(world.constituents), 1)
+        self.threads = min(threads, number_of_patches(len(system.world.granules.angle)))
+        self.budget = max(FIRST_BUDGET // len(system.world.constituents.owner), 1)
         self.progress = Progress()
-        self._view: tuple[Progress, World, Diagnostics] | None = None
-        self.run(Schedule(initialise=True))
+        self._view: tuple[Progress, System, Diagnostics] | None = None
+        self.start()
+
+    @property
+    def world(self) -> World:
+        """The arrays at the last whole step."""
+        return self.system.world
+
+    @property
+    def full(self) -> bool:
+        """Whether rows have velocities of full steps."""
+        return self.system.kernels.flags["FULL"]
 
     def __getstate__(self) -> dict[str, Any]:
         """For pickle and copy: no two arrays that share memory."""
-        return vars(self) | {"_view": None, "world": copied(self.world)}
+        return vars(self) | {"_view": None, "system": self.system.with_world(copied(self.world))}
 
-    def observe(self) -> tuple[World, Diagnostics]:
-        """A copy of the arrays at the time that was asked for, which may lie within a step, and how
-        they are.
+    def start(self) -> None:
+        """Lists and forces at the start, and the first time step."""
+        self.system.rebuild(self.skin)
+        self.system.forces(0.0)
+        self.system.drift(0.0, 0.0)  # previous accelerations are those of now
+        if (granule := first_outside(self.world)) >= 0:
+            self.stop(OUTSIDE, granule=granule)
+        self.choose_step()
 
-        Lists and contact history are those of the arrays themselves.
+    def diagnose(self, system: System, later: float) -> Diagnostics:
+        """How a bed is, and how long a step may be; later (s): kicks that velocities lack.
+
+        Stiffness and damping of all contacts give a lower bound on the critical step. Pairs that
+        are near but do not touch count with the overlap of a collision at the greatest expected
+        speed, and any granule could collide with one of its own size.
         """
-        report = self.progress
-        if self._view is None or self._view[0] is not report:
-            schedule = Schedule(begin=report.seen, until=self.until, observe_only=True)
-            with signals_deferred():
-                seen, observed = self._call(apart(self.world), schedule, NO_RECORD)
-            # one array for granules and constituents where they are alone
-            for rows in (seen.bodies,) if self.table.alone else (seen.bodies, seen.constituents):
-                rows[:, [X, Y]] += np.multiply(self.rules.frame, report.seen)
+        world, table = system.world, system.table
+        result = system.scan(later, self.rules.frame, self.skin)
+        alone = steps_alone(world.law, table, float(result[LEAST_OVERLAP]))
+        critical, chosen = map(min, alone, result[[CRITICAL, CHOSEN]].tolist())
+        return Diagnostics(
+            kinetic_energy=float(result[KINETIC]),
+            speed_bound=float(result[SPEED]),
+            coordination_number=float(2.0 * result[TOUCHING] / len(world.granules.angle)),
+            max_overlap=float(result[DEEPEST]),
+            deepest=int(world.constituents.owner[int(result[DEEP_CONSTITUENT])]),
+            critical_time_step=critical,
+            longest_time_step=chosen,
+        )
+
+    def longest_step(self, diagnostics: Diagnostics) -> float:
+        """The step (s) that a scan asks for: by stiffness, and short enough that nothing flies past
+        the lists."""
+        rules, bound = self.rules, diagnostics.longest_time_step
+        if rules.time_step > 0.0:
+            return rules.time_step
+        flight = 0.5 * rules.reach / max(diagnostics.speed_bound, 1e-300)
+        return quantised(bound if rules.allow_unstable else min(bound, flight))
+
+    def choose_step(self, checks_overlap: bool = False) -> None:
+        """Scan the bed, choose the time step, and check the limits."""
+        now = self.progress
+        diagnostics = self.diagnose(self.system, now.pending_kick)
+        allowed, dt = self.longest_step(diagnostics), now.dt
+        candidate, since = now.candidate_dt, now.candidate_since
+        if dt == 0.0 or not allowed > dt:
+            dt, candidate, since = allowed, math.inf, now.steps
+        else:
+            candidate = min(candidate, allowed)
+            if now.steps - since >= QUIET:
+                dt, candidate, since = candidate, math.inf, now.steps
+        changed = {"dt_since": now.time, "steps_at_dt": 0} if dt != now.dt else {}
+        self.progress = now._replace(
+            dt=dt,
+            first_dt=now.first_dt or dt,
+            candidate_dt=candidate,
+            candidate_since=since,
+            scanned=now.steps,
+            speed_bound=diagnostics.speed_bound,
+            **changed,
+        )
+        if checks_overlap and not diagnostics.max_overlap <= self.rules.max_overlap:
+            self.stop(TOO_DEEP, diagnostics.max_overlap, diagnostics.deepest)
+        critical = diagnostics.critical_time_step
+        if self.rules.time_step > critical and not self.rules.allow_unstable:
+            self.stop(UNSTABLE, critical)
+
+    def stop(self, outcome: int, value: float = 0.0, granule: int = -1) -> None:
+        """Raise the error of a run that cannot go on."""
+        self.progress = self.progress._replace(
+            outcome=outcome, value=value, granule=granule, seen=self.progress.time
+        )
+        raise failure(self.progress, self.rules, self.system, self.order)
+
+    def check_work(self, end: float) -> None:
+        """Stop a run that would take too many steps up to its end (s)."""
+        now = self.progress
+        collapsed = now.dt < COLLAPSE * now.first_dt
+        most = MOST_WORK / len(self.world.granules.angle) if collapsed else MOST_STEPS
+        if not max(self.until, end) - now.time <= most * now.dt:
+            self.stop(TOO_LONG, now.dt)
+
+    def limit(self) -> float:
+        """Displacement (m) from which on a step could lead beyond the lists."""
+        reach = self.rules.reach
+        near = reach - self.progress.dt * self.progress.speed_bound
+        return min(max(near, (1.0 - MARGIN) * reach), MARGIN * reach)
+
+    def run(self, ends: Iterable[float], record: np.ndarray | None = None) -> float:
+        """Go on to each of some times (s), and measure there; returns the shortest step (s) taken.
+
+        record: an array with a row for each; an interval begins where the last one ended. Raises
+        RunError where the run stops. A kernel returns every so often, so that Python can answer an
+        interrupt.
+        """
+        begin, shortest = self.progress.seen, math.inf
+        self.progress = self.progress._replace(outcome=FINE)
+        with (
+            nullcontext() if self.threads == 1 else Threads(self.threads) as threads,
+            signals_deferred() as answer,
+        ):
+            for n, end in enumerate(ends):
+                shortest_here = self.advance_to(end, threads, answer)
+                shortest = min(shortest, shortest_here)
+                self.progress = self.progress._replace(
+                    seen=self.progress.time + within(end - self.progress.time, self.progress.dt)
+                )
+                if record is not None:
+                    self.measure(record[n], end - begin)
+                    record[n, STEP] = shortest_here
+                begin = end
+        self.progress = self.progress._replace(shortest=shortest)
+        return shortest
+
+    def advance_to(self, end: float, threads, answer) -> float:
+        """Take whole steps up to a time (s); returns the shortest step (s).
+
+        answer: called where nothing is half done, so that Python can answer an interrupt.
+        """
+        shortest = self.progress.dt if self.progress.scanned >= 0 else math.inf
+        while True:
+            now = self.progress
+            if now.scanned < 0:
+                self.choose_step(checks_overlap=True)
+                now = self.progress
+                shortest = min(shortest, now.dt)
+            self.check_work(end)
+            ahead = math.floor((end - now.time) / now.dt + NEARLY)
+            if ahead <= 0:
+                return shortest
+            self.take_steps(min(ahead, now.scanned + SCAN_INTERVAL - now.steps), threads)
+            answer()
+
+    def take_steps(self, count: int, threads) -> None:
+        """Take up to so many steps, and renew the lists where they are out of date."""
+        now, limit, clock = self.progress, self.limit(), time.perf_counter()
+        count = min(count, self.budget)
+        kick = now.pending_kick + 0.5 * now.dt
+        done, moved = self.system.advance(kick, now.dt, count, limit, threads)
+        steps, at_dt = now.steps + done, now.steps_at_dt + done
+        ends = now.dt_since + at_dt * now.dt
+        self.progress = now._replace(
+            pending_kick=0.5 * now.dt,
+            steps=steps,
+            steps_at_dt=at_dt,
+            time=ends,
+            seen=ends,
+            scanned=-1 if steps - now.scanned >= SCAN_INTERVAL else now.scanned,
+        )
+        if not moved <= limit:
+            self.renew_lists(moved)
+        took = time.perf_counter() - clock
+        if took < BRIEF and done == self.budget:
+            self.budget *= 2
+        elif took > LONG:
+            self.budget = max(self.budget // 2, 1)
+
+    def renew_lists(self, moved: float) -> None:
+        """Lists for the present positions; stops where a contact may have been missed."""
+        reach = self.rules.reach
+        granule = first_outside(self.world)
+        if not (moved <= reach or longest_move(self.world) <= 2.0 * reach):
+            self.stop(LOST, moved, granule)
+        self.system.rebuild(self.skin)
+        self.progress = self.progress._replace(scanned=-1)
+        if granule >= 0:
+            self.stop(OUTSIDE, granule=granule)
+
+    def observe(self) -> tuple[System, Diagnostics]:
+        """A copy of the bed at the time that was asked for, which may lie within a step, and how it
+        is. Lists and contact history are those of the bed itself."""
+        if self._view is None or self._view[0] is not self.progress:
+            seen = self.seen()
+            diagnostics = self.diagnose(seen, 0.0)
+            moved = [seen.world.bodies]
+            if not seen.alone:
+                moved.append(seen.world.constituents.motion[: len(seen.world.constituents.owner)])
+            for rows in moved:
+                rows[:, [X, Y]] += np.multiply(self.rules.frame, self.progress.seen)
                 rows[:, [VX, VY]] += self.rules.frame
-            self._view = report, seen, observed.diagnostics
+            self._view = self.progress, seen, diagnostics
         return self._view[1:]
+
+    def seen(self) -> System:
+        """A copy of the bed at the time that was asked for, without its frame."""
+        now = self.progress
+        return self.system.later(now.pending_kick, now.seen - now.time)
 
     def take_impulses(self) -> np.ndarray:
         """Boundaries.impulses since the last call."""
-        seen = self.observe()[0].boundaries.impulses
-        since = seen.copy()
-        for impulses in (self.world.boundaries.impulses, seen):
-            impulses -= since
+        now = self.progress
+        since = self.system.impulses(now.pending_kick + now.seen - now.time)
+        self.world.boundaries.impulses[:] -= since
+        self._view = None
         return since
 
-    def run(self, schedule: Schedule, record: np.ndarray = NO_RECORD) -> Progress:
-        """Call the kernel until it has done all intervals; raises RunError where the run stops.
-
-        It returns every so often, also inside an interval, so that Python can answer an interrupt.
-        Bits do not depend on how often.
-        """
-        self.progress = self.progress._replace(outcome=FINE)
-        while True:
-            clock = time.perf_counter()
-            schedule = schedule._replace(until=self.until, budget=self.budget)
-            # the first call compiles, and leaves nothing that is worth being kept
-            with nullcontext() if schedule.initialise else signals_deferred():
-                self.world, self.progress = self._call(self.world, schedule, record)
-            if self.progress.outcome == FINE:
-                return self.progress
-            if self.progress.outcome != PAUSED:
-                raise failure(self.progress, self.rules, self.world, self.order)
-            schedule, took = schedule._replace(initialise=False), time.perf_counter() - clock
-            if took < BRIEF:
-                self.budget *= 2
-            elif took > LONG:
-                self.budget = max(self.budget // 2, 1)
-
-    def _call(self, world: World, schedule: Schedule, record: np.ndarray) -> Any:
-        """World and Progress after one call of the kernel."""
-        given = world, self.table, self.rules, schedule, self.progress, record
-        if self.threads == 1:
-            return run_steps(*given, None)
-        with Threads(self.threads) as threads:
-            return run_steps.py_func(*given, threads)
+    def measure(self, row: np.ndarray, duration: float) -> None:
+        """Fill a row of the record but for the step, after an interval of a duration (s); its impulses
+        do not count again."""
+        seen = self.seen()
+        boundaries, result = seen.world.boundaries, seen.scan(0.0, self.rules.frame, steps=False)
+        row[ENERGY], row[OVERLAP] = result[KINETIC], result[DEEPEST]
+        row[CONTACTS] = 2.0 * result[TOUCHING] / len(self.world.granules.angle)
+        of = row[OF_BED:].reshape(-1, OF_BOUNDARY)
+        of[:, :PLACE] = boundaries.impulses / duration
+        of[:, PLACE:ANGLE] = boundaries.motion[:, [X, Y]]
+        of[:, ANGLE] = boundaries.angle
+        planes = boundaries.planes
+        of[: len(planes), PLACE] = planes[:, 2]  # the place of a wall is its offset (m)
+        self.world.boundaries.impulses[:] -= boundaries.impulses
 
 
 @np.errstate(all="ignore")
-def failure(report: Progress, rules: StepControl, world: World, order: np.ndarray) -> RunError:
+def failure(report: Progress, rules: StepControl, system: System, order: np.ndarray) -> RunError:
     """The error of a run that a Progress says has stopped; order (n,): numbers of the granules."""
-    outcome, granule, what, beyond = report.outcome, report.granule, "a boundary", np.zeros(1)
-    finite = np.isfinite(world.bodies).all(axis=1)
-    if not finite.all():
-        outcome, granule = NOT_A_NUMBER, finite.argmin()
+    world, outcome, granule, what = system.world, report.outcome, report.granule, "a boundary"
+    beyond = np.zeros(1)
+    if not is_finite(world.bodies):
+        outcome, granule = NOT_A_NUMBER, np.isfinite(world.bodies).all(axis=1).argmin()
     elif outcome == LOST:
-        moved = np.linalg.norm(world.constituents[:, :2] - world.reference, axis=1)
+        constituents = world.constituents
+        moved = constituents.motion[: len(constituents.owner), :2] - constituents.reference
+        moved = np.linalg.norm(moved, axis=1)
         if moved.max() >= report.value:
-            what = f"granule {order[world.shape.owner[moved.argmax()]]}"
+            what = f"granule {order[constituents.owner[moved.argmax()]]}"
     elif outcome == OUTSIDE:
-        beyond = world.walls.planes[:, :2] @ world.bodies[granule, :2] - world.walls.planes[:, 2]
+        planes = world.boundaries.planes
+        beyond = planes[:, :2] @ world.bodies[granule, :2] - planes[:, 2]
     elif outcome == TOO_DEEP:
-        what = partner_words(world, list_contacts(world, order), order[granule])
+        what = partner_words(world, list_contacts(system, order), order[granule])
     words = SENTENCES[outcome].format(
         **rules._asdict(),
         **report._replace(granule=order[granule])._asdict(),

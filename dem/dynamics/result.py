@@ -293,7 +293,7 @@ class Result(NamedTuple):
 
         run = Simulation(scene, state)
         contacts, unknown = run.contacts(), ["rolling_moment"] if scene.rolling else []
-        if run.world.pairs.friction is not None:
+        if run.engine.system.kernels.flags["FRICTION"]:
             unknown += ["tangential_force", "total_force"]
         return contacts._replace(
             **{name: np.full_like(getattr(contacts, name), np.nan) for name in unknown}

@@ -9,12 +9,31 @@ from pydantic import InstanceOf
 
 from dem.base.errors import InputError
 from dem.base.types import Count, NotNegative, Number, Time, Unit, Velocity, checked
-from dem.dynamics.assembly import SKIN, assemble, granule_table, order_of, ordered, skin_for
-from dem.dynamics.checkpoint import fingerprint, replaced, written
+from dem.contacts.layout import VX, VY, W
+from dem.dynamics.assembly import (
+    SKIN,
+    assemble,
+    granule_table,
+    order_of,
+    ordered,
+    skin_for,
+    skin_of,
+)
+from dem.dynamics.checkpoint import fingerprint, replaced, restored, written
 from dem.dynamics.contact_output import ContactList, list_contacts
-from dem.dynamics.diagnostics import Diagnostics
 from dem.dynamics.energy import Ledger, balance, energies, fallen
-from dem.dynamics.engine import Engine, failure
+from dem.dynamics.engine import (
+    ANGLE,
+    MOST_STEPS,
+    OF_BED,
+    OF_BOUNDARY,
+    PLACE,
+    TOO_DEEP,
+    Diagnostics,
+    Engine,
+    StepControl,
+    failure,
+)
 from dem.dynamics.numerics import (
     MAX_OVERLAP,
     STEP_FRACTION,
@@ -25,19 +44,8 @@ from dem.dynamics.numerics import (
     check_stable,
 )
 from dem.dynamics.result import Record, Result, shares
-from dem.dynamics.stepping import (
-    ANGLE,
-    MOST_STEPS,
-    OF_BED,
-    OF_BOUNDARY,
-    PLACE,
-    TOO_DEEP,
-    Schedule,
-    StepControl,
-)
 from dem.dynamics.stress import Edges, Stress, stress
 from dem.dynamics.world import World
-from dem.jit.columns import VX, VY, W
 from dem.motion import Turn
 from dem.scene import ARRAYS, Scene, State
 
@@ -144,19 +152,21 @@ class Simulation:
             state.velocity -= frame
         order = order_of(scene, state)
         scene, state = ordered(scene, state, order)
-        table = granule_table(scene, skin or SKIN, step_fraction)
-        world = assemble(scene, state, table, ledger)
+        table = granule_table(scene, step_fraction)
+        system = assemble(scene, state, table, ledger)
+        width = skin_of(scene, skin or SKIN)
         if skin is None:
-            table = table._replace(skin=skin_for(scene, world, table, time_step))
+            width = skin_for(scene, system.world, table, time_step)
         rules = StepControl(
             time_step=float(time_step or 0.0),
             max_overlap=float(max_overlap),
-            reach=0.5 * table.skin,
+            reach=0.5 * width,
             allow_unstable=allow_unstable,
             frame=frame,
         )
-        self.engine = Engine(world, table, rules, order, threads)
-        self._at_start = (sum(balance(self.world)), fallen(self.world)) if ledger else None
+        self.engine = Engine(system, width, rules, order, threads)
+        system = self.engine.observe()[0]
+        self._at_start = (sum(balance(system)), fallen(system.world)) if ledger else None
 
     @property
     def time(self) -> float:
@@ -183,14 +193,14 @@ class Simulation:
         >>> run.world.bodies.shape
         (2, 8)
         """
-        return self.engine.observe()[0]
+        return self.engine.observe()[0].world
 
     @property
     def state(self) -> State:
         """Copy of positions (m) and angles (rad) of granules with their rates (1/s). Another run that
         starts from it has its boundaries at their start; `checkpoint` keeps them."""
         back = np.argsort(self.engine.order)
-        bodies, angle = self.world.bodies[back], self.world.angle[back]
+        bodies, angle = self.world.bodies[back], self.world.granules.angle[back]
         return State(bodies[:, :2].copy(), bodies[:, [VX, VY]], angle, bodies[:, W].copy())
 
     def collect_impulses(self) -> tuple[np.ndarray, np.ndarray]:
@@ -248,7 +258,7 @@ class Simulation:
         value, granule = diagnostics.max_overlap, diagnostics.deepest
         if not value <= engine.rules.max_overlap:
             report = engine.progress._replace(outcome=TOO_DEEP, value=value, granule=granule)
-            raise failure(report, engine.rules, engine.world, engine.order)
+            raise failure(report, engine.rules, engine.system, engine.order)
         return diagnostics._replace(deepest=int(engine.order[granule]))
 
     @checked
@@ -311,7 +321,7 @@ class Simulation:
         >>> print(f"{contacts.force[0]:.3f} N, {hertz:.3f} N")
         1.097 N, 1.097 N
         """
-        return list_contacts(self.world, self.engine.order)
+        return list_contacts(self.engine.observe()[0], self.engine.order)
 
     @checked
     def stress(self, x: Edges | None = None, y: Edges | None = None) -> Stress:
@@ -395,7 +405,7 @@ class Simulation:
             raise InputError("ledger is False; make the Simulation with ledger=True.")
         report = self.engine.progress
         later = report.pending_kick + report.seen - report.time
-        return energies(self.world, *self._at_start, later)
+        return energies(self.engine.observe()[0], *self._at_start, later)
 
     def checkpoint(self) -> dict[str, np.ndarray]:
         """Save the simulation as arrays, from which `restore` continues it exactly.
@@ -441,10 +451,8 @@ class Simulation:
         if lacking := self.checkpoint().keys() - saved.keys():
             raise InputError(f"saved is no whole checkpoint; it lacks {min(lacking)}.")
         engine = self.engine
-        world = replaced(engine.world, saved, "world")
-        if engine.table.alone:  # a granule is its own only constituent: one array for both
-            world = world._replace(constituents=world.bodies, force=world.constituent_force)
-        engine.world, engine.progress = world, replaced(engine.progress, saved, "progress")
+        engine.system = engine.system.with_world(restored(engine.system, saved))
+        engine.progress = replaced(engine.progress, saved, "progress")
 
     def _fingerprint(self) -> np.ndarray:
         """Hash that differs between scenes, options and orders of granules in memory."""
@@ -549,8 +557,7 @@ class Simulation:
         >>> print(f"{1e6 * run.state.position[0, 0]:.3f} um")
         20.000 um
         """
-        schedule = Schedule(begin=self.time, interval=duration, intervals=1)
-        return self.engine.run(schedule).shortest
+        return self.engine.run([self.time + duration])
 
     @checked
     def record(self, interval: Time, count: OneOrMore) -> Record:
@@ -596,8 +603,8 @@ class Simulation:
         """
         self.collect_impulses()
         rows = np.zeros((count, OF_BED + OF_BOUNDARY * len(self.engine.world.boundaries.motion)))
-        schedule = Schedule(begin=self.time, interval=interval, intervals=count)
-        self.engine.run(schedule, rows)
+        begin = self.time
+        self.engine.run((begin + (n + 1) * interval for n in range(count)), rows)
         self.diagnose()  # the guard on overlaps, also for the end of the last interval
         walls, solids, held = shares(self.scene, rows[:, OF_BED:].reshape(count, -1, OF_BOUNDARY))
         energy, contacts, overlap, step = rows[:, :OF_BED].T
@@ -677,8 +684,7 @@ def result_of(run: Simulation, duration: float, frames: int) -> Result:
     begin = run.time
     for frame in range(1, frames + 1):
         # the last one ends at the duration itself, however many there are
-        schedule = Schedule(begin=begin + duration * (frame / frames), intervals=1)
-        shortest = min(shortest, run.engine.run(schedule).shortest)
+        shortest = min(shortest, run.engine.run([begin + duration * (frame / frames)]))
         rows.append(frame_of(run, interval))
     series = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
     return Result(**series, state=run.state, time_step=shortest, scene=run.scene, simulation=run)
@@ -699,6 +705,6 @@ def frame_of(run: Simulation, interval: float) -> dict[str, Any]:
         "solid_angle": place[:, 2],
         "wall_force": walls[:, 0] / interval,
         "wall_tangential_force": walls[:, 3] / interval,
-        "wall_offset": world.walls.planes[:, 2],
+        "wall_offset": world.boundaries.planes[:, 2],
         "held_force": held[:, :2] / interval,
     }

@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike
 
 from dem.base.errors import InputError
 from dem.base.types import MOST, Unit, array, must
+from dem.contacts.layout import X, Y
 from dem.dynamics.contact_output import ContactList
 from dem.dynamics.world import World
-from dem.jit.columns import X, Y
 from dem.scene import Scene, State
 
 OPEN = 1e3  # sizes of the scene: a container that reaches farther is not closed
@@ -113,7 +113,7 @@ def stress(
     axis, limits = bins or (0, np.array([-np.inf, np.inf]))
     periods, position, mass = scene.periodic or (None, None), state.position, scene.mass
     period = periods[axis] if bins else None
-    below = _areas_below(_container(world.walls.planes, periods, bins), axis, limits)
+    below = _areas_below(_container(world.boundaries.planes, periods, bins), axis, limits)
     for b, solid in enumerate(scene.solids, len(scene.walls)):
         place, angle = world.boundaries.motion[b, [X, Y]], world.boundaries.angle[b]
         ring = solid.placed(place, angle, 513)  # of a round one the area is exact to 3e-5

@@ -1,32 +1,30 @@
-"""Questions of the kernels that a class answers, such as a shape or a law of contacts.
+"""Questions that a class answers, such as a shape or a law of contacts, with plain functions.
 
-A question is a function whose first argument is a NamedTuple. The class of that selects the answer: at
-compile time in kernels, where nothing is left of the choice, and at each call in Python.
+A question is a function whose first argument is a NamedTuple. The class of that selects the answer:
+at each call in Python, and once for a kernel (dem.jit.kernel), where nothing is left of the choice.
 """
 
 import functools
-
-from numba.extending import overload, register_jitable
+import sys
+from contextlib import suppress
+from pathlib import Path
 
 from dem.base.errors import InputError
-from dem.jit.compilation import INLINED, remember
+from dem.base.plugins import note
+from dem.base.source_hash import PACKAGE, UNREADABLE
 
 
 def question(stub):
     """Decorator: a function whose body is that of a class that answers nothing else; a stub that
     raises NotImplementedError must be answered."""
     answers = {}
-    default = "NotImplementedError" not in stub.__code__.co_names
 
     @functools.wraps(stub)
     def asked(first, *rest):
         return answers.get(type(first), stub)(first, *rest)
 
-    def choose(first, *rest):
-        return answers.get(getattr(first, "instance_class", None), stub if default else None)
-
-    overload(asked, strict=False, jit_options=INLINED)(choose)
-    asked.answers, asked.has_default = answers, default
+    asked.answers = answers
+    asked.has_default = "NotImplementedError" not in stub.__code__.co_names
     return asked
 
 
@@ -36,14 +34,8 @@ def register(cls, *functions, questions, members, usual, **renamed):
 
     members: what Python asks of the class, beside what the class `usual` has, whose members it gets
     where it has none. Raises InputError for an unknown question, an unanswered one without a
-    default, a missing member, or a class with the name of another one.
+    default, or a missing member.
     """
-    if any(other is not cls and other.__name__ == cls.__name__ for other in questions[0].answers):
-        raise InputError(
-            f"{cls.__name__} is the name of a class that the kernels know already, and Numba tells "
-            "classes apart by their names; choose another name, or start Python, or the workers, "
-            "again."
-        )
     functions = {function.__name__: function for function in functions} | renamed
     known = {question.__name__: question for question in questions}
     needed = {name for name, asked in known.items() if not asked.has_default}
@@ -61,6 +53,9 @@ def register(cls, *functions, questions, members, usual, **renamed):
             raise InputError(
                 f"{cls.__name__} has no {name}; see {usual.__module__}.{usual.__name__}."
             )
-    for name, function in functions.items():
-        known[name].answers[cls] = register_jitable(**INLINED)(function)  # one may call another
-    remember(cls)
+    for name, asked in known.items():
+        asked.answers[cls] = functions.get(name, asked.__wrapped__)
+    file = getattr(sys.modules.get(cls.__module__), "__file__", None)
+    if file and not Path(file).resolve().is_relative_to(PACKAGE):
+        with suppress(*UNREADABLE):
+            note(Path(file).resolve())  # as Python has read it

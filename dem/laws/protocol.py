@@ -15,7 +15,6 @@ what `measure` has answered for the same overlap.
 import math
 from functools import partial
 
-from dem.jit.compilation import inlined
 from dem.jit.questions import question, register
 
 TINY = 1e-300
@@ -57,12 +56,12 @@ def stiffness(law, modulus, radius):
 
 @question
 def length(law, share, one, two, radius):
-    """A second constant of a pair (m), None if the law has none.
+    """A second constant of a pair (m), zero if the law has none.
 
     share: of the elastic compliance 1/E* that the granule has, 1 with a rigid partner; one, two:
     radii (m) of the granule and its partner, that of the granule for a flat one; radius: R* (m).
     """
-    return
+    return 0.0
 
 
 @question
@@ -71,7 +70,7 @@ def measure(law, overlap, length):
     materials. A contact remembers it.
 
     overlap (m): zero or more; measure(0) is 0, so that an open contact keeps no spring. length: of
-    the pair, or None.
+    the pair.
     """
     raise NotImplementedError
 
@@ -101,7 +100,6 @@ def root(law, overlap, measured):
     return force(law, 1.0, overlap, measured) / math.sqrt(squared)
 
 
-@inlined
 def path(law, overlap, length):
     """y = sqrt(2 u); zero before touch."""
     overlap = max(overlap, 0.0)

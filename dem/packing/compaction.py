@@ -83,13 +83,13 @@ class Press:
             else:
                 bed = self.minimised(patience, resting)
                 self.state, self.net_force = bed.state, bed.net_force / self.unit
-                self.pressure = pressure_of(bed.world, self.room)
+                self.pressure = pressure_of(bed.system, self.room)
         return self.pressure
 
     def contacts(self):
         """Contacts of the bed as it is, without friction."""
         bed = self.minimised(0, RESTING)
-        return list_contacts(bed.world, bed.order)
+        return list_contacts(bed.system, bed.order)
 
     def _damp(self, resting):
         friction = Friction(self.friction, self.friction, self.friction)
@@ -104,4 +104,4 @@ class Press:
                 break
         self.net_force = net_force / self.unit
         self.state = State(run.state.position, angle=run.state.angle)
-        self.pressure = pressure_of(run.world, self.room)
+        self.pressure = pressure_of(run.engine.observe()[0], self.room)

@@ -45,9 +45,9 @@ def pack_under(shape, room, pressure, job):
         job.stage |= {"height": room.height, "met": met, "seen": np.array(seen).reshape(-1, 2)}
         iterations, enough = (LONGEST, None) if met else (PATIENCE, near)
         bed = minimise(room.scene(shape), state, iterations, enough, job)
-        borne = float(bed.world.boundaries.contact_forces[len(bed.world.walls.boundary) - 1, 0]) / (
-            room.modulus * room.width * pressure
-        )
+        borne = float(
+            bed.world.boundaries.contact_forces[len(bed.world.boundaries.planes) - 1, 0]
+        ) / (room.modulus * room.width * pressure)
         polished, met = met, abs(borne - 1.0) < NEAR
         if polished and met:
             if not bed.net_force <= bed.enough:

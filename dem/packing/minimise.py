@@ -5,7 +5,7 @@ Comput. Mater. Sci. 175, 109584) is mechanics with a bias: velocities turn towar
 the bed stops whenever it moves uphill. The forces are those of a run without friction and damping.
 The radius of gyration puts torques and spins on the scale of forces and speeds.
 
-An iteration goes over the bed twice, patch by patch as a run does (dem.dynamics.integration): forces
+An iteration goes over the bed twice, patch by patch as a run does (dem.dynamics.step): forces
 and kicks, then moves. A kick does not wait for the sum that tells whether the bed moves uphill. If it
 does, which is rare, the kick is taken back.
 """
@@ -17,30 +17,38 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.base.errors import PackingError
-from dem.dynamics.assembly import SKIN_OF_PACKING, assemble, granule_table, order_of, ordered
-from dem.dynamics.checkpoint import replaced
-from dem.dynamics.contact_output import contact_summary, list_contacts
-from dem.dynamics.diagnostics import critical_step
+from dem.contacts.layout import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, aligned
+from dem.dynamics.assembly import (
+    SKIN_OF_PACKING,
+    assemble,
+    granule_table,
+    order_of,
+    ordered,
+    skin_of,
+)
+from dem.dynamics.checkpoint import restored
+from dem.dynamics.contact_output import list_contacts
 from dem.dynamics.forces import (
     add_forces_across_patches,
+    all_forces,
     boundary_forces,
-    farthest_of,
-    forces,
-    greater,
     knows_forces,
     pair_forces,
+    show,
 )
-from dem.dynamics.neighbor_list import rebuild_neighbor_list
-from dem.dynamics.threads import Threads, barrier, leads, share_of
+from dem.dynamics.motion import collect, farthest_of, greater, place, rotate
+from dem.dynamics.scan import CRITICAL, DEEP_CONSTITUENT, DEEPEST, TOUCHING
+from dem.dynamics.step import FORCES, RESPOND, STEPS, Threads, share_of
+from dem.dynamics.system import System
 from dem.dynamics.world import PATCH, World, granules_of, number_of_patches
-from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, rows
-from dem.jit.compilation import compiled, inlined
 from dem.jit.interrupts import signals_deferred
+from dem.jit.intrinsics import barrier
 from dem.laws.protocol import stiffest
 from dem.packing.job import Job
 from dem.scene import State
-from dem.shapes.protocol import collect, place
-from dem.shapes.rotation import rotate
+
+# What a kernel has: dem.dynamics.kinds
+TURNS = ROTATES = COMPOSED = True
 
 ALPHA_START = 0.25  # share of the turn towards the forces, at first
 N_MIN = 20.0  # steps downhill before the time step grows
@@ -56,30 +64,26 @@ SHARE_OF_CONTACT, MOST_REST = 5e-3, 1e-6
 POWER, PUSH, LARGEST, SPEED, MOVED, SUMS = 0, 1, 2, 3, 4, 8
 
 
-@inlined
-def gyration(world, i):
+def gyration(granules, i):
     """Inertia over mass (m2), which puts torques and spins on the scale of forces and speeds; 0 if
     granule i does not turn."""
-    inverse_inertia = world.inverse_inertia
-    if inverse_inertia is not None and inverse_inertia[i] > 0.0:
-        return world.inverse_mass[i] / inverse_inertia[i]
+    if TURNS and granules.inverse_inertia[i] > 0.0:
+        return granules.inverse_mass[i] / granules.inverse_inertia[i]
     return 0.0
 
 
-@compiled
-def kick(world, dt, patch, sums):
+def kick(granules, dt, patch, sums):
     """Change the velocities of a patch by the forces over dt (s), and sum up.
 
     The velocities before are kept in the columns of which only dashpots take notice.
     """
-    force, bodies = world.force, world.bodies
-    inverse_mass, inverse_inertia = world.inverse_mass, world.inverse_inertia
-    low, high = granules_of(bodies.shape[0], patch)
+    force, motion = granules.force, granules.motion
+    low, high = granules_of(granules.angle.shape[0], patch)
     power, push, largest, speed = 0.0, 0.0, 0.0, 0.0
     for i in range(low, high):
-        g2 = gyration(world, i)
+        g2 = gyration(granules, i)
         fx, fy, torque = force[i, FX], force[i, FY], force[i, TAU]
-        vx, vy, w = bodies[i, VX], bodies[i, VY], bodies[i, W]
+        vx, vy, w = motion[i, VX], motion[i, VY], motion[i, W]
         power += fx * vx + fy * vy + torque * w
         f2 = fx * fx + fy * fy
         push += f2
@@ -87,52 +91,51 @@ def kick(world, dt, patch, sums):
             push += torque * torque / g2
             f2 = max(f2, torque * torque / g2)
         largest = greater(largest, f2)  # NaN is not at rest
-        bodies[i, DVX], bodies[i, DVY], bodies[i, DW] = vx, vy, w
-        vx += dt * fx * inverse_mass[i]
-        vy += dt * fy * inverse_mass[i]
-        if inverse_inertia is not None:
-            w += dt * torque * inverse_inertia[i]
-        bodies[i, VX], bodies[i, VY], bodies[i, W] = vx, vy, w
+        motion[i, DVX], motion[i, DVY], motion[i, DW] = vx, vy, w
+        vx += dt * fx * granules.inverse_mass[i]
+        vy += dt * fy * granules.inverse_mass[i]
+        if TURNS:
+            w += dt * torque * granules.inverse_inertia[i]
+        motion[i, VX], motion[i, VY], motion[i, W] = vx, vy, w
         speed += vx * vx + vy * vy + g2 * w * w
     sums[patch, POWER], sums[patch, PUSH], sums[patch, LARGEST] = power, push, largest
     sums[patch, SPEED] = speed
 
 
-@compiled
-def halt(world, back, patch):
+def halt(granules, orientation, back, patch):
     """Move a patch over `back` (s) with its velocities before the kick, and take all off it."""
-    bodies, angle, orientation = world.bodies, world.angle, world.orientation
-    low, high = granules_of(bodies.shape[0], patch)
+    motion, angle = granules.motion, granules.angle
+    low, high = granules_of(angle.shape[0], patch)
     for i in range(low, high):
         for c in range(2):
-            bodies[i, X + c] += back * bodies[i, DVX + c]
-            bodies[i, VX + c] = 0.0
-        bodies[i, W] = 0.0
-        if gyration(world, i) > 0.0:
-            angle[i] += back * bodies[i, DW]
-            rotate(orientation, i, angle[i], back * bodies[i, DW])
+            motion[i, X + c] += back * motion[i, DVX + c]
+            motion[i, VX + c] = 0.0
+        motion[i, W] = 0.0
+        if gyration(granules, i) > 0.0:
+            angle[i] += back * motion[i, DW]
+            if ROTATES:
+                rotate(orientation, i, angle[i], back * motion[i, DW])
 
 
-@compiled
-def move(world, alpha, factor, dt, patch):
+def move(granules, constituents, alpha, factor, dt, patch):
     """Turn the velocities of a patch towards the forces, v = (1 - alpha) v + factor F, and move it
     over dt (s)."""
-    force, bodies, angle = world.force, world.bodies, world.angle
-    orientation = world.orientation
-    low, high = granules_of(bodies.shape[0], patch)
+    force, motion, angle = granules.force, granules.motion, granules.angle
+    low, high = granules_of(angle.shape[0], patch)
     for i in range(low, high):
-        g2 = gyration(world, i)
+        g2 = gyration(granules, i)
         for c in range(2):
-            bodies[i, VX + c] = (1.0 - alpha) * bodies[i, VX + c] + factor * force[i, FX + c]
-            bodies[i, X + c] += dt * bodies[i, VX + c]
+            motion[i, VX + c] = (1.0 - alpha) * motion[i, VX + c] + factor * force[i, FX + c]
+            motion[i, X + c] += dt * motion[i, VX + c]
         if g2 > 0.0:
-            bodies[i, W] = (1.0 - alpha) * bodies[i, W] + factor * force[i, TAU] / g2
-            angle[i] += dt * bodies[i, W]
-            rotate(orientation, i, angle[i], dt * bodies[i, W])
-    place(world.shape, bodies, orientation, world.constituents, low, high)
+            motion[i, W] = (1.0 - alpha) * motion[i, W] + factor * force[i, TAU] / g2
+            angle[i] += dt * motion[i, W]
+            if ROTATES:
+                rotate(constituents.orientation, i, angle[i], dt * motion[i, W])
+    if COMPOSED:
+        place(motion, constituents, low, high)
 
 
-@inlined
 def total(sums, column):
     """The sum over all patches, in one order for any number of threads."""
     result = 0.0
@@ -141,7 +144,6 @@ def total(sums, column):
     return result
 
 
-@inlined
 def greatest_of(sums, column):
     """The greatest of all patches, NaN if one is."""
     largest = 0.0
@@ -150,38 +152,38 @@ def greatest_of(sums, column):
     return largest
 
 
-@inlined
-def collect_patch(world, patch):
+def collect_patch(granules, constituents, patch):
     """Forces on the granules of a patch from those on their constituents."""
-    low, high = granules_of(world.bodies.shape[0], patch)
-    collect(world.shape, world.constituent_force, world.orientation, world.force, low, high)
+    if COMPOSED:
+        low, high = granules_of(granules.angle.shape[0], patch)
+        collect(granules.force, constituents, low, high)
 
 
-@compiled
-def fire(world, memory, steps, goal, sums, thread):
-    """Minimise the elastic energy until no net force exceeds goal.enough (N).
+def fire(world, memory, steps, enough, list_range, sums, thread):
+    """Minimise the elastic energy until no net force exceeds `enough` (N).
 
-    memory: time step (s), alpha, number of steps downhill, all carried between calls, and
-    the largest time step (s); sums: of each patch (patches, SUMS); thread: a
-    dem.dynamics.threads.Place, or None. Returns iterations done, the largest displacement (m; 0 up
-    to goal.list_range, beyond it the lists are too old) and the largest net force (N).
+    memory, sums: see Descent. Returns iterations done, and the largest displacement (m; 0 up to
+    list_range, beyond it the lists are too old).
     """
-    patches, count = world.patches, number_of_patches(world.bodies.shape[0])
-    begin, end = share_of(thread, count)
+    granules, constituents, patches = world.granules, world.constituents, world.patches
+    lowest, first = patches.lowest, constituents.first
+    motion, reference, n = constituents.motion, constituents.reference, granules.angle.shape[0]
+    pair, lanes, arrivals, size = thread.pair, thread.lanes, thread.arrivals, thread.size
+    begin, end = share_of(thread, lowest.shape[0])
     dt, alpha, downhill, longest = memory[0], memory[1], memory[2], memory[3]
     done, moved, largest = 0, 0.0, math.inf
-    limit = goal.list_range * goal.list_range
+    limit = list_range * list_range
     while True:
         # Kick the patches that waited for forces of others, all of them at first
         ahead = min(1.1 * dt, longest) if downhill + 1.0 > N_MIN else dt
         for patch in range(begin, end):
-            if done == 0 or not knows_forces(patches, patch, begin):
-                kick(world, ahead, patch, sums)
-        barrier(thread)
+            if done == 0 or not knows_forces(lowest, patch, begin):
+                kick(granules, ahead, patch, sums)
+        barrier(arrivals, size)
         # Sums that all threads have; none is written before the next barrier
         power, push, speed = total(sums, POWER), total(sums, PUSH), total(sums, SPEED)
         largest = math.sqrt(greatest_of(sums, LARGEST))
-        if largest <= goal.enough:
+        if largest <= enough:
             break
         if power > 0.0:
             downhill += 1.0
@@ -192,45 +194,80 @@ def fire(world, memory, steps, goal, sums, thread):
             back = -0.5 * dt
             downhill, alpha = 0.0, ALPHA_START
             dt = max(0.5 * dt, 0.02 * longest)
-            barrier(thread)  # now all threads have the sums
+            barrier(arrivals, size)  # now all threads have the sums
             for patch in range(begin, end):
-                halt(world, back, patch)
-                kick(world, dt, patch, sums)
-            barrier(thread)
+                halt(granules, constituents.orientation, back, patch)
+                kick(granules, dt, patch, sums)
+            barrier(arrivals, size)
             speed = total(sums, SPEED)
         factor = alpha * math.sqrt(speed / push) if push > 0.0 else 0.0
         for patch in range(begin, end):
-            move(world, alpha, factor, dt, patch)
-            sums[patch, MOVED] = farthest_of(world, patch, limit)
-        barrier(thread)
+            move(granules, constituents, alpha, factor, dt, patch)
+            low, high = granules_of(n, patch)
+            sums[patch, MOVED] = farthest_of(motion, reference, first[low], first[high], limit)
+        barrier(arrivals, size)
         moved = greatest_of(sums, MOVED)
         done += 1
         last = done == steps or not moved <= limit
         # Forces, and the next kick of patches that know all of theirs
         ahead = min(1.1 * dt, longest) if downhill + 1.0 > N_MIN else dt
         for patch in range(begin, end):
-            pair_forces(world, 0.0, patch)
-            if knows_forces(patches, patch, begin):
-                add_forces_across_patches(world, patch)
-                collect_patch(world, patch)
+            pair_forces(world, 0.0, patch, pair, lanes)
+            if knows_forces(lowest, patch, begin):
+                add_forces_across_patches(constituents, patches, patch)
+                collect_patch(granules, constituents, patch)
                 if not last:
-                    kick(world, ahead, patch, sums)
-        barrier(thread)
+                    kick(granules, ahead, patch, sums)
+        barrier(arrivals, size)
         for patch in range(begin, end):
-            if not knows_forces(patches, patch, begin):
-                add_forces_across_patches(world, patch)
-        barrier(thread)
-        if leads(thread):
-            boundary_forces(world, 0.0)
-        barrier(thread)
+            if not knows_forces(lowest, patch, begin):
+                add_forces_across_patches(constituents, patches, patch)
+        barrier(arrivals, size)
+        if thread.number == 0:
+            boundary_forces(world, 0.0, pair, lanes)
+        barrier(arrivals, size)
         for patch in range(begin, end):
-            if not knows_forces(patches, patch, begin):
-                collect_patch(world, patch)
+            if not knows_forces(lowest, patch, begin):
+                collect_patch(granules, constituents, patch)
         if last:
             break
-    if leads(thread):
-        memory[0], memory[1], memory[2] = dt, alpha, downhill
-    return done, math.sqrt(moved), largest
+    if thread.number == 0:
+        memory[0], memory[1], memory[2], memory[4] = dt, alpha, downhill, largest
+    return done, math.sqrt(moved)
+
+
+class Descent(NamedTuple):
+    """A thread that minimises: dem.dynamics.step.Place, with what all of them share.
+
+    Attributes
+    ----------
+    memory : ndarray of shape (5,)
+        Time step (s), alpha, number of steps downhill, the largest time step (s), and the largest
+        net force (N) that was seen last.
+    sums : ndarray of shape (patches, SUMS)
+        Of each patch.
+    """
+
+    number: int
+    size: int
+    arrivals: np.ndarray
+    moved: np.ndarray
+    pair: np.ndarray
+    lanes: np.ndarray
+    memory: np.ndarray
+    sums: np.ndarray
+
+
+def work(world, task, enough, dt, steps, list_range, rows, thread):
+    """As dem.dynamics.step.work, where STEPS are those of `fire`, and nothing drifts."""
+    if task == STEPS:
+        return fire(world, thread.memory, steps, enough, list_range, thread.sums, thread)
+    if task == FORCES:
+        all_forces(world, dt, thread.pair, thread.lanes)
+    else:
+        end = steps + rows.shape[0]
+        show(world, steps, end, task == RESPOND, rows, thread.pair, thread.lanes)
+    return 0, 0.0
 
 
 class Goal(NamedTuple):
@@ -257,43 +294,63 @@ class Goal(NamedTuple):
     alone: float
 
 
-@compiled(allocates=True)
-def settle(world, table, goal, memory, left, sums, threads):
-    """Minimise, with lists kept up to date; at most PIECE of the iterations that are `left`.
+class Minimiser:
+    """A bed on its way to rest.
 
-    memory: that of `fire`, zeros at first. threads: None, or dem.dynamics.threads.Threads; this
-    function then runs as it is written, uncompiled. Returns the world, the iterations still left,
-    the greatest net force (N), the number of pairs of constituents that touch, the greatest overlap
-    over the smaller radius and a constituent that has it. Once the bed is at rest or no iteration
-    is left, the forces on walls and solids are those of now, and contacts are counted.
+    Attributes
+    ----------
+    system : System
+        Its arrays and kernels.
+    goal : Goal
+        When it is at rest.
+    memory : ndarray of shape (5,)
+        See Descent, zeros at first.
+    left : int
+        Iterations that are left.
     """
-    begins = memory[0] == 0.0
-    if begins:
-        world = rebuild_neighbor_list(world, table)
-        if left > 0:
-            forces(world, 0.0, math.inf)
-            memory[0], memory[1] = math.inf, ALPHA_START
-    if left > 0 and (begins or goal.fraction > STEP):  # a longer step is guarded in every call
-        memory[3] = min(goal.fraction * critical_step(world, table, goal.least), goal.alone)
-        memory[0] = min(memory[0], 0.1 * memory[3] if begins else memory[3])
-    pause = max(left - PIECE, 0)
-    largest = math.inf
-    while left > pause and not largest <= goal.enough:
-        if threads is None:
-            done, moved, largest = fire(world, memory, left - pause, goal, sums, None)
-        else:
-            done, moved, largest = threads.together(fire, world, memory, left - pause, goal, sums)
-        left -= max(done, 1)
-        if not moved <= goal.list_range:
-            if not math.isfinite(moved):
-                left = 0
-                break
-            world = rebuild_neighbor_list(world, table)
-    touching, overlap, deepest = 0, 0.0, 0
-    if left == 0 or largest <= goal.enough:
-        touching, overlap, deepest = contact_summary(world, table)
-        forces(world, 0.0, math.inf)
-    return world, left, largest, touching, overlap, deepest
+
+    def __init__(self, system: System, skin: float, goal: Goal, left: int, threads: int):
+        self.system, self.skin, self.goal, self.left = system, skin, goal, left
+        self.memory = np.zeros(5)
+        patches = number_of_patches(len(system.world.granules.angle))
+        self.sums, self.threads = aligned(patches, SUMS), min(threads, patches)
+        system.place = self.descent(system.place)
+
+    def descent(self, place) -> Descent:
+        """The place of a thread, with what all share."""
+        return Descent(*place[:6], self.memory, self.sums)
+
+    def begin(self) -> None:
+        """Lists and forces at the start."""
+        self.system.rebuild(self.skin)
+        if self.left > 0:
+            self.system.forces(0.0)
+            self.memory[:2] = math.inf, ALPHA_START
+
+    def piece(self, threads: Threads | None) -> float:
+        """At most PIECE of the iterations that are left; returns the greatest net force (N)."""
+        goal, memory, begins = self.goal, self.memory, self.memory[0] == 0.0
+        if begins:
+            self.begin()
+        if self.left > 0 and (begins or goal.fraction > STEP):  # a longer step is guarded each time
+            memory[3] = min(goal.fraction * self.critical_step(), goal.alone)
+            memory[0] = min(memory[0], 0.1 * memory[3] if begins else memory[3])
+        pause, largest = max(self.left - PIECE, 0), math.inf
+        while self.left > pause and not largest <= goal.enough:
+            given = goal.enough, 0.0, self.left - pause, goal.list_range
+            done, moved = self.system.advance(*given, threads)
+            largest = float(memory[4])
+            self.left -= max(done, 1)
+            if not moved <= goal.list_range:
+                if not math.isfinite(moved):
+                    self.left = 0
+                    break
+                self.system.rebuild(self.skin)
+        return largest
+
+    def critical_step(self) -> float:
+        """Critical time step (s) of the contacts, those of pairs that are near with an overlap."""
+        return float(self.system.scan(least=self.goal.least)[CRITICAL])
 
 
 class Minimum(NamedTuple):
@@ -301,7 +358,7 @@ class Minimum(NamedTuple):
 
     Attributes
     ----------
-    world : World
+    system : System
         Its arrays, with the forces on walls and solids; granules in the order of memory.
     order : ndarray of shape (n,)
         Number of each granule of the world.
@@ -317,7 +374,7 @@ class Minimum(NamedTuple):
         A granule that has it.
     """
 
-    world: World
+    system: System
     order: np.ndarray
     net_force: float
     enough: float
@@ -326,10 +383,15 @@ class Minimum(NamedTuple):
     deepest: int
 
     @property
+    def world(self) -> World:
+        """The arrays."""
+        return self.system.world
+
+    @property
     def state(self) -> State:
         """Places and angles of granules, at rest."""
         back = np.argsort(self.order)
-        return State(self.world.bodies[back, :2], angle=self.world.angle[back])
+        return State(self.world.bodies[back, :2], angle=self.world.granules.angle[back])
 
 
 def minimise(scene, state, iterations, enough=None, job=None):
@@ -344,49 +406,59 @@ def minimise(scene, state, iterations, enough=None, job=None):
     stopped, state = job.stopped(), state.checked(scene.granules)
     order = stopped["order"] if stopped else order_of(scene, state)
     scene, state = ordered(scene, state, order)
-    table = granule_table(scene, SKIN_OF_PACKING)
-    world, memory, left = assemble(scene, state, table), np.zeros(4), iterations
-    if stopped:
-        world, memory = replaced(world, stopped, "world"), stopped["memory"]
-        left = int(stopped["left"])
-        if table.alone:  # a granule is its own only constituent: one array for both
-            world = world._replace(constituents=world.bodies, force=world.constituent_force)
+    table, skin = granule_table(scene), skin_of(scene, SKIN_OF_PACKING)
+    system = assemble(scene, state, table, task=work)
     radius, modulus = table.radius.mean(), table.modulus
+    law = system.world.law
     unit, large = scene.law.scale(modulus, radius) * radius, scene.granules > PATCH
     least = 0.02 * radius
     light = np.max(1.0 / scene.mass + scene.shape.normal_lever**2 / scene.inertia)
-    squared_rate = 4.0 * stiffest(table.law, modulus, radius, least) * light
+    squared_rate = 4.0 * stiffest(law, modulus, radius, least) * light
     fraction = LONGER_STEP if large else STEP
     goal = Goal(
         enough=REST * unit if enough is None else enough,
-        list_range=0.45 * table.skin,
+        list_range=0.45 * skin,
         least=least,
         fraction=fraction,
         alone=fraction / STEP / math.sqrt(squared_rate),
     )
-    patches = number_of_patches(scene.granules)
-    sums, size = rows(patches, SUMS), min(job.threads, patches)
-    run = settle if size == 1 else settle.py_func
+    minimiser = Minimiser(system, skin, goal, iterations, job.threads)
+    if stopped:
+        system.world = restored(system, stopped)
+        minimiser.memory[:], minimiser.left = stopped["memory"], int(stopped["left"])
     try:
-        with nullcontext() if size == 1 else Threads(size) as threads:
+        with nullcontext() if minimiser.threads == 1 else Threads(minimiser.threads) as threads:
+            if threads is not None:
+                threads.places = [*map(minimiser.descent, threads.places)]
             while True:
-                if large and enough is None and memory[0] > 0.0:
-                    force = list_contacts(world, order).force
+                if large and enough is None and minimiser.memory[0] > 0.0:
+                    force = list_contacts(minimiser.system, order).force
                     share = SHARE_OF_CONTACT * force.mean() if len(force) else 0.0
-                    bound = np.clip(share, REST * unit, MOST_REST * unit)
-                    goal = goal._replace(enough=float(bound))
-                before = left
+                    most = np.clip(share, REST * unit, MOST_REST * unit)
+                    minimiser.goal = goal = goal._replace(enough=float(most))
+                before = minimiser.left
                 with signals_deferred():
-                    world, left, *rest = run(world, table, goal, memory, left, sums, threads)
+                    net_force = minimiser.piece(threads)
+                world = minimiser.system.world
                 if not np.isfinite(world.bodies).all():
                     raise PackingError("a position became infinite while the bed was relaxed.")
-                kept = {"world": world, "order": order, "memory": memory, "left": left}
-                job.reached(before - left, rest[0] / unit, **kept)
-                if left == 0 or rest[0] <= goal.enough:
+                kept = {"world": world, "order": order}
+                kept |= {"memory": minimiser.memory, "left": minimiser.left}
+                job.reached(before - minimiser.left, net_force / unit, **kept)
+                if minimiser.left == 0 or net_force <= goal.enough:
                     break
     except KeyboardInterrupt:
         job.save()
         raise
-    net_force, touching, overlap, deepest = rest
-    deepest = int(order[world.shape.owner[deepest]])
-    return Minimum(world, order, net_force, goal.enough, touching, overlap, deepest)
+    system = minimiser.system
+    result = system.scan(steps=False)
+    system.forces(0.0)
+    return Minimum(
+        system=system,
+        order=order,
+        net_force=net_force,
+        enough=goal.enough,
+        touching=int(result[TOUCHING]),
+        max_overlap=float(result[DEEPEST]),
+        deepest=int(order[system.world.constituents.owner[int(result[DEEP_CONSTITUENT])]]),
+    )

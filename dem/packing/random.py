@@ -17,10 +17,10 @@ from pydantic import Field
 from dem.base.errors import InputError, PackingError
 from dem.base.types import Count, Length, checked
 from dem.contacts.force_law import effective_modulus
+from dem.contacts.layout import X, Y
 from dem.dynamics.contact_output import list_contacts
 from dem.dynamics.numerics import OneOrMore
-from dem.dynamics.world import World
-from dem.jit.columns import X, Y
+from dem.dynamics.system import System
 from dem.laws.hertz import Hertz
 from dem.material import Friction, Material
 from dem.packing.cost import most_iterations, near_jamming
@@ -377,21 +377,22 @@ def finished(shape: Any, room: Room, bed: Minimum, net_force: float | None = Non
         room.width,
         room.height,
         bed.net_force / room.unit(shape) if net_force is None else net_force,
-        pressure_of(bed.world, room),
+        pressure_of(bed.system, room),
         2.0 * bed.touching / len(position),
         bed.max_overlap,
         room.periods,
     )
 
 
-def pressure_of(world: World, room: Room) -> float:
+def pressure_of(system: System, room: Room) -> float:
     """Pressure of a soft Bed."""
-    walls, periodic = len(world.walls.boundary), SIDES[room.periodic]
+    world = system.world
+    walls, periodic = len(world.boundaries.planes), SIDES[room.periodic]
     if walls:
         length = 2.0 * (room.size * ~np.array(periodic)[::-1]).sum()
         return float(world.boundaries.contact_forces[:walls, 0].sum() / length / room.modulus)
     # Half the sum over contacts of force times the branch from centre to centre, over the area
-    contacts = list_contacts(world, np.arange(len(world.bodies)))
+    contacts = list_contacts(system, np.arange(len(world.bodies)))
     # without walls the numbers of solids as partners are -1, -2 and so on
     place = np.vstack([world.bodies, world.boundaries.motion[::-1]])[:, [X, Y]]
     branch = nearest_image(place[contacts.partner] - place[contacts.granule], room.periods)

@@ -51,6 +51,6 @@ def settle(shape, room, materials, friction, gravity, thickness, job):
         ) from None
     stiffness = max(modulus(scene, material, material) for material in materials)
     unit = scene.law.scale(stiffness, 0.5 * diameter) * 0.5 * diameter
-    net_force = run.world.force[:, :2] + scene.gravity / run.world.inverse_mass[:, None]
+    net_force = run.world.force[:, :2] + scene.gravity / run.world.granules.inverse_mass[:, None]
     net_force = float(np.hypot(*net_force.T).max() / unit)
     return finished(shape, room, minimise(room.scene(shape), run.state, 0), net_force)

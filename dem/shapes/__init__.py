@@ -30,7 +30,7 @@ class Kind(NamedTuple):
     def shape(self) -> type:
         """The class; the file of a user's own runs here, and nowhere else. Raises InputError."""
         granules = getattr(load(self.file), self.name)
-        if not hasattr(granules, "lists_sizes"):  # which dem.shapes.protocol gives to each shape
+        if not hasattr(granules, "oriented"):  # which dem.shapes.protocol gives to each shape
             raise InputError(
                 f"{self.file}: {self.name} is no shape; decorate it with smooth, see {HOW}."
             )

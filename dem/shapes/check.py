@@ -15,16 +15,11 @@ from scipy.optimize import approx_fprime, brentq
 
 from dem.base.errors import InputError
 from dem.base.types import refuse
-from dem.jit.columns import FX, FY, TAU, X, Y
 from dem.shapes import of_size
 from dem.shapes.protocol import (
     circle,
-    collect,
-    first_of,
-    is_alone,
     is_shape,
     outline,
-    place,
     solve_contact,
     support,
 )
@@ -156,26 +151,27 @@ def _moments(rings):
     return area, second.sum() / 6.0 / area, (triangle * (a + b)).sum() / 3.0 / area
 
 
-def _motion(shape, position, angle):
-    """Orientation, motion of granules at some places (m) and angles (rad), and of constituents."""
-    bodies = np.zeros((2, 8))
-    bodies[:, [X, Y]] = position
-    constituents = bodies if is_alone(shape) else np.zeros((len(shape.owner), 8))
+def _places(shape, position, angle):
+    """Orientation of granules at some places (m) and angles (rad), and centres (constituents, 2)
+    in m of their constituents."""
     orientation = np.column_stack([np.cos(angle), np.sin(angle)])
-    place(shape, bodies, orientation, constituents, 0, 2)
-    return orientation, constituents
+    centres = np.zeros((len(angle), 2)) + position
+    if shape.places is None:
+        return orientation, centres
+    turned = (shape.places @ [1.0, 1.0j]) * (orientation @ [1.0, 1.0j])[shape.owner]
+    return orientation, centres[shape.owner] + np.column_stack([turned.real, turned.imag])
 
 
 def _tangents(shape, one, turn):
     """h + iq (m) of the tangent lines of an outline whose normals are at some angles (rad)."""
     lines = map(partial(support, shape, one), np.cos(turn).tolist(), np.sin(turn).tolist())
-    return np.array([complex(h, q or 0.0) for h, q, _ in lines])
+    return np.array([complex(h, q) for h, q, _ in lines])
 
 
 def _support(shape):
     """Third law: tangent lines are those of the polygons, q = dh/d(angle), and moment arms are
     bounded as stated."""
-    orientation, constituents = _motion(shape, 0.0, np.full(2, ANGLE))
+    orientation, constituents = _places(shape, 0.0, np.full(2, ANGLE))
     normal, polygons = np.exp(1j * TURN), shape.polygons(POINTS) @ [1.0, 1.0j]
     for g, size in enumerate(shape.bounding_radius):
         lines = []
@@ -187,7 +183,7 @@ def _support(shape):
                 yield "q of support is not dh/d(angle): torques would be wrong."
             if (far := abs(line).max()) > radius * (1.0 + NEAR):
                 yield f"constituent_bounding_radius is {radius:g} m; the outline reaches {far:g} m."
-            lines.append(line + normal.conj() * (constituents[i, [X, Y]] @ [1.0, 1.0j]))
+            lines.append(line + normal.conj() * (constituents[i] @ [1.0, 1.0j]))
         distance, arm = np.real(lines), np.imag(lines)
         if not shape.normal_bend[g] <= BEND * size:
             yield (
@@ -219,20 +215,20 @@ def _pair(shape, at, order=(0, 1)):
 
     at: place (x, y) in m of the second, angles (rad) of both; order: which of them is asked first.
     """
-    orientation, constituents = _motion(shape, [[0.0, 0.0], at[:2]], at[2:])
+    centres = np.array([[0.0, 0.0], at[:2]])
+    orientation, constituents = _places(shape, centres, at[2:])
     force, overlaps = np.zeros((2, 3)), []
-    pushed = force if is_alone(shape) else np.zeros((len(constituents), 3))
-    first, second = (range(first_of(shape, g), first_of(shape, g + 1)) for g in order)
+    first, second = (np.flatnonzero(shape.owner == g) for g in order)
     for a, b in product(first, second):
-        dx, dy = (constituents[b] - constituents[a])[[X, Y]].tolist()
+        dx, dy = (constituents[b] - constituents[a]).tolist()
         apart = math.hypot(dx, dy)
         one, two = outline(shape, a, orientation), outline(shape, b, orientation)
         c = solve_contact(shape, dx, dy, one, two, (dx / apart, dy / apart))
         overlaps.append(c.overlap)
         push = max(c.overlap, 0.0)
-        pushed[a] -= push * np.array([c.nx, c.ny, -(c.t1 or 0.0)])
-        pushed[b] += push * np.array([c.nx, c.ny, -(c.t2 or 0.0)])
-    collect(shape, pushed, orientation, force, 0, 2)
+        for sign, body, g, lever in ((-1.0, a, order[0], c.t1), (1.0, b, order[1], c.t2)):
+            x, y = constituents[body] - centres[g]
+            force[g] += sign * push * np.array([c.nx, c.ny, x * c.ny - y * c.nx - lever])
     return np.array(overlaps), force
 
 
@@ -261,7 +257,7 @@ def _contacts(shape):
         force, swapped = _pair(shape, at)[1], _pair(shape, at, (1, 0))[1]
         if (np.abs(force - swapped) > NEAR * depth * np.array([1.0, 1.0, size])).any():
             yield "a contact depends on which of two granules is asked: swapping them changes it."
-        exerted = np.array([force[1, FX], force[1, FY], force[0, TAU], force[1, TAU]])
+        exerted = np.array([*force[1], force[0, 2]])[[0, 1, 3, 2]]
         wrong = (
             abs(exerted + approx_fprime(at, potential, STEP * unit)) * unit > CLOSE * depth * size
         )

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dem.base.types import LEAST, MOST, SIZES, OutlinePoints, array, checked, refuse
-from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.shapes import disc
 from dem.shapes.protocol import Shape, answer
 
@@ -84,9 +83,10 @@ class Clump(_Fields, Shape):
     """
 
     __slots__ = ()
+    oriented = False
 
     def __new__(cls, discs: Any, owner: Any = None, first: Any = None, radii: Any = None) -> Self:
-        if radii is not None:  # compiled code that returns clumps makes them of their fields
+        if radii is not None:  # a copy is made of the fields, also by pickle
             return super().__new__(cls, discs, owner, first, radii)
         return _joined(cls, *zip(*map(_centred, _lists(discs)), strict=True))
 
@@ -138,6 +138,16 @@ class Clump(_Fields, Shape):
     def _greatest(self, values: np.ndarray) -> np.ndarray:
         """Of all discs of each granule."""
         return np.maximum.reduceat(values, self.first[:-1])
+
+    @property
+    def places(self) -> np.ndarray:
+        """Centres (c, 2) of the discs in m, from the centre of mass at angle zero."""
+        return self.discs[:, :2]
+
+    @property
+    def outlines(self) -> np.ndarray:
+        """Radius (c, 1) of the discs in m."""
+        return self.discs[:, 2:]
 
     @property
     def area(self) -> np.ndarray:
@@ -282,48 +292,4 @@ def _ring(discs, points):
     return (centre + radius * np.exp(1j * turns)).T[order].ravel()
 
 
-def outline(shape, constituent, orientation):
-    return (shape.discs[constituent, 2],)
-
-
-def owner_of(shape, constituent):
-    return shape.owner[constituent]
-
-
-def first_of(shape, granule):
-    return shape.first[granule]
-
-
-def place(shape, bodies, orientation, constituents, low, high):
-    for number in range(low, high):
-        g = np.uint64(number)  # unsigned: no test for an index that counts from the end
-        c, s, spin, dspin = orientation[g, 0], orientation[g, 1], bodies[g, W], bodies[g, DW]
-        for disc_number in range(shape.first[number], shape.first[number + 1]):
-            row = np.uint64(disc_number)
-            x, y = shape.discs[row, 0], shape.discs[row, 1]
-            rx, ry = c * x - s * y, s * x + c * y
-            constituents[row, X] = bodies[g, X] + rx
-            constituents[row, Y] = bodies[g, Y] + ry
-            constituents[row, VX] = bodies[g, VX] - spin * ry
-            constituents[row, VY] = bodies[g, VY] + spin * rx
-            constituents[row, W] = spin
-            constituents[row, DVX] = bodies[g, DVX] - dspin * ry
-            constituents[row, DVY] = bodies[g, DVY] + dspin * rx
-            constituents[row, DW] = dspin
-
-
-def collect(shape, constituent_force, orientation, force, low, high):
-    for number in range(low, high):
-        g = np.uint64(number)
-        c, s, fx, fy, torque = orientation[g, 0], orientation[g, 1], 0.0, 0.0, 0.0
-        for disc_number in range(shape.first[number], shape.first[number + 1]):
-            row = np.uint64(disc_number)
-            x, y = shape.discs[row, 0], shape.discs[row, 1]
-            px, py = constituent_force[row, FX], constituent_force[row, FY]
-            fx += px
-            fy += py
-            torque += constituent_force[row, TAU] + (c * x - s * y) * py - (s * x + c * y) * px
-        force[g, FX], force[g, FY], force[g, TAU] = fx, fy, torque
-
-
-answer(Clump, outline, *disc.OF_DISCS, owner_of, first_of, place, collect)
+answer(Clump, *disc.OF_DISCS)

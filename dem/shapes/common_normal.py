@@ -18,7 +18,6 @@ from typing import Annotated, NamedTuple
 from pydantic import Field
 
 from dem.base.types import Positive, Unit, checked
-from dem.jit.compilation import inlined
 from dem.shapes.protocol import SEPARATED, answer_method
 from dem.shapes.rotation import rotated
 
@@ -62,7 +61,6 @@ LARGEST_TURN = 0.5  # rad, of one Newton step
 DIRECTIONS = 64  # of the search when Newton's method cannot be trusted
 
 
-@inlined
 def half_width(outline_1, nx, ny):
     """Support distance h (m), its derivative q = dh/d(angle) (m), radius of curvature rho (m)."""
     c, s, a, b = outline_1
@@ -75,7 +73,6 @@ def half_width(outline_1, nx, ny):
     return h, (bb - aa) * u * w * inverse, aa * bb * inverse * inverse * inverse
 
 
-@inlined
 def widest(dx, dy, outline_1, outline_2):
     """Normal of the largest gap among DIRECTIONS angles: slow, safe, for deep or long ellipses."""
     best, bx, by = -math.inf, 1.0, 0.0
@@ -90,7 +87,6 @@ def widest(dx, dy, outline_1, outline_2):
     return bx, by
 
 
-@inlined
 def gap_along(dx, dy, outline_1, outline_2, nx, ny):
     """Gap s (m), slope s' and bend s'' along n, and h, q, rho of both ellipses."""
     h1, q1, rho1 = half_width(outline_1, nx, ny)
@@ -99,7 +95,6 @@ def gap_along(dx, dy, outline_1, outline_2, nx, ny):
     return gap, nx * dy - ny * dx - q1 - q2, -gap - rho1 - rho2, h1, q1, rho1, h2, q2, rho2
 
 
-@inlined
 def settle(dx, dy, outline_1, outline_2, guess, tolerance):
     """Newton's method for the common normal, from any start, to within tolerance (rad).
 
@@ -123,7 +118,6 @@ def settle(dx, dy, outline_1, outline_2, guess, tolerance):
     return math.nan, math.nan
 
 
-@inlined
 def deep(gap, outline_1, outline_2):
     """Overlap beyond half the least radius of curvature of either ellipse."""
     return (

@@ -50,6 +50,7 @@ class Disc(Shape, _Fields):
     """
 
     __slots__ = ()
+    oriented = False
     needs_angle = False  # a disc looks the same at every angle
 
     @classmethod
@@ -77,6 +78,11 @@ class Disc(Shape, _Fields):
             If an argument is not in its range.
         """
         return cls(0.5 * np.asarray(diameter))
+
+    @property
+    def outlines(self) -> np.ndarray:
+        """Radius (n, 1) in m."""
+        return self.radius[:, None]
 
     @property
     def area(self) -> np.ndarray:
@@ -127,16 +133,8 @@ class Disc(Shape, _Fields):
 TINY = 1e-300  # m, in place of a distance of zero
 
 
-def outline(shape, constituent, orientation):
-    return (shape.radius[constituent],)
-
-
-def circle(shape, radius):
-    return (radius,)
-
-
 def support(shape, outline_1, nx, ny):
-    return outline_1[0], None, None
+    return outline_1[0], 0.0, 0.0
 
 
 def find_contact(shape, dx, dy, outline_1, outline_2, guess):
@@ -146,12 +144,8 @@ def find_contact(shape, dx, dy, outline_1, outline_2, guess):
     half = 0.5 * overlap
     nx = dx * inverse if distance > 0.0 else 1.0  # concentric: any normal is as good
     n1, n2 = outline_1[0] - half, outline_2[0] - half
-    return ContactGeometry(overlap, nx, dy * inverse, n1, None, n2, None, None), None
+    return ContactGeometry(overlap, nx, dy * inverse, n1, 0.0, n2, 0.0, 0.0), True
 
 
-def tangential_lever(shape):
-    return None
-
-
-OF_DISCS = circle, support, find_contact, tangential_lever  # of all shapes made of discs
-answer(Disc, outline, *OF_DISCS)
+OF_DISCS = support, find_contact  # of all shapes made of discs
+answer(Disc, *OF_DISCS)

@@ -9,8 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dem.base.types import SIZES, AspectRatio, OutlinePoints, checked
-from dem.jit.block_memory import ONE, TWO
-from dem.jit.columns import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, Y
 from dem.shapes import disc
 from dem.shapes.protocol import Shape, answer, unit_circle
 
@@ -61,6 +59,7 @@ class Dumbbell(Shape, _Fields):
     """
 
     __slots__ = ()
+    oriented = False
 
     @classmethod
     @checked
@@ -92,6 +91,17 @@ class Dumbbell(Shape, _Fields):
     def owner(self) -> np.ndarray:
         """Dumbbell (2n,) that each disc belongs to, without unit."""
         return np.repeat(np.arange(len(self.radius)), 2)
+
+    @property
+    def places(self) -> np.ndarray:
+        """Centres (2n, 2) of the discs in m, from the joint at angle zero."""
+        along = np.column_stack([self.radius, -self.radius]).ravel()
+        return np.column_stack([along, np.zeros_like(along)])
+
+    @property
+    def outlines(self) -> np.ndarray:
+        """Radius (2n, 1) of the discs in m."""
+        return self.constituent_radius[:, None]
 
     @property
     def area(self) -> np.ndarray:
@@ -146,52 +156,4 @@ class Dumbbell(Shape, _Fields):
         return self.radius[:, None, None, None] * pair
 
 
-def outline(shape, constituent, orientation):
-    return (shape.radius[constituent // 2],)
-
-
-def owner_of(shape, constituent):
-    return constituent // 2
-
-
-def first_of(shape, granule):
-    return 2 * granule
-
-
-def place(shape, bodies, orientation, constituents, low, high):
-    for number in range(low, high):
-        g = np.uint64(number)  # unsigned: no test for an index that counts from the end
-        ox = shape.radius[g] * orientation[g, 0]
-        oy = shape.radius[g] * orientation[g, 1]
-        spin, dspin = bodies[g, W], bodies[g, DW]
-        for q in range(2):
-            sign = 1.0 - 2.0 * q
-            rx, ry = sign * ox, sign * oy
-            row = TWO * g + np.uint64(q)
-            constituents[row, X] = bodies[g, X] + rx
-            constituents[row, Y] = bodies[g, Y] + ry
-            constituents[row, VX] = bodies[g, VX] - spin * ry
-            constituents[row, VY] = bodies[g, VY] + spin * rx
-            constituents[row, W] = spin
-            constituents[row, DVX] = bodies[g, DVX] - dspin * ry
-            constituents[row, DVY] = bodies[g, DVY] + dspin * rx
-            constituents[row, DW] = dspin
-
-
-def collect(shape, constituent_force, orientation, force, low, high):
-    for number in range(low, high):
-        g = np.uint64(number)
-        ox = shape.radius[g] * orientation[g, 0]
-        oy = shape.radius[g] * orientation[g, 1]
-        a, b = TWO * g, TWO * g + ONE
-        force[g, FX] = constituent_force[a, FX] + constituent_force[b, FX]
-        force[g, FY] = constituent_force[a, FY] + constituent_force[b, FY]
-        force[g, TAU] = (
-            constituent_force[a, TAU]
-            + constituent_force[b, TAU]
-            + ox * (constituent_force[a, FY] - constituent_force[b, FY])
-            - oy * (constituent_force[a, FX] - constituent_force[b, FX])
-        )
-
-
-answer(Dumbbell, outline, *disc.OF_DISCS, owner_of, first_of, place, collect)
+answer(Dumbbell, *disc.OF_DISCS)

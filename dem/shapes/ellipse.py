@@ -20,9 +20,9 @@ from dem.shapes.protocol import (
 
 SHAPE = "Ellipse"
 
-# What the kernels read: what is compiled follows from types, and a text is always a str
+# What the fields hold: the class of a method answers the kernels (dem.shapes.protocol)
 CONTACTS = {"common_normal": CommonNormal(), "geometric_potential": GeometricPotential()}
-RADII = {"volume": None, "local": True}  # None is absent from kernels
+RADII = {"volume": None, "local": True}  # whether R* is computed at each contact
 Contact = Annotated[
     Literal["common_normal", "geometric_potential"]
     | InstanceOf[CommonNormal]
@@ -95,7 +95,6 @@ class Ellipse(Shape, _Fields):
     """
 
     __slots__ = ()
-    lists_sizes = True
 
     @classmethod
     @checked
@@ -136,6 +135,20 @@ class Ellipse(Shape, _Fields):
     def guesses(self) -> bool:  # type: ignore[override]  # other shapes have it as a constant
         """Whether a contact remembers its normal."""
         return isinstance(self.contact, CommonNormal)
+
+    @property
+    def local_radius(self) -> bool:  # type: ignore[override]
+        """Whether R* is computed at each contact."""
+        return self.hertz_radius is not None
+
+    @property
+    def outlines(self) -> np.ndarray:
+        """Semi-axes (n, 2) in m."""
+        return np.column_stack([self.semi_major, self.semi_minor])
+
+    def circle_outline(self, radius: float) -> tuple[float, ...]:
+        """Semi-axes (m) of a circle."""
+        return radius, radius
 
     @property
     def fault(self) -> str | None:  # type: ignore[override]
@@ -199,26 +212,8 @@ class Ellipse(Shape, _Fields):
         return axes[:, None, None] * unit_circle(points)
 
 
-def outline(shape, constituent, orientation):
-    return (
-        orientation[constituent, 0],
-        orientation[constituent, 1],
-        shape.semi_major[constituent],
-        shape.semi_minor[constituent],
-    )
-
-
-def circle(shape, radius):
-    return 1.0, 0.0, radius, radius
-
-
-def local_radius(shape):
-    return shape.hertz_radius
-
-
 def support(shape, outline_1, nx, ny):
-    h, q, rho = half_width(outline_1, nx, ny)
-    return h, q, None if shape.hertz_radius is None else rho
+    return half_width(outline_1, nx, ny)
 
 
 def find_contact(shape, dx, dy, outline_1, outline_2, guess):
@@ -226,7 +221,7 @@ def find_contact(shape, dx, dy, outline_1, outline_2, guess):
         shape.contact, dx, dy, outline_1, outline_2, guess
     )
     overlap, nx, ny, n1, t1, n2, t2 = contact
-    radius = None if shape.hertz_radius is None else rho1 * rho2 / (rho1 + rho2)
+    radius = rho1 * rho2 / (rho1 + rho2)
     return ContactGeometry(overlap, nx, ny, n1, t1, n2, t2, radius), converged
 
 
@@ -234,4 +229,4 @@ def refine_normal(shape, dx, dy, outline_1, outline_2, guess):
     return settle(dx, dy, outline_1, outline_2, guess, shape.contact.tolerance)
 
 
-answer(Ellipse, outline, circle, support, find_contact, refine_normal, local_radius)
+answer(Ellipse, support, find_contact, refine_normal)

@@ -13,7 +13,6 @@ from typing import Annotated, NamedTuple
 from pydantic import Field
 
 from dem.base.types import Positive, Unit, checked
-from dem.jit.compilation import inlined
 from dem.shapes.protocol import SEPARATED, answer_method
 
 
@@ -55,7 +54,6 @@ class GeometricPotential(NamedTuple):
 ITERATIONS = 50
 
 
-@inlined
 def deepest(dx, dy, outline_1, outline_2, tolerance):
     """Point of `own`'s boundary where `other`'s G is least, d leading from own's centre to other's.
 
@@ -112,15 +110,15 @@ def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
     )
     flat = reach, reach
     if dx * dx + dy * dy >= reach * reach:
-        return apart, flat, None
+        return apart, flat, True
     g1, x1, y1, rho1 = deepest(dx, dy, outline_1, outline_2, method.tolerance)
     if g1 >= 0.0:
-        return apart, flat, None
+        return apart, flat, True
     _, x2, y2, rho2 = deepest(-dx, -dy, outline_2, outline_1, method.tolerance)
     ex, ey = x1 - dx - x2, y1 - dy - y2  # from the point of 2 inside 1 to that of 1 inside 2
     overlap = math.sqrt(ex * ex + ey * ey)
     if overlap == 0.0:
-        return apart, flat, None
+        return apart, flat, True
     nx, ny = ex / overlap, ey / overlap
     rx, ry = x1 - 0.5 * ex, y1 - 0.5 * ey  # contact point from centre 1
     sx, sy = rx - dx, ry - dy  # and from centre 2
@@ -133,7 +131,7 @@ def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
         -(sx * nx + sy * ny),
         sy * nx - sx * ny,
     )
-    return contact, (rho1, rho2), None
+    return contact, (rho1, rho2), True
 
 
 answer_method(GeometricPotential, ellipse_contact)

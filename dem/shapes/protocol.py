@@ -9,16 +9,16 @@ time, the answers to the questions of the kernels, and has MEMBERS and those of 
 * overlap (m) is positive where they touch;
 * the contact point is midway between the two surfaces, on one line with both forces;
 * levers (m) lead from the centres to it: n1 n + t1 t for 1 and -n2 n + t2 t for 2.
-  A lever that a shape does not have is None, and so is all arithmetic with it.
+
+An outline is a tuple of numbers: of a disc its radius; of all others cosine and sine of the angle,
+then a row of `outlines`.
 """
 
 from functools import partial
 from typing import NamedTuple, Self
 
 import numpy as np
-from numba.extending import overload
 
-from dem.jit.compilation import INLINED, inlined
 from dem.jit.questions import question, register
 
 SEPARATED = -1.0  # overlap of constituents that do not touch
@@ -27,18 +27,18 @@ SEPARATED = -1.0  # overlap of constituents that do not touch
 class ContactGeometry(NamedTuple):
     """One contact: overlap (m, negative for a gap), normal (nx, ny), levers n1, t1, n2, t2 (m).
 
-    t1 and t2 are None for discs, n2 and t2 for walls. radius: the effective radius R* (m) at the
-    contact, or None where the pair's constant counts.
+    t1 and t2 are zero for discs. radius: the effective radius R* (m) at the contact, where
+    Shape.local_radius.
     """
 
     overlap: float
     nx: float
     ny: float
     n1: float
-    t1: float | None
-    n2: float | None
-    t2: float | None
-    radius: float | None
+    t1: float
+    n2: float
+    t2: float
+    radius: float
 
 
 # What Python asks of n granules, who reads it, and what a wrong answer breaks; lengths in m. The
@@ -66,6 +66,9 @@ MEMBERS = (
     # the bound of the time step. Too small: a turning granule gains energy; unbounded, as at a flat
     # side: the step is none.
     "normal_bend",
+    # Numbers (constituents, s) of each outline beside cosine and sine, at most six. Read by contacts.
+    # Wrong: other granules touch than are drawn.
+    "outlines",
     # Function of a number of points: outlines (n, rings, points, 2) in m about the centre at angle
     # zero, closed: the first point is the last. Read by figures, films, export, report. Wrong:
     # pictures only.
@@ -78,10 +81,13 @@ class Shape:
 
     __slots__ = ()
 
-    # Whether an outline is cosine and sine of the angle, and then sizes that never change. The list
-    # of pairs then has the sizes of both constituents. Read by the neighbour lists. Wrong: contacts
-    # have the sizes of the time when the list was made.
-    lists_sizes = False
+    # Whether an outline has a direction, so that a normal force may pass beside its centre; not of
+    # discs. Read by contacts. Wrong: granules keep the outlines that they start with.
+    oriented = True
+
+    # Whether R* is computed at each contact, from radii of curvature there. Read by contacts. Wrong:
+    # contacts are too stiff or too soft.
+    local_radius = False
 
     # Whether the granule looks different when it turns. Read by the integrator. Wrong: granules
     # keep the orientation that they start with.
@@ -102,6 +108,22 @@ class Shape:
         Read by all that goes from contacts to granules. Wrong: forces act on other granules.
         """
         return np.arange(max(map(len, sizes_of(self).values())))
+
+    @property
+    def places(self) -> np.ndarray | None:
+        """Centres (constituents, 2) in m from that of the granule at angle zero; None where each
+        granule is its own only constituent.
+
+        Read by the integrator. Wrong: constituents are elsewhere.
+        """
+        return None
+
+    def circle_outline(self, radius: float) -> tuple[float, ...]:
+        """Row of `outlines` of a circle of a radius (m), such as a round solid.
+
+        Read by contacts with solids. Wrong: the cylinder is none.
+        """
+        return (radius,)
 
     @property
     def constituent_bounding_radius(self) -> np.ndarray:
@@ -146,24 +168,29 @@ def unit_circle(points):
     return np.stack([np.cos(turn), np.sin(turn)], axis=-1)
 
 
-@question
 def outline(shape, constituent, orientation):
-    """Numbers (a tuple, at most 8) that describe a constituent in its present orientation."""
-    raise NotImplementedError
+    """The outline of a constituent; orientation (n, 2): cosine and sine of the granules."""
+    numbers = tuple(shape.outlines[constituent].tolist())
+    return (
+        (*orientation[shape.owner[constituent]].tolist(), *numbers) if shape.oriented else numbers
+    )
 
 
-@question
 def circle(shape, radius):
-    """The outline, in this shape's terms, of a circle, such as a round solid."""
-    raise NotImplementedError
+    """The outline, in this shape's terms, of a circle of a radius (m)."""
+    numbers = shape.circle_outline(radius)
+    return (1.0, 0.0, *numbers) if shape.oriented else numbers
+
+
+# Answered by each shape, with plain functions
 
 
 @question
 def support(shape, outline_1, nx, ny):
-    """Where a constituent touches a straight line with outward normal n: (h, q, radius).
+    """Where a constituent touches a straight line with outward normal n: (h, q, rho).
 
     h (m) is the distance of that line from the centre; q = dh/d(angle) (m) the coordinate along t
-    of the point that touches it, None for a disc; radius as in ContactGeometry.
+    of the point that touches it; rho the radius of curvature (m) there, where Shape.local_radius.
     """
     raise NotImplementedError
 
@@ -173,8 +200,7 @@ def find_contact(shape, dx, dy, outline_1, outline_2, guess):
     """Contact of two constituents, without a branch: (ContactGeometry, converged).
 
     The overlap is negative where they do not touch; `guess` a normal near the right one, what the
-    contact remembers (None for discs). `converged` is False where the guess was too far off, None
-    where that cannot be.
+    contact remembers. `converged` is False where the guess was too far off.
     """
     raise NotImplementedError
 
@@ -186,95 +212,22 @@ def refine_normal(shape, dx, dy, outline_1, outline_2, guess):
 
 
 @question
-def tangential_lever(shape):
-    """True if normal forces can exert a torque about a centre; None for discs."""
-    return True
-
-
-@question
-def local_radius(shape):
-    """Not None if R* is computed at each contact; None: one R* per pair."""
-    return
-
-
-@question
-def owner_of(shape, constituent):
-    """Granule that a constituent belongs to; the default is for granules with one constituent."""
-    return constituent
-
-
-@question
-def first_of(shape, granule):
-    """First constituent of a granule; the number of granules has that of constituents."""
-    return granule
-
-
-@question
-def place(shape, bodies, orientation, constituents, low, high):
-    """Motion of the constituents of granules low to high from the motion of the granules.
-
-    The default is for granules with one constituent: both are one array.
-    """
-    return
-
-
-@question
-def collect(shape, constituent_force, orientation, force, low, high):
-    """Forces (N) and torques (N m) on granules low to high from those on their constituents."""
-    return
-
-
-@question
 def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
     """Contact of two ellipses by a method: (overlap, nx, ny, n1, t1, n2, t2), (rho1, rho2),
     converged, with rho the radii of curvature (m) there."""
     raise NotImplementedError
 
 
-@inlined
 def solve_contact(shape, dx, dy, outline_1, outline_2, guess):
     """Contact of two constituents: the ContactGeometry, from any guess."""
     geometry, converged = find_contact(shape, dx, dy, outline_1, outline_2, guess)
-    return _refined(converged, geometry, shape, dx, dy, outline_1, outline_2, guess)
+    if not converged:
+        guess = refine_normal(shape, dx, dy, outline_1, outline_2, guess)
+        geometry, _ = find_contact(shape, dx, dy, outline_1, outline_2, guess)
+    return geometry
 
 
-@inlined
-def _refined(converged, geometry, shape, dx, dy, outline_1, outline_2, guess):
-    if converged is None or converged:
-        return geometry
-    guess = refine_normal(shape, dx, dy, outline_1, outline_2, guess)
-    return find_contact(shape, dx, dy, outline_1, outline_2, guess)[0]
-
-
-def outline_among(outlines, shape, constituent, orientation):
-    """The outline of a constituent in the terms of other granules: of its own shape, or of any if
-    it is a disc."""
-
-
-@overload(outline_among, strict=False, jit_options=INLINED)
-def _outline_among(outlines, shape, constituent, orientation):
-    if outlines.instance_class is shape.instance_class:
-        return lambda outlines, shape, constituent, orientation: outline(
-            shape, constituent, orientation
-        )
-    return lambda outlines, shape, constituent, orientation: circle(
-        outlines, outline(shape, constituent, orientation)[0]
-    )
-
-
-SHAPE_QUESTIONS = (
-    outline,
-    circle,
-    support,
-    find_contact,
-    refine_normal,
-    tangential_lever,
-    local_radius,
-    owner_of,
-    first_of,
-    place,
-    collect,
-)
+SHAPE_QUESTIONS = support, find_contact, refine_normal
 # as dem.jit.questions.register
 answer = partial(register, questions=SHAPE_QUESTIONS, members=MEMBERS, usual=Shape)
 answer_method = partial(register, questions=(ellipse_contact,), members=(), usual=object)
@@ -282,17 +235,12 @@ answer_method = partial(register, questions=(ellipse_contact,), members=(), usua
 
 def is_shape(cls: type) -> bool:
     """Whether the kernels know a class as a shape."""
-    return cls in outline.answers
-
-
-def is_of_discs(shape) -> bool:
-    """Whether all constituents of a shape are discs."""
-    return tangential_lever(shape) is None
+    return cls in support.answers
 
 
 def is_alone(shape) -> bool:
     """Whether each granule of a shape is its own only constituent."""
-    return type(shape) not in place.answers
+    return shape.places is None
 
 
 def sizes_of(shape) -> dict[str, np.ndarray]:

@@ -17,35 +17,20 @@ import math
 import pickle
 
 import numpy as np
-from numba.core import types
-from numba.extending import overload
 
-from dem.jit.compilation import INLINED, inlined
+from dem.base.errors import InputError
 from dem.jit.questions import question
 from dem.shapes.common_normal import LARGEST_TURN
 from dem.shapes.protocol import ContactGeometry, Shape, answer
 from dem.shapes.rotation import rotated
 
+MOST_SIZES = 4  # that a contact has room for
 TOLERANCE = 1e-4  # rad: the last turn of the normal may be as large as this; error ~ its 4th power
 DIRECTIONS = 64  # of the search for a normal, when the last one is no good guess
 BISECTIONS = 60  # of the search between two of them
 ANGLES = 2048  # at which integrals are summed: exact to rounding for smooth outlines
 LEAST = 1e-6  # over size: a radius of curvature that is less negative is zero, but for rounding
 ROOM = 1.0 + 1e-4  # of the bounding circle, for the outline between two of these angles
-
-
-def _sizes(fields, g):
-    """Sizes of granule g, a tuple: entries of arrays, and plain numbers as they are."""
-    return tuple(size if np.isscalar(size) else size[g] for size in fields)
-
-
-@overload(_sizes, jit_options=INLINED)
-def _choose_sizes(fields, g):
-    if len(fields) == 0:
-        return lambda fields, g: ()
-    if not isinstance(fields[0], types.Array):
-        return lambda fields, g: (fields[0],) + _sizes(fields[1:], g)
-    return lambda fields, g: (fields[0][g],) + _sizes(fields[1:], g)
 
 
 @question
@@ -58,33 +43,17 @@ def support_of(shape, nx, ny, sizes):
 # of a circle around it (0, or the cylinder's), sizes.
 
 
-def outline(shape, constituent, orientation):
-    g = constituent
-    return (orientation[g, 0], orientation[g, 1], 1.0, 0.0) + _sizes(shape, g)
-
-
-def circle(shape, radius):
-    return (1.0, 0.0, 0.0, radius) + _sizes(shape, 0)  # whose share is zero
-
-
-@inlined
-def support_at(shape, outline_1, nx, ny):
+def support(shape, outline_1, nx, ny):
     """Support distance h (m), its derivative q = dh/d(angle) (m), radius of curvature rho (m)."""
     c, s, share, radius = outline_1[0], outline_1[1], outline_1[2], outline_1[3]
     h, q, rho = support_of(shape, c * nx + s * ny, c * ny - s * nx, outline_1[4:])
     return share * h + radius, share * q, share * rho + radius
 
 
-def support(shape, outline_1, nx, ny):
-    h, q, _ = support_at(shape, outline_1, nx, ny)
-    return h, q, None
-
-
-@inlined
 def gap_along(shape, dx, dy, outline_1, outline_2, normal):
     """Gap s (m), slope s' and bend s'' with the angle of n, and (h, q, rho) of both granules."""
     nx, ny = normal
-    one, two = support_at(shape, outline_1, nx, ny), support_at(shape, outline_2, -nx, -ny)
+    one, two = support(shape, outline_1, nx, ny), support(shape, outline_2, -nx, -ny)
     gap = nx * dx + ny * dy - one[0] - two[0]
     return gap, nx * dy - ny * dx - one[1] - two[1], -gap - one[2] - two[2], one, two
 
@@ -112,7 +81,7 @@ def find_contact(shape, dx, dy, outline_1, outline_2, guess):
         one[1] + turn * (one[2] - one[0]),
         two[0] + turn * two[1] - half,
         -two[1] - turn * (two[2] - two[0]),
-        None,
+        0.0,
     )
     deep = -2.0 * gap > one[2] + two[2]
     return geometry, apart or (near and not deep)
@@ -170,6 +139,16 @@ class Smooth(Shape):
 
     __slots__ = ()
     guesses = True
+
+    @property
+    def outlines(self):
+        """Share and radius, see above, then the sizes: an array (n, sizes) in m."""
+        sizes = np.broadcast_arrays(*self)
+        return np.column_stack([np.ones(len(sizes[0])), np.zeros(len(sizes[0])), *sizes])
+
+    def circle_outline(self, radius):
+        """Numbers of a circle: those of the first granule, whose share is zero."""
+        return 0.0, radius, *self.outlines[0, 2:]
 
     @property
     def area(self):
@@ -246,9 +225,18 @@ def smooth(support_function):
     """
 
     def make(cls):
-        function = inlined(support_function)
-        support_of.answers[cls] = lambda shape, nx, ny, sizes: function(nx, ny, sizes)
-        answer(cls, outline, circle, support, find_contact, refine_normal, usual=Smooth)
+        if len(cls._fields) > MOST_SIZES:
+            raise InputError(
+                f"{cls.__name__} has {len(cls._fields)} fields; it may have at most {MOST_SIZES}."
+            )
+
+        def of_class(shape, nx, ny, sizes):
+            return support_function(nx, ny, sizes)
+
+        of_class.__module__ = support_function.__module__
+        of_class.__qualname__ = support_function.__qualname__
+        support_of.answers[cls] = of_class
+        answer(cls, support, find_contact, refine_normal, usual=Smooth)
         return cls
 
     return make

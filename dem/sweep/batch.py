@@ -18,7 +18,7 @@ from dem.base.source_hash import PACKAGE, run_codes
 from dem.experiment.bed import make_bed
 from dem.experiment.run import Replicate
 from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, write
-from dem.jit.compilation import computing
+from dem.jit.kernel import computing
 from dem.packing.random import Bed
 from dem.periodic import periods_of
 from dem.sweep.store import Store, load

@@ -19,7 +19,6 @@ from nightly.faults import Checkout, varied
 from dem.base.errors import RunError
 from dem.experiment.bed import make_bed
 from dem.experiment.kinds import drag
-from dem.jit.compilation import spare_blas
 from dem.sweep import store as stores
 from dem.sweep.batch import write_batch
 from dem.sweep.config import load
@@ -81,7 +80,6 @@ def main() -> None:
         batch={"nargs": "?", "default": 100, "help": "runs a job"},
     )
     many = varied(f"1 to {options.seeds}", CASES)
-    spare_blas()
     with tempfile.TemporaryDirectory() as name:
         checkout = Checkout(Path(name))
         config = checkout.sweep("many", sweep=many, batch=options.batch, failures=0.05)

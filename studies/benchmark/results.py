@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import psutil
 
-from dem.dynamics.checkpoint import copied
+from dem.dynamics.contact_output import listed_pairs
 from dem.dynamics.simulation import Simulation
 from studies.benchmark import this_code
 from studies.benchmark.drag import compare_drag
@@ -194,9 +194,7 @@ def compare_codes(cases: dict[str, Case], plan: Plan) -> dict:
         "granule_steps_per_second": rates,
         "time_per_contact": step_times / np.where(contacts > 0, contacts, np.nan)[:, None],
         "scene_granules": granules,
-        "scene_pairs": np.array(
-            [len(simulation.world.pairs.constituent) for simulation in at_start]
-        ),
+        "scene_pairs": np.array([len(listed_pairs(simulation.world)) for simulation in at_start]),
     }
 
 
@@ -223,8 +221,7 @@ def compare_scenes(cases: dict[str, Case], plan: Plan) -> dict:
         for place, (scene, state, time_step) in enumerate(cases.values()):
             spent = this_code.seconds(scene, state, STILL * time_step, plan.warm, plan.steps)
             times[place, repeat] = spent / plan.steps / scene.granules
-    worlds = (copied(Simulation(*case).world) for case in cases.values())
-    sizes, widths = zip(*map(this_code.machine_code, worlds), strict=True)
+    sizes, widths = zip(*(this_code.machine_code(*case) for case in cases.values()), strict=True)
     return {
         "variant": np.array(list(cases)),
         "variant_step_time": times,

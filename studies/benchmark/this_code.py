@@ -6,11 +6,10 @@ import time
 import numba
 from llvmlite.binding.object_file import ObjectFileRef
 
-from dem.dynamics.integration import advance
 from dem.dynamics.simulation import Simulation
-from dem.dynamics.world import World
-from dem.jit.compilation import OPTIONS
-from dem.jit.compilers import KernelCompiler
+from dem.dynamics.step import STEPS
+from dem.dynamics.system import NONE
+from dem.jit.kernel import OPTIONS
 from dem.scene import Scene, State
 from dem.shapes.disc import Disc
 from dem.shapes.dumbbell import Dumbbell
@@ -39,17 +38,18 @@ def seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int)
     return spent * steps / (simulation.steps - before)  # rounding may make it one step more
 
 
-def machine_code(world: World) -> tuple[int, int]:
-    """Size (bytes) of the machine code of dem.dynamics.integration.advance for a scene, with all it
-    calls, and width (bits) of the widest vector registers that it names.
+def machine_code(scene: Scene, state: State, time_step: float) -> tuple[int, int]:
+    """Size (bytes) of the machine code of the steps of a scene, with all they call, and width (bits)
+    of the widest vector registers that it names.
 
     The size is that of the text section of the object file, with the few hundred bytes that call it
     from Python. It is compiled again, because Numba does not keep object files that it reads from
     disk.
     """
-    like = world, 0.5, 1.0, 1, 1.0, None  # as dem.dynamics.stepping calls it
-    signature = tuple(map(advance.typeof_pyval, like))
-    fresh = numba.jit(pipeline_class=KernelCompiler, **OPTIONS)(advance.py_func)
+    system = Simulation(scene, state, time_step).engine.system
+    kernel, given = system.kernels.work, (system.world, STEPS, 0.5, 1.0, 1, 1.0, NONE, system.place)
+    fresh = numba.njit(**OPTIONS)(kernel.binding.copy(kernel.function))
+    signature = tuple(map(numba.typeof, given))
     fresh.compile(signature)
     code = fresh.overloads[signature].library._compiled_object
     sections = ObjectFileRef.from_data(code).sections()

@@ -9,7 +9,6 @@ import math
 import numpy as np
 
 from dem.dynamics.checkpoint import copied
-from dem.dynamics.forces import forces
 from dem.dynamics.simulation import Simulation
 from dem.experiment.run import Replicate
 from dem.sweep.config import Sweep
@@ -39,29 +38,25 @@ class Nudged:
     """Forces on a bed whose granules are moved a little or given velocities; contacts stick."""
 
     def __init__(self, simulation: Simulation):
-        world, scene = copied(simulation.world), simulation.scene
-        self.world = world
+        system, scene = simulation.engine.observe()[0], simulation.scene
+        self.system = system.with_world(copied(system.world))
+        self.world = world = self.system.world
         self.size = math.sqrt((scene.inertia / scene.mass).mean())  # m: makes turns lengths
         self.unit = NUDGE * world.bodies[:, :2].max()
-        self._lists = [world.pairs, world.walls.contacts, world.circles.contacts]
-        self._lists = [
-            contacts for contacts in self._lists if contacts.tangential_force is not None
-        ]
-        self._memory = [(c.tangential_force.copy(), c.measure.copy()) for c in self._lists]
-        self._place, self._angle = world.bodies.copy(), world.angle.copy()
+        self._table = world.contacts.table.copy()
+        self._place, self._angle = world.bodies.copy(), world.granules.angle.copy()
 
     def push(self, moved, velocity, dt):
         """Forces and torques (n, 3) on granules moved so far (m, rad), at such velocities."""
         world, bodies = self.world, self.world.bodies
-        for contacts, (spring, measure) in zip(self._lists, self._memory, strict=True):
-            contacts.tangential_force[:], contacts.measure[:] = spring, measure
+        world.contacts.table[:] = self._table  # what contacts remember
         bodies[:] = self._place
         bodies[:, :2] += moved[:, :2]
         bodies[:, 2:5] = velocity
-        if world.orientation is not None:
-            turned = self._angle + moved[:, 2]
-            world.orientation[:] = np.column_stack([np.cos(turned), np.sin(turned)])
-        forces(world, dt, math.inf)
+        turned = self._angle + moved[:, 2]
+        orientation = world.constituents.orientation[: len(turned)]
+        orientation[:] = np.column_stack([np.cos(turned), np.sin(turned)])
+        self.system.forces(dt)
         return world.force[:, :3] / [1.0, 1.0, self.size]
 
 

@@ -5,12 +5,9 @@ import math
 import numpy as np
 
 from dem.contacts.force_law import effective_modulus
-from dem.dynamics.checkpoint import copied
-from dem.dynamics.forces import forces
+from dem.dynamics.contact_output import listed_pairs
 from dem.dynamics.simulation import Simulation
-from dem.dynamics.world import COEFFICIENT, World
-from dem.jit.block_memory import FORCE_X, FORCE_Y, NX, NY
-from dem.jit.columns import X, Y
+from dem.dynamics.world import World
 
 LOOKS = 20  # along a run
 
@@ -35,18 +32,13 @@ def watch(simulation: Simulation, interval: float, between=lambda look: None) ->
 
 
 def friction_excess(simulation: Simulation, share: float = 1.0) -> float:
-    """By how much |T| exceeds mu N at the cylinder, over the force; share: of mu that counts.
-
-    The forces are computed again, in a copy: the cylinder's contacts, which are the last and less
-    than a block, are then in the lanes.
-    """
-    if simulation.world.circles.contacts.friction is None:
+    """By how much |T| exceeds mu N at the cylinder, over the force; share: of mu that counts."""
+    scene, contacts = simulation.scene, simulation.contacts()
+    if not (scene.solids and scene.friction):
         return 0.0
-    world = copied(simulation.world)
-    forces(world, 0.0, math.inf)
-    contacts, values = world.circles.contacts, world.lanes.values
-    count, mu = len(contacts.constituent), share * contacts.friction[COEFFICIENT]
-    nx, ny, fx, fy = (values[int(at) : int(at) + count] for at in (NX, NY, FORCE_X, FORCE_Y))
+    coefficient, at = scene.solids[0].friction, contacts.partner == -1
+    mu = share * (scene.friction.solid if coefficient is None else coefficient)
+    (nx, ny), (fx, fy) = contacts.normal[at].T, contacts.total_force[at].T
     normal, tangential, size = (
         np.abs(fx * nx + fy * ny),
         np.abs(fy * nx - fx * ny),
@@ -82,9 +74,9 @@ def contact_time(scene, speed: float) -> float:
 def unlisted(world: World) -> int:
     """Number of pairs of circles around constituents that overlap and are not listed."""
     owner, radius = world.shape.owner, world.shape.constituent_bounding_radius
-    place = world.constituents[:, [X, Y]]
+    place = world.constituents.motion[: len(owner), :2]
     apart = np.linalg.norm(place[:, None] - place, axis=2) - radius[:, None] - radius
-    listed = set(zip(world.pairs.constituent.tolist(), world.pairs.partner.tolist(), strict=True))
+    listed = set(map(tuple, listed_pairs(world).tolist()))
     touching = np.argwhere(np.triu(apart < 0.0, 1)).tolist()
     # constituents of one granule do not touch
     return sum(owner[i] != owner[j] and (i, j) not in listed for i, j in touching)

@@ -34,8 +34,8 @@ CASES = (
     "spinning",
     "off_centre",
 )
-LAW, WALL = "contacts/force_law.py", "contacts/blocks.py"
-LIST, SCENE, DISC = "dynamics/neighbor_list.py", "dynamics/assembly.py", "shapes/disc.py"
+LAW, RESPONSE, WALL = "contacts/force_law.py", "contacts/response.py", "contacts/geometry.py"
+LIST, SCENE, DISC = "dynamics/constants.py", "dynamics/assembly.py", "shapes/disc.py"
 
 
 class Law(NamedTuple):
@@ -51,18 +51,18 @@ class Law(NamedTuple):
 LAWS = (
     Law(LAW, "friction of the wrong sign",
         "spring * kept - stiffness", "spring * kept + stiffness", "rolling"),
-    Law("contacts/response.py", "half of friction",
-        "friction[0, p] * normal", "0.5 * friction[0, p] * normal", "rolling"),
+    Law(RESPONSE, "half of friction",
+        "table[p + COEFFICIENT] * normal", "0.5 * table[p + COEFFICIENT] * normal", "rolling"),
     Law(LAW, "tangential spring not rescaled on unloading",
         "spring * kept -", "spring -", "oblique"),
     Law(LAW, "damping by the formula of a contact that pulls",
         "(math.pi - 2.0 * psi) *", "math.pi *", "restitution"),
-    Law(LAW, "a contact that pulls at its end",
-        "root * rate, 0.0)", "root * rate, -math.inf)", "restitution"),
+    Law(RESPONSE, "a contact that pulls at its end",
+        "mean * -rate, 0.0)", "mean * -rate, -math.inf)", "restitution"),
     Law(LAW, "mean of the radii for R*",
         "one * two / (one + two)", "0.5 * (one + two)", "normal_impact"),
     Law(LIST, "radius of the granule for R* at the cylinder",
-        "table.solid_radius[b]", "0.0", "spinning"),
+        "bed.solid_radius[b]", "0.0", "spinning"),
     Law(SCENE, "half of the mass in the dashpot",
         "mass=scene.mass[", "mass=0.5 * scene.mass[", "restitution"),
     Law(SCENE, "half of the mass in motion",

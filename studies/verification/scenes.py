@@ -33,7 +33,7 @@ class Sphere(dem.Disc):
         return 0.4 * self.radius**2
 
 
-answer(Sphere, disc.outline, *disc.OF_DISCS)
+answer(Sphere, *disc.OF_DISCS)
 
 RATIO = {
     dem.Disc: 3.0,

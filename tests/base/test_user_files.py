@@ -196,7 +196,7 @@ def test_an_edited_shape_is_one_sentence_and_nothing_is_written(file):
 
 
 RAISED = "raise dem.InputError('bulge is 1.0; it must lie in 0 to 0.12.')"
-BAD_SHAPES = {  # by name of a class, as Numba tells them apart: what is put for what is there, and the end of the sentence that names shape and class
+BAD_SHAPES = {  # by name of a class: what is put for what is there, and the end of the sentence that names shape and class
     "Undecorated": ("@smooth(support)\n", "", "Undecorated is no shape; decorate it with smooth"),
     "Bulging": ("unit = cls", f"{RAISED}\n        unit = cls", "bulge is 1.0;"),
     "Larger": ("(0.5 *", "(0.5005 *", "Larger.of_size gives a granule of "),

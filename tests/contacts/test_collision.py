@@ -150,3 +150,26 @@ def test_the_contact_normal_of_the_paper_does_not_conserve_energy():
     shape = FORMS["ellipse"](sizes(400))._replace(contact=dem.GeometricPotential())
     gain = gains(*volley(shape, 2, 300.0, material=ELASTIC, **APART), 0.0125)
     assert gain.max() > 0.1 and np.sqrt(np.mean(gain**2)) > 0.01
+
+
+@pytest.mark.parametrize("ratio", [1.0, 3.0, 50.0])
+def test_a_disc_that_rolls_off_a_held_one_leaves_where_its_energy_says(ratio):
+    """From rest at an angle a beside the top, without slip, it leaves at 4/7 cos a (energy, m v^2 / (R + r) = m g cos).
+    Springs whose slip is that of another direction than their force would hold a small disc fast on a large one (Vyas
+    and others 2025, Comput. Phys. Commun. 310, 109524)."""
+    small, begin = 1e-3, 0.2
+    reach = (1.0 + ratio) * small
+    scene = dem.Scene(
+        dem.Disc([ratio * small, small]),
+        dem.Material(young_modulus=1e8, restitution=0.5),
+        dem.Friction(20.0),
+        gravity=(0.0, -9.81),
+        held=[dem.Held([0])],
+    )
+    place = (1.0 - 1e-5) * reach * np.array([np.sin(begin), np.cos(begin)])
+    run, piece = dem.Simulation(scene, dem.State([[0.0, 0.0], place])), 0.01 * np.sqrt(reach / 9.81)
+    while len(run.contacts().granule) and run.time < 1e3 * piece:
+        run.advance(piece)
+        x, y = run.state.position[1]
+    assert run.contacts().granule.size == 0
+    assert_allclose(y / np.hypot(x, y), 4.0 / 7.0 * np.cos(begin), atol=0.02)

@@ -156,7 +156,7 @@ def test_the_critical_step_before_a_collision_is_that_of_the_stiffest_to_come(la
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("law", [*LAWS.values(), cone("Blunt")], ids=str)
+@pytest.mark.parametrize("law", [*LAWS.values(), cone()], ids=str)
 def test_check_law_accepts_what_keeps_its_promises(law):
     dem.check_law(law)
 

@@ -13,7 +13,7 @@ from dem.shapes import protocol, smooth
 
 SIZES = 1e-3 * np.array([0.5, 0.7, 1.0])
 NUMBERS = count()
-USUAL = smooth.outline, smooth.circle, smooth.support, smooth.refine_normal, smooth.find_contact
+USUAL = smooth.support, smooth.refine_normal, smooth.find_contact
 
 
 def oval(slope=1.0, curvature=1.0, shift=0.0):
@@ -77,7 +77,7 @@ WRONG = {f"{name} is": half(name) for name in HALVED} | {
     "swapping them changes it": contact(lambda c: {"t2": 0.0}),
     "nearly coincide must touch": contact(lambda c: {"overlap": -1.0}),
     "normal of a contact": contact(lambda c: {"nx": c.nx - 0.05 * c.ny, "ny": c.ny + 0.05 * c.nx}),
-    "circle": {"answers": {"circle": lambda shape, radius: (1.0, 0.0, 0.0, 1.1 * radius, 1.0)}},
+    "circle": {"circle_outline": lambda shape, radius: (0.0, 1.1 * radius, 1.0)},
 }  # fmt: skip
 
 
@@ -107,7 +107,6 @@ def refused():
     dem.check_shape(Stranger(SIZES))
 
 
-TWIN = NamedTuple("Lumps", [("radius", np.ndarray)])  # noqa: UP014
 CALLS = {words: lambda wrong=wrong: dem.check_shape(granules(**wrong)) for words, wrong in WRONG.items()} | {
     f"discs is {value}; it must be one list of discs": partial(dem.Clump, value)
     for value in ([], [(0.0, 0.0, 0.001)], [[(0.0, 0.0, 0.0)]], [[(0.0, 1.0)]])
@@ -118,10 +117,9 @@ CALLS = {words: lambda wrong=wrong: dem.check_shape(granules(**wrong)) for words
     "Lumps: granule 5 is not convex: its radius": lambda: dem.check_shape(BENT),
     "granule 5 is not convex: its radius": lambda: dem.Scene(BENT),
     "granules 0 and 5: the centre of mass is at c = (0.0001, ": lambda: dem.check_shape(OFF),
-    "must answer the questions circle, find_contact, outline, support of": lambda: protocol.answer(Stranger, *USUAL[1:]),
+    "must answer the questions find_contact, support of": lambda: protocol.answer(Stranger, *USUAL[1:]),
     "Stranger has no area": lambda: protocol.answer(Stranger, *USUAL),
     "shape is Stranger(radius=": refused,
-    "Lumps is the name of a class": lambda: smooth.smooth(support)(TWIN),
     "Lumps answers colour; it must answer": lambda: protocol.answer(Lumps, colour=support),
 }  # fmt: skip
 ROD = {"kind": "clump", "discs": [[0, 0]], "diameter": 9e-4, "granules": 60}

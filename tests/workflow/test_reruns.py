@@ -39,7 +39,7 @@ def jobs_to_run(folder) -> dict[str, int]:
 
 RESULTS = {"combine", "figure", "results", "table"}
 HARMLESS = [
-    ("dem/contacts/loops.py", "\n# edited\n"),
+    ("dem/contacts/response.py", "\n# edited\n"),
     ("dem/experiment/config.py", ("has no such shape", "knows no such shape")),  # of a sentence
     ("dem/experiment/observables/heat.py", "VARIABLES = {}\n"),  # one more
     ("dem/cli/app.py", LINE),
@@ -53,7 +53,7 @@ HARMLESS = [
 EDITS = {
     "one figure": ("dem/figures/figure13.py", LINE, {"figure"}, {"figure": 1}),
     "sentences of the claims": ("studies/claims/sentences.py", LINE, {"table", "figure"}, {}),
-    "a kernel": ("dem/contacts/loops.py", LINE, {"batch"} | RESULTS, {}),
+    "a kernel": ("dem/contacts/response.py", LINE, {"batch"} | RESULTS, {}),
     "one more seed": (
         SMOKE,
         ("seed: [1, 2]", "seed: [1, 2, 3]"),

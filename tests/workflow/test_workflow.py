@@ -129,7 +129,7 @@ def test_what_is_asked_for_is_made_again_with_the_same_bits(checkout, tmp_path):
     assert run.returncode == 0 and times == stamps(others), run.stderr
     for path, values in zip((batch, *combined), original, strict=True):
         assert differing(contents(path), values) == []
-    for name in ("dem/contacts/loops.py", "dem/figures/style.py"):
+    for name in ("dem/contacts/response.py", "dem/figures/style.py"):
         with (folder / name).open("a") as code:
             code.write("\nEDITED = True\n")
     data, figures = stamps(results.rglob("*.nc")), stamps((results / "figures").iterdir())

@@ -73,7 +73,7 @@ def run(
     from dem.experiment.bed import make_bed, modulus
     from dem.experiment.run_checkpoint import PartialRun, resumed
     from dem.experiment.scene import start
-    from dem.jit.compilation import computing
+    from dem.jit.kernel import computing
 
     bed, c = bed or make_bed(replicate), replicate.configuration
     bins, every = c.record.bins, c.record.bins // (c.record.snapshots - 1)

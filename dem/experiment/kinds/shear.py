@@ -16,7 +16,7 @@ from dem.experiment.bed import make_bed
 from dem.experiment.config import Configuration
 from dem.experiment.run import Replicate
 from dem.experiment.scene import make_scene
-from dem.jit.compilation import computing
+from dem.jit.kernel import computing
 from dem.motion import Drive, Held
 from dem.packing.random import Bed
 from dem.scene import Scene, State

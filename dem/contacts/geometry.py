@@ -1,0 +1,324 @@
+"""Where two bodies touch: overlap, normal, moment arms and velocities of a block of contacts.
+
+The only place where the geometry of contacts is found, whoever asks for it: steps, scans, output.
+Loops over lanes have no branches and become vector code: a change of their form, also one that
+computes the same, may make them slower.
+"""
+
+import math
+
+import numpy as np
+
+from dem.contacts.layout import (
+    C1,
+    C2,
+    D_SPIN,
+    DV_NORMAL,
+    DV_TANGENT,
+    EIGHT,
+    FOUR,
+    MEAN_ROOT,
+    N1,
+    N2,
+    NX,
+    NY,
+    ONE,
+    OVERLAP,
+    PARTNER,
+    RADIUS,
+    S1,
+    S2,
+    SPIN,
+    T1,
+    T2,
+    TARGET,
+    THREE,
+    TWO,
+    UNCONVERGED,
+    V_NORMAL,
+    V_TANGENT,
+    VX1,
+    VX2,
+    VY1,
+    VY2,
+    W1,
+    W2,
+    X1,
+    X2,
+    Y1,
+    Y2,
+    one_size,
+)
+from dem.jit.intrinsics import widest_vectors
+from dem.shapes.protocol import find_contact, refine_normal, support
+
+# What a kernel has: dem.dynamics.kinds
+FRICTION = DAMPING = TURNS = LEVERS = GUESSES = ORIENTED = ROLLING = PERIODIC = LOCAL = True
+SHIFT_X = SHIFT_Y = SIZES = SECOND = NORMAL_X = NORMAL_Y = np.uint64(0)
+sizes_at = outline_sizes_at = one_size
+find_outline, refine_outline = find_contact, refine_normal
+
+
+def copy_four(source, i, target, k):
+    """Four numbers from source[i] on to target[k]: the compiler makes it one move."""
+    a, b, c, d = source[i], source[i + ONE], source[i + TWO], source[i + THREE]
+    target[k] = a
+    target[k + ONE] = b
+    target[k + TWO] = c
+    target[k + THREE] = d
+
+
+def gather(motion, orientation, numbers, table, at, base, count, pair, lanes):
+    """Motion of both bodies of each contact of a block, and cosine and sine of their angles.
+
+    motion, orientation: rows of all bodies, one after the other; at, base: where the block begins
+    in numbers and table.
+    """
+    widest_vectors()
+    for q in range(count):
+        k = np.uint64(q)
+        group = FOUR * k
+        one, two = np.uint64(numbers[at + k]), np.uint64(numbers[at + PARTNER + k])
+        i, j = EIGHT * one, EIGHT * two
+        copy_four(motion, i, pair, group + X1)
+        copy_four(motion, j, pair, group + X2)
+        if PERIODIC:  # body 2 to that image of it which is beside body 1
+            pair[group + X2] += table[base + SHIFT_X + k]
+            pair[group + Y2] += table[base + SHIFT_Y + k]
+        if TURNS:
+            copy_four(motion, i + FOUR, pair, group + W1)
+            copy_four(motion, j + FOUR, pair, group + W2)
+        if ORIENTED:
+            lanes[k + C1], lanes[k + S1] = orientation[TWO * one], orientation[TWO * one + ONE]
+            lanes[k + C2], lanes[k + S2] = orientation[TWO * two], orientation[TWO * two + ONE]
+
+
+def spacing(pair, k):
+    """Position (m) of body 2 of lane k from body 1."""
+    at = FOUR * k
+    return pair[at + X2] - pair[at + X1], pair[at + Y2] - pair[at + Y1]
+
+
+def outline_of_first(lanes, table, k, p):
+    """The outline of body 1 of contact p in lane k."""
+    sizes = sizes_at(table, p + SIZES)
+    if ORIENTED:
+        return (lanes[k + C1], lanes[k + S1]) + sizes
+    return sizes
+
+
+def outline_of_second(lanes, table, k, p):
+    sizes = sizes_at(table, p + SIZES + SECOND)
+    if ORIENTED:
+        return (lanes[k + C2], lanes[k + S2]) + sizes
+    return sizes
+
+
+def last_normal(table, p):
+    """The normal that contact p had in the last step, any where it remembers none."""
+    if GUESSES:
+        return table[p + NORMAL_X], table[p + NORMAL_Y]
+    return 1.0, 0.0
+
+
+def store(pair, lanes, k, table, p, geometry):
+    """Write contact p to lane k: its geometry, and the velocity and its change at the contact.
+
+    Only damping needs the rate, only friction the slip, only rolling resistance the spin.
+    """
+    at = FOUR * k
+    overlap, nx, ny, n1, t1, n2, t2, radius = geometry
+    lanes[k + OVERLAP], lanes[k + NX], lanes[k + NY] = overlap, nx, ny
+    lanes[k + N1], lanes[k + N2] = n1, n2
+    if LEVERS:
+        lanes[k + T1], lanes[k + T2] = t1, t2
+    if LOCAL:
+        lanes[k + RADIUS] = radius
+    gx, gy = pair[at + VX2] - pair[at + VX1], pair[at + VY2] - pair[at + VY1]
+    w1, w2 = pair[at + W1], pair[at + W2]
+    if DAMPING:
+        lanes[k + V_NORMAL] = along_normal(gx, gy, w1, w2, nx, ny, t1, t2)
+    if FRICTION:
+        lanes[k + V_TANGENT] = along_tangent(gx, gy, w1, w2, nx, ny, n1, n2)
+    if ROLLING:
+        lanes[k + SPIN] = w2 - w1
+    if TURNS:
+        gx = pair[at + W2 + ONE] - pair[at + W1 + ONE]
+        gy = pair[at + W2 + TWO] - pair[at + W1 + TWO]
+        w1, w2 = pair[at + W1 + THREE], pair[at + W2 + THREE]
+        if DAMPING:
+            lanes[k + DV_NORMAL] = along_normal(gx, gy, w1, w2, nx, ny, t1, t2)
+        if FRICTION:
+            lanes[k + DV_TANGENT] = along_tangent(gx, gy, w1, w2, nx, ny, n1, n2)
+        if ROLLING:
+            lanes[k + D_SPIN] = w2 - w1
+    if GUESSES:
+        table[p + NORMAL_X], table[p + NORMAL_Y] = nx, ny
+
+
+def along_normal(gx, gy, w1, w2, nx, ny, t1, t2):
+    """Velocity of body 2 relative to body 1 at the contact, along the normal."""
+    velocity = gx * nx + gy * ny
+    if TURNS and LEVERS:
+        velocity = velocity - t2 * w2 + t1 * w1
+    return velocity
+
+
+def along_tangent(gx, gy, w1, w2, nx, ny, n1, n2):
+    velocity = gy * nx - gx * ny
+    if TURNS:
+        velocity = velocity - n2 * w2 - n1 * w1
+    return velocity
+
+
+def find_pairs(shape, table, base, count, pair, lanes):
+    """Geometry of contacts with granules and with round solids."""
+    widest_vectors()
+    for q in range(count):
+        k = np.uint64(q)
+        p = base + k
+        dx, dy = spacing(pair, k)
+        one, two = outline_of_first(lanes, table, k, p), outline_of_second(lanes, table, k, p)
+        geometry, converged = find_contact(shape, dx, dy, one, two, last_normal(table, p))
+        store(pair, lanes, k, table, p, geometry)
+        if GUESSES:
+            lanes[k + UNCONVERGED] = 0.0 if converged else 1.0
+    if GUESSES and is_any_unconverged(lanes, count):
+        refine_pairs(shape, table, base, count, pair, lanes)
+
+
+def is_any_unconverged(lanes, count):
+    """Nearly always none is, and vector code is fast to say so."""
+    missed = 0
+    for q in range(count):
+        missed += lanes[np.uint64(q) + UNCONVERGED] != 0.0
+    return missed > 0
+
+
+def refine_pairs(shape, table, base, count, pair, lanes):
+    """Geometry again, where the last normal was too far off."""
+    for q in range(count):
+        k = np.uint64(q)
+        if lanes[k + UNCONVERGED] != 0.0:
+            p = base + k
+            dx, dy = spacing(pair, k)
+            one, two = outline_of_first(lanes, table, k, p), outline_of_second(lanes, table, k, p)
+            guess = refine_normal(shape, dx, dy, one, two, last_normal(table, p))
+            geometry, _ = find_contact(shape, dx, dy, one, two, guess)
+            store(pair, lanes, k, table, p, geometry)
+
+
+def find_walls(shape, planes, numbers, at, table, base, count, pair, lanes):
+    """Geometry of contacts with walls; planes (w, 3): normal, and offset (m)."""
+    widest_vectors()
+    for q in range(count):
+        k = np.uint64(q)
+        wall = np.uint64(numbers[at + TARGET + k])
+        lanes[k + NX], lanes[k + NY] = planes[wall, 0], planes[wall, 1]
+        lanes[k + MEAN_ROOT] = planes[wall, 2]
+    for q in range(count):
+        k = np.uint64(q)
+        p, group = base + k, FOUR * k
+        nx, ny = lanes[k + NX], lanes[k + NY]
+        reach, t1, radius = support(shape, outline_of_first(lanes, table, k, p), nx, ny)
+        height = pair[group + X1] * nx + pair[group + Y1] * ny
+        overlap = reach + height - lanes[k + MEAN_ROOT]
+        geometry = overlap, nx, ny, reach - 0.5 * overlap, t1, 0.0, 0.0, radius
+        store(pair, lanes, k, table, p, geometry)
+
+
+def find_outlines(
+    outlines, orientation, granules, constituents, numbers, at, table, base, count, pair, lanes
+):
+    """Geometry of contacts with solids that have the outline of a granule, one by one.
+
+    granules, constituents: how many there are; the sizes of the block are in terms of the solid.
+    """
+    for q in range(count):
+        k = np.uint64(q)
+        p, c, s = base + k, 1.0, 0.0
+        if ORIENTED:
+            c, s = lanes[k + C1], lanes[k + S1]
+        row = TWO * np.uint64(granules + np.int64(numbers[at + PARTNER + k]) - constituents)
+        one = (c, s) + outline_sizes_at(table, p + SIZES)
+        two = (orientation[row], orientation[row + ONE]) + outline_sizes_at(
+            table, p + SIZES + SECOND
+        )
+        dx, dy = spacing(pair, k)
+        geometry, converged = find_outline(outlines, dx, dy, one, two, last_normal(table, p))
+        if not converged:
+            guess = refine_outline(outlines, dx, dy, one, two, last_normal(table, p))
+            geometry, converged = find_outline(outlines, dx, dy, one, two, guess)
+        store(pair, lanes, k, table, p, geometry)
+
+
+def find_polygons(
+    shape, faces, orientation, granules, constituents, numbers, at, table, base, count, pair, lanes
+):
+    """Geometry of contacts with polygons, one by one."""
+    for q in range(count):
+        k = np.uint64(q)
+        p, b = base + k, np.int64(numbers[at + TARGET + k])
+        row = TWO * np.uint64(granules + np.int64(numbers[at + PARTNER + k]) - constituents)
+        one = outline_of_first(lanes, table, k, p)
+        corner = sizes_at(table, p + SIZES + SECOND)
+        if ORIENTED:
+            corner = (1.0, 0.0) + corner
+        dx, dy = spacing(pair, k)
+        turned = orientation[row], orientation[row + ONE]
+        geometry = polygon_contact(
+            shape, faces, b, turned, one, corner, dx, dy, last_normal(table, p)
+        )
+        store(pair, lanes, k, table, p, geometry)
+
+
+def polygon_contact(shape, faces, b, turned, one, corner, dx, dy, guess):
+    """Contact of a constituent and a rounded convex polygon: with a face, or with a corner.
+
+    A face is a half-plane along its length, and meets any shape by its support function, as a wall
+    does. A corner is a circle, and meets any shape by its own contact search. The effective radius
+    R* is that of the granule on both, so that the force does not jump where one becomes the other.
+
+    turned: cosine and sine of the angle of boundary b; one, corner: outlines of the constituent and
+    of a corner; dx, dy (m): where the polygon is from the constituent.
+    """
+    gap, nx, ny, place, f = nearest_face(shape, faces, b, turned, one, dx, dy)
+    h, q, rho = support(shape, one, nx, ny)
+    overlap, n1, t1 = -gap, h + 0.5 * gap, q
+    length = faces.row[f, 4]
+    if place < 0.0 or place > length:  # beyond its ends: the corner there
+        c, s = turned
+        far = length if place > length else 0.0
+        px, py = faces.row[f, 0] - far * faces.row[f, 3], faces.row[f, 1] + far * faces.row[f, 2]
+        x, y = dx + c * px - s * py, dy + s * px + c * py
+        contact, converged = find_contact(shape, x, y, one, corner, guess)
+        if not converged:
+            guess = refine_normal(shape, x, y, one, corner, guess)
+            contact, converged = find_contact(shape, x, y, one, corner, guess)
+        overlap, nx, ny, n1, t1, _, _, _ = contact
+        _, _, rho = support(shape, one, nx, ny)
+    rx, ry = n1 * nx - t1 * ny - dx, n1 * ny + t1 * nx - dy  # from the origin of the polygon
+    n2, t2 = -(rx * nx + ry * ny), ry * nx - rx * ny
+    return overlap, nx, ny, n1, t1, n2, t2, rho
+
+
+def nearest_face(shape, faces, b, turned, one, dx, dy):
+    """The face of polygon b with the greatest gap to a constituent.
+
+    Returns that gap (m), the normal from the constituent into the face, the place along the face
+    (m) that it is nearest to, and the number of the face.
+    """
+    c, s = turned
+    best, bx, by, place, number = -math.inf, 1.0, 0.0, 0.0, faces.first[b]
+    for f in range(faces.first[b], faces.first[b + 1]):
+        fx, fy = faces.row[f, 2], faces.row[f, 3]
+        nx, ny = s * fy - c * fx, -s * fx - c * fy  # into the face
+        x = dx + c * faces.row[f, 0] - s * faces.row[f, 1]  # of its beginning
+        y = dy + s * faces.row[f, 0] + c * faces.row[f, 1]
+        h, q, _ = support(shape, one, nx, ny)
+        gap = x * nx + y * ny - faces.radius[b] - h
+        if gap > best:
+            # along the face, which runs along (ny, -nx)
+            best, bx, by, number = gap, nx, ny, f
+            place = -(x * ny - y * nx) - q
+    return best, bx, by, place, number

@@ -1,0 +1,127 @@
+"""Constants of all contacts of a list, by the law, the materials, the sizes and the masses."""
+
+import math
+
+import numpy as np
+
+from dem.contacts.force_law import effective_radius
+from dem.contacts.layout import BLOCK, NUMBERS, TARGET
+from dem.contacts.response import rolling_stiffness
+from dem.dynamics.world import (
+    ALPHA,
+    INVERSE_MASS,
+    MODULUS,
+    PAIRS,
+    SECTIONS,
+    SHARE,
+    WALLS,
+)
+from dem.dynamics.world import (
+    FRICTION as FRICTION_COLUMNS,
+)
+from dem.laws.protocol import length, stiffness
+
+# What a kernel has: dem.dynamics.kinds
+FRICTION = DAMPING = ROLLING = LOCAL = LONG = YIELDS = True
+STIFFNESS = LENGTH = DASHPOT = COEFFICIENT = FRICTION_STIFFNESS = FRICTION_DASHPOT = np.uint64(0)
+ARM = ROLLING_DASHPOT = MASS_X = MASS_Y = MASS_TURN = COLUMNS = np.uint64(0)
+
+
+def inverse_masses_driven(boundaries, b):
+    """Inverse mass (1/kg) of boundary b along x and y, and inverse inertia (1/(kg m2)) unless round."""
+    drive, turns = boundaries.drive, 0.0
+    if b < boundaries.reach.shape[0] and boundaries.reach[b] > 0.0:
+        turns = drive[b, INVERSE_MASS + 2]
+    return drive[b, INVERSE_MASS], drive[b, INVERSE_MASS + 1], turns
+
+
+def inverse_masses_of(world, g):
+    """Inverse mass (1/kg) of granule g along x and y, and zero: its turning does not count in m*. If
+    it is held, those of its group."""
+    b = world.held.group[g]
+    if b >= 0:
+        return inverse_masses_driven(world.boundaries, b)
+    inverse = world.granules.inverse_mass[g]
+    return inverse, inverse, 0.0
+
+
+def effective_mass(held, mass, i, j):
+    """Effective mass (kg) of a pair: a held one is infinitely heavy."""
+    if held[i]:
+        return mass[j]
+    if held[j]:
+        return mass[i]
+    return mass[i] * mass[j] / (mass[i] + mass[j])
+
+
+def set_constants(law, table, p, row, radii, mass, inverse_masses):
+    """Constants of contact p from its row of GranuleTable.laws, the radii of both bodies (m; zero of
+    a flat one) and its effective mass m* (kg).
+
+    inverse_masses: of both bodies, along x and y (1/kg), and inverse inertia (1/(kg m2)).
+    """
+    one, two = radii
+    radius = effective_radius(one, two)
+    constant = stiffness(law, row[MODULUS], radius)
+    table[p + STIFFNESS] = row[MODULUS] if LOCAL else constant
+    if LONG:
+        other = two if two > 0.0 else one
+        table[p + LENGTH] = length(law, row[SHARE], one, other, radius)
+    if DAMPING:
+        table[p + DASHPOT] = row[ALPHA] * math.sqrt(mass if LOCAL else mass * constant)
+    if FRICTION:
+        table[p + COEFFICIENT] = row[FRICTION_COLUMNS]
+        table[p + FRICTION_STIFFNESS] = row[FRICTION_COLUMNS + 1]
+        table[p + FRICTION_DASHPOT] = row[FRICTION_COLUMNS + 2]
+    if YIELDS:
+        first, second = inverse_masses
+        table[p + MASS_TURN] = mass * second[2]
+        # where neither body yields or turns, the mass is m* itself
+        both = first[0] + second[0]
+        table[p + MASS_X] = mass * both if both + second[2] > 0.0 else 1.0
+        both = first[1] + second[1]
+        table[p + MASS_Y] = mass * both if both + second[2] > 0.0 else 1.0
+
+
+def set_rolling(law, table, p, coefficient, ratio, radii, square):
+    """Rolling resistance of contact p: its coefficient, the damping ratio, both radii (m).
+
+    square: mass times radius squared (kg m2), of both bodies as of two springs in a row; 3/2 of it
+    is I_r, about the contact.
+    """
+    arm = coefficient * effective_radius(radii[0], radii[1])
+    table[p + ARM] = arm
+    constant = rolling_stiffness(law, arm, table[p + STIFFNESS])
+    table[p + ROLLING_DASHPOT] = 2.0 * ratio * math.sqrt(1.5 * square * constant)
+
+
+def fill_constants(world, bed):
+    """Constants of all contacts of the list of a bed (dem.dynamics.assembly.GranuleTable)."""
+    contacts, owner, law = world.contacts, world.constituents.owner, world.law
+    numbers, table, radius, mass = contacts.numbers, contacts.table, bed.radius, bed.mass
+    inverse_mass = world.granules.inverse_mass
+    for section in range(PAIRS, SECTIONS):
+        for block in range(contacts.first[section], contacts.first[section + 1]):
+            at, base = NUMBERS * np.uint64(block), COLUMNS * np.uint64(block)
+            for lane in range(contacts.count[block]):
+                k = np.uint64(lane)
+                p, i = base + k, np.int64(numbers[at + k])
+                g = owner[i]
+                first = inverse_masses_of(world, g)
+                if section == PAIRS:
+                    j = np.int64(numbers[at + np.uint64(BLOCK) + k])
+                    h = owner[j]
+                    second, radii = inverse_masses_of(world, h), (radius[i], radius[j])
+                    m = effective_mass(bed.held, mass, i, j)
+                    row = bed.laws[bed.species[h], bed.species[g]]
+                    turned = inverse_mass[g] / radius[i] ** 2 + inverse_mass[h] / radius[j] ** 2
+                    square, kind = 1.0 / turned if turned > 0.0 else 0.0, 0
+                else:
+                    b = np.int64(numbers[at + TARGET + k])
+                    second, m = inverse_masses_driven(world.boundaries, b), mass[i]
+                    radii, kind = (radius[i], bed.solid_radius[b]), 1 if section == WALLS else 2
+                    row = bed.laws[bed.laws.shape[1] + b, bed.species[g]]
+                    square = mass[i] * radius[i] ** 2
+                set_constants(law, table, p, row, radii, m, (first, second))
+                if ROLLING:
+                    set_rolling(law, table, p, bed.rolling[kind], bed.rolling[3], radii, square)

@@ -1,0 +1,106 @@
+"""Kinds of scenes: what a scene has is a constant of its kernels, and what it lacks is not compiled.
+
+| flag | a scene has it where |
+|:--|:--|
+| FRICTION | a contact has a coefficient of friction above zero, or rolling resistance |
+| DAMPING | a contact has a restitution below one, or rolling resistance |
+| TURNS | a force turns a granule |
+| ROTATES | granules look different when they turn |
+| LEVERS | a normal force may pass beside a centre: granules or solids are not round |
+| ORIENTED | outlines of granules have a direction |
+| COMPOSED | granules have several constituents |
+| GUESSES | contacts remember their normals, from which the search for the next begins |
+| ROLLING | contacts have rolling resistance |
+| LOCAL | R* is computed at each contact |
+| LONG | the law has a second constant |
+| PERIODIC | the scene repeats itself along a side |
+| YIELDS | a normal force moves a boundary, so that contacts have another effective mass |
+| LEDGER | energies are counted |
+| WITH_OUTLINES, WITH_POLYGONS | solids have the outline of a granule, or of a polygon |
+| FULL | velocities are those of full steps: nothing turns, and contacts have dashpots |
+
+Each flag doubles the kinds, and a kind takes several seconds to compile. What costs no time where it
+is absent is data instead: walls, round solids, gravity, paths, held granules, patches and threads.
+"""
+
+from typing import NamedTuple
+
+from dem.contacts.layout import SIZES_AT, columns
+from dem.dynamics import constants, scan
+from dem.dynamics.neighbours import Columns
+from dem.dynamics.step import APART
+from dem.jit.kernel import Kernel, kernel
+from dem.shapes.protocol import ellipse_contact, find_contact, refine_normal
+
+
+class Kernels(NamedTuple):
+    """The kernels of a kind of scene.
+
+    Attributes
+    ----------
+    flags : dict of str to bool
+        What the scene has.
+    columns : Columns
+        Where columns of the list are.
+    work, constants, scan : Kernel
+        dem.dynamics.step.work, and functions of dem.dynamics.constants and dem.dynamics.scan.
+    """
+
+    flags: dict[str, bool]
+    columns: Columns
+    work: Kernel
+    constants: Kernel
+    scan: Kernel
+
+
+def columns_of(flags: dict[str, bool], shape, outlines) -> dict:
+    """Where the columns of blocks are (dem.contacts.layout)."""
+    sizes, others = shape.outlines.shape[1], outlines.outlines.shape[1]
+    return columns(flags, max(sizes, others if flags["WITH_OUTLINES"] else 0))
+
+
+def of_positions(flags: dict[str, bool], where, sizes: int, others: int) -> Columns:
+    """The columns that lists fill; sizes, others: numbers of outlines of granules and solids."""
+    return Columns(
+        all=int(where["COLUMNS"]),
+        history=int(where["HISTORY"]),
+        sizes=int(where["SIZES"]),
+        second=int(where["SECOND"]),
+        shift=int(where["SHIFT_X"]) if flags["PERIODIC"] else -1,
+        normal=int(where["NORMAL_X"]) if flags["GUESSES"] else -1,
+        numbers=sizes,
+        outline_numbers=others,
+    )
+
+
+def bound(function, apart, flags: dict[str, bool], shape, outlines, law, **more) -> Kernel:
+    """The kernel of a function for the contacts of a kind of scene."""
+    sizes, others = shape.outlines.shape[1], outlines.outlines.shape[1]
+    methods = [type(m) for s in (shape, outlines) for m in s if type(m) in ellipse_contact.answers]
+    return kernel(
+        function,
+        apart,
+        (type(shape), type(outlines), type(law), *methods),
+        **flags,
+        **columns_of(flags, shape, outlines),
+        sizes_at=SIZES_AT[sizes],
+        outline_sizes_at=SIZES_AT[others],
+        find_outline=find_contact.answers[type(outlines)],
+        refine_outline=refine_normal.answers[type(outlines)],
+        **more,
+    )
+
+
+def kernels(task, flags: dict[str, bool], shape, outlines, law) -> Kernels:
+    """The kernels of scenes with some flags; outlines: solids that have the outline of a granule, or
+    the granules."""
+    sizes, others = shape.outlines.shape[1], outlines.outlines.shape[1]
+    where = columns_of(flags, shape, outlines)
+    given, of_law = flags | where, (type(law),)
+    return Kernels(
+        flags=flags,
+        columns=of_positions(flags, where, sizes, others),
+        work=bound(task, APART, flags, shape, outlines, law),
+        constants=kernel(constants.fill_constants, (), of_law, **given),
+        scan=kernel(scan.scan, scan.APART, of_law, **given),
+    )

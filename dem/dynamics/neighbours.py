@@ -1,0 +1,639 @@
+"""Neighbour lists: contacts that may touch, found by a cell list, with a skin.
+
+A list holds every pair of constituents whose bounding circles are less than `skin` apart, and every
+constituent that is as near to a boundary. It is complete until something has moved by skin / 2. Its
+order depends on the present positions alone: by constituent, then by partner. What a contact
+remembers is carried from the old list to the new one. No shape and no law changes this code.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.contacts.layout import (
+    BLOCK,
+    CONSTITUENT,
+    DVX,
+    DVY,
+    NUMBERS,
+    PARTNER,
+    TARGET,
+    VX,
+    VY,
+    X,
+    Y,
+    aligned,
+)
+from dem.dynamics.motion import place
+from dem.dynamics.world import (
+    OUTLINES,
+    PAIRS,
+    PATCH,
+    POLYGONS,
+    SECTIONS,
+    WALLS,
+    Contacts,
+    Patches,
+)
+from dem.jit.kernel import kernel
+
+ROOM = 8  # pairs a constituent that the first list has room for
+
+
+class Columns(NamedTuple):
+    """Where columns of a block begin that depend on positions alone (dem.contacts.layout), and how
+    many numbers the outlines of granules, and of solids that are like granules, have."""
+
+    all: int
+    history: int
+    sizes: int
+    second: int
+    shift: int
+    normal: int
+    numbers: int
+    outline_numbers: int
+
+
+class Near(NamedTuple):
+    """Who is near whom.
+
+    Attributes
+    ----------
+    first : ndarray of shape (c + 1,)
+        The partners of constituent i are partner[first[i]] to partner[first[i + 1]].
+    partner : ndarray of shape (room,)
+        Constituents with a higher index, ascending.
+    constituent, boundary : ndarray of shape (room,)
+        Contacts with boundaries, section by section.
+    of_section : ndarray of shape (SECTIONS + 1,)
+        The contacts of section s with boundaries are of_section[s] to of_section[s + 1].
+    """
+
+    first: np.ndarray
+    partner: np.ndarray
+    constituent: np.ndarray
+    boundary: np.ndarray
+    of_section: np.ndarray
+
+
+class Grid(NamedTuple):
+    """Scratch memory of a cell list: cell of each constituent, members by cell, begin of each cell."""
+
+    where: np.ndarray
+    members: np.ndarray
+    start: np.ndarray
+    filled: np.ndarray
+
+
+# Images across periodic sides
+
+
+def image(period, distance):
+    """Whole periods (m) that lead from a distance along a side to the nearest image."""
+    return -period * np.floor(distance / period + 0.5) if period > 0.0 else 0.0
+
+
+def nearest(period, distance):
+    """A distance (m) between two bodies along a side, to the nearest image of the other."""
+    return distance + image(period, distance)
+
+
+# Cells
+
+
+def split(period, extent, size):
+    """Number of cells along a side, and their size (m), at least `size`."""
+    if period > 0.0:
+        count = max(int(period / size), 1)
+        return count, period / count
+    return int(extent / size) + 1, size
+
+
+def cell_at(period, distance, count, size):
+    """Number of the cell at a distance (m) from the first."""
+    if period > 0.0:
+        distance -= period * np.floor(distance / period)
+    return min(int(distance / size), count - 1)
+
+
+def around(period, cell, count):
+    """First and last (excluded) of a cell and those beside it. The cell that follows the last along
+    a periodic side is the first, modulo `count`."""
+    if period > 0.0:
+        return cell - 1, cell - 1 + min(count, 3)
+    return max(cell - 1, 0), min(cell + 2, count)
+
+
+def sort_into_cells(motion, grid, size, period):
+    """Fill a Grid with cells of at least the given size (m): counting sort. Returns the numbers of
+    columns and rows.
+
+    Cells never outnumber the constituents fourfold. Along a periodic side they make one period.
+    """
+    n, where, start = grid.where.shape[0], grid.where, grid.start
+    left, bottom = motion[0, X], motion[0, Y]
+    right, top = left, bottom
+    for i in range(n):
+        left, right = min(left, motion[i, X]), max(right, motion[i, X])
+        bottom, top = min(bottom, motion[i, Y]), max(top, motion[i, Y])
+    width = period[0] if period[0] > 0.0 else right - left
+    height = period[1] if period[1] > 0.0 else top - bottom
+    while (width / size + 1.0) * (height / size + 1.0) > 4.0 * n + 16.0:
+        size *= 2.0
+    columns, wide = split(period[0], width, size)
+    rows, high = split(period[1], height, size)
+    for c in range(columns * rows + 1):
+        start[c] = 0
+    for i in range(n):
+        row = cell_at(period[1], motion[i, Y] - bottom, rows, high)
+        where[i] = row * columns + cell_at(period[0], motion[i, X] - left, columns, wide)
+        start[where[i] + 1] += 1
+    for c in range(columns * rows):
+        start[c + 1] += start[c]
+        grid.filled[c] = start[c]
+    for i in range(n):
+        grid.members[grid.filled[where[i]]] = i
+        grid.filled[where[i]] += 1
+    return columns, rows
+
+
+def sort_few(values, start, stop):
+    """Sort values[start:stop] in place, by insertion: a row of a list is short."""
+    for p in range(start + 1, stop):
+        value, q = values[p], p
+        while q > start and values[q - 1] > value:
+            values[q] = values[q - 1]
+            q -= 1
+        values[q] = value
+
+
+def find_near_pairs(motion, radius, largest, owner, held, skin, period, grid, near):
+    """Pairs of constituents of different granules closer than skin (m); returns their number.
+
+    largest (m): of the radii. Each pair is listed once, under its lower index. No two held ones make a pair. Stops where
+    `near` has too little room, and returns more than it has.
+    """
+    columns, rows = sort_into_cells(motion, grid, 2.0 * largest + skin, period)
+    n, partner, count = radius.shape[0], near.partner, 0
+    near.first[0] = 0
+    for i in range(n):
+        row, column = grid.where[i] // columns, grid.where[i] % columns
+        if count + n > partner.shape[0]:
+            return partner.shape[0] + n
+        begin = count
+        lowest, highest = around(period[1], row, rows)
+        leftmost, rightmost = around(period[0], column, columns)
+        for r in range(lowest, highest):
+            for c in range(leftmost, rightmost):
+                cell = r % rows * columns + c % columns
+                for m in range(grid.start[cell], grid.start[cell + 1]):
+                    j = grid.members[m]
+                    if j <= i or owner[j] == owner[i] or (held[i] and held[j]):
+                        continue
+                    dx = nearest(period[0], motion[j, X] - motion[i, X])
+                    dy = nearest(period[1], motion[j, Y] - motion[i, Y])
+                    reach = radius[i] + radius[j] + skin
+                    if dx * dx + dy * dy < reach * reach:
+                        partner[count] = j
+                        count += 1
+        sort_few(partner, begin, count)
+        near.first[i + 1] = count
+    return count
+
+
+def distance_from(faces, b, c, s, x, y):
+    """Distance (m) from boundary b, a polygon at an angle of cosine c and sine s, to a point x, y (m)
+    from its position; inside it is zero."""
+    px, py = c * x + s * y, c * y - s * x
+    nearest, inside = np.inf, True
+    for f in range(faces.first[b], faces.first[b + 1]):
+        dx, dy = px - faces.row[f, 0], py - faces.row[f, 1]
+        nx, ny, length = faces.row[f, 2], faces.row[f, 3], faces.row[f, 4]
+        along, above = dy * nx - dx * ny, dx * nx + dy * ny
+        inside = inside and above < 0.0
+        beside = max(-along, along - length, 0.0)
+        nearest = min(nearest, np.sqrt(beside * beside + above * above))
+    return 0.0 if inside else max(nearest - faces.radius[b], 0.0)
+
+
+def find_near_boundaries(motion, boundaries, faces, sections, sizes, radius, skin, period, near):
+    """Constituents closer than skin (m) to boundaries.
+
+    sections, sizes: section of each boundary, and its radius (m) or that of the circle that holds
+    it.
+    """
+    moving, planes, count = boundaries.motion, boundaries.planes, 0
+    near.of_section[WALLS] = 0
+    for section in range(WALLS, SECTIONS):
+        for i in range(radius.shape[0]):
+            x, y = motion[i, X], motion[i, Y]
+            for b in range(sections.shape[0]):
+                if sections[b] != section:
+                    continue
+                dx, dy = nearest(period[0], x - moving[b, X]), nearest(period[1], y - moving[b, Y])
+                if section == WALLS:
+                    is_near = x * planes[b, 0] + y * planes[b, 1] + radius[i] + skin > planes[b, 2]
+                elif section == POLYGONS:
+                    angle = boundaries.angle[b]
+                    c, s = np.cos(angle), np.sin(angle)
+                    is_near = distance_from(faces, b, c, s, dx, dy) < radius[i] + skin
+                else:
+                    reach = radius[i] + sizes[b] + skin
+                    is_near = dx * dx + dy * dy < reach * reach
+                if is_near:
+                    near.constituent[count], near.boundary[count] = i, b
+                    count += 1
+        near.of_section[section + 1] = count
+
+
+# Blocks
+
+
+def fill_block(block, lane, i, row, target, contacts):
+    """Numbers of a contact."""
+    at = NUMBERS * np.uint64(block) + np.uint64(lane)
+    contacts.numbers[at + CONSTITUENT] = i
+    contacts.numbers[at + PARTNER] = row
+    contacts.numbers[at + TARGET] = target
+    contacts.count[block] = lane + 1
+
+
+def fill_columns(
+    columns, contacts, block, lane, i, row, section, motion, outlines, others, period, old, at_old
+):
+    """Columns of a contact that depend on positions alone: sizes, images, and what it remembers.
+
+    at_old: where the old table has it, -1 where it has not.
+    """
+    table, p = contacts.table, columns.all * block + lane
+    sizes, count = outlines, columns.numbers
+    if section == OUTLINES:
+        sizes, count = others, columns.outline_numbers
+    for c in range(count):
+        table[p + columns.sizes + c * BLOCK] = sizes[i, c]
+        table[p + columns.sizes + columns.second + c * BLOCK] = sizes[row, c]
+    dx, dy = motion[row, X] - motion[i, X], motion[row, Y] - motion[i, Y]
+    if columns.shift >= 0:
+        x, y = 0.0, 0.0
+        if section != WALLS:
+            x, y = image(period[0], dx), image(period[1], dy)
+        table[p + columns.shift], table[p + columns.shift + BLOCK] = x, y
+        dx, dy = dx + x, dy + y
+    for c in range(columns.history, columns.all, BLOCK):
+        table[p + c] = old.table[at_old + c] if at_old >= 0 else 0.0
+    if columns.normal >= 0:
+        normal = p + columns.normal
+        if table[normal] == 0.0 and table[normal + BLOCK] == 0.0:  # along the line of centres
+            distance = np.sqrt(dx * dx + dy * dy)
+            table[normal] = dx / distance if distance > 0.0 else 1.0
+            table[normal + BLOCK] = dy / distance if distance > 0.0 else 0.0
+
+
+def find_old(old, stride, cursor, section, i, row):
+    """Where the table of the old list has a contact, -1 where it has not.
+
+    stride: numbers of a block; cursor: block and lane to look from, because both lists are in
+    ascending order.
+    """
+    block, lane = cursor[0], cursor[1]
+    while block < old.first[section + 1]:
+        if lane >= old.count[block]:
+            block, lane = block + 1, 0
+            continue
+        at = 3 * BLOCK * block + lane
+        one, two = old.numbers[at], old.numbers[at + BLOCK]
+        if one > i or (one == i and two >= row):
+            cursor[0], cursor[1] = block, lane
+            if one == i and two == row:
+                return block * stride + lane
+            return -1
+        lane += 1
+    cursor[0], cursor[1] = block, lane
+    return -1
+
+
+def fill(
+    columns, motion, owner, outlines, others, period, near, old, contacts, targets, lowest, cursor
+):
+    """Fill the blocks of a list. Returns the number of pairs of two patches.
+
+    targets (room,): the constituents on which these write forces; lowest: see Patches.
+    """
+    bodies, block, lane, shared = owner.shape[0], 0, 0, 0
+    cursor[0], cursor[1] = old.first[PAIRS], 0
+    for patch in range(lowest.shape[0]):
+        lowest[patch] = patch
+    last = 0
+    contacts.of_patch[0] = 0
+    for i in range(bodies):
+        patch = owner[i] // PATCH
+        if patch != last:
+            if lane > 0:
+                block, lane = block + 1, 0
+            for q in range(last, patch):
+                contacts.of_patch[q + 1] = block
+            last = patch
+        for q in range(near.first[i], near.first[i + 1]):
+            j = np.int64(near.partner[q])
+            home, target = owner[j] // PATCH, j
+            if home != patch:
+                lowest[home] = min(lowest[home], patch)
+                target, targets[shared] = motion.shape[0] + shared, j
+                shared += 1
+            fill_block(block, lane, i, j, target, contacts)
+            at_old = find_old(old, columns.all, cursor, PAIRS, i, j)
+            fill_columns(
+                columns,
+                contacts,
+                block,
+                lane,
+                i,
+                j,
+                PAIRS,
+                motion,
+                outlines,
+                others,
+                period,
+                old,
+                at_old,
+            )
+            lane += 1
+            if lane == BLOCK:
+                block, lane = block + 1, 0
+    if lane > 0:
+        block, lane = block + 1, 0
+    for q in range(last, lowest.shape[0]):
+        contacts.of_patch[q + 1] = block
+    contacts.first[PAIRS], contacts.first[WALLS] = 0, block
+    for section in range(WALLS, SECTIONS):
+        cursor[0], cursor[1] = old.first[section], 0
+        for q in range(near.of_section[section], near.of_section[section + 1]):
+            i, b = np.int64(near.constituent[q]), np.int64(near.boundary[q])
+            row = bodies + b
+            lowest[owner[i] // PATCH] = -1
+            fill_block(block, lane, i, row, b, contacts)
+            at_old = find_old(old, columns.all, cursor, section, i, row)
+            fill_columns(
+                columns,
+                contacts,
+                block,
+                lane,
+                i,
+                row,
+                section,
+                motion,
+                outlines,
+                others,
+                period,
+                old,
+                at_old,
+            )
+            lane += 1
+            if lane == BLOCK:
+                block, lane = block + 1, 0
+        if lane > 0:
+            block, lane = block + 1, 0
+        contacts.first[section + 1] = block
+    return shared
+
+
+def blocks_needed(near, owner):
+    """How many blocks contacts need."""
+    blocks, pairs, last = 0, 0, 0
+    for i in range(owner.shape[0]):
+        if owner[i] // PATCH != last:
+            blocks, pairs, last = blocks + (pairs + BLOCK - 1) // BLOCK, 0, owner[i] // PATCH
+        pairs += near.first[i + 1] - near.first[i]
+    blocks += (pairs + BLOCK - 1) // BLOCK
+    for section in range(WALLS, SECTIONS):
+        contacts = near.of_section[section + 1] - near.of_section[section]
+        blocks += (contacts + BLOCK - 1) // BLOCK
+    return blocks
+
+
+def sort_incoming(patches, owner, shared):
+    """Fill Patches.incoming and Patches.first: the rows of pairs of two patches, by the patch that
+    they are for."""
+    first = patches.first
+    for c in range(first.shape[0]):
+        first[c] = 0
+    for s in range(shared):
+        first[owner[patches.target[s]] // PATCH + 1] += 1
+    for c in range(first.shape[0] - 1):
+        first[c + 1] += first[c]
+    for s in range(shared):
+        home = owner[patches.target[s]] // PATCH
+        patches.incoming[first[home]] = s
+        first[home] += 1
+    for c in range(first.shape[0] - 1, 0, -1):
+        first[c] = first[c - 1]
+    first[0] = 0
+
+
+def set_reference(world, full, rotates, composed):
+    """Note the present places of all bodies; angles are turned exactly, and constituents follow."""
+    granules, constituents, boundaries = world.granules, world.constituents, world.boundaries
+    motion, reference, orientation = (
+        constituents.motion,
+        constituents.reference,
+        constituents.orientation,
+    )
+    n, bodies = granules.angle.shape[0], constituents.owner.shape[0]
+    for i in range(n if rotates else 0):
+        orientation[i, 0], orientation[i, 1] = (
+            math.cos(granules.angle[i]),
+            math.sin(granules.angle[i]),
+        )
+    if composed:
+        place(granules.motion, constituents, 0, n)
+    for i in range(bodies):
+        reference[i, 0], reference[i, 1] = motion[i, X], motion[i, Y]
+    for b in range(boundaries.angle.shape[0]):
+        angle, moved = boundaries.angle[b], boundaries.motion
+        orientation[n + b, 0], orientation[n + b, 1] = math.cos(angle), math.sin(angle)
+        for c in range(8):
+            motion[bodies + b, c] = moved[b, c]
+        if full:
+            motion[bodies + b, VX] += moved[b, DVX]
+            motion[bodies + b, VY] += moved[b, DVY]
+        if b < boundaries.reference.shape[0]:
+            boundaries.reference[b, 0], boundaries.reference[b, 1] = moved[b, X], moved[b, Y]
+            boundaries.reference[b, 2] = angle
+
+
+def renew(
+    world,
+    lists,
+    columns,
+    skin,
+    largest,
+    full,
+    rotates,
+    composed,
+    near,
+    grid,
+    contacts,
+    patches,
+    cursor,
+):
+    """Fill the blocks of a list for the present positions, see Lists.
+
+    Returns the numbers of pairs, of blocks, and of pairs of two patches. Where there is too little
+    room for pairs or blocks, nothing but their number is right.
+    """
+    motion, owner, radius = world.constituents.motion, world.constituents.owner, lists.radius
+    set_reference(world, full, rotates, composed)
+    count = find_near_pairs(
+        motion, radius, largest, owner, lists.held, skin, lists.period, grid, near
+    )
+    if count > near.partner.shape[0]:
+        return count, 0, 0
+    find_near_boundaries(
+        motion,
+        world.boundaries,
+        world.faces,
+        lists.sections,
+        lists.sizes,
+        radius,
+        skin,
+        lists.period,
+        near,
+    )
+    blocks, room = blocks_needed(near, owner), patches.target.shape[0]
+    if blocks > contacts.count.shape[0] or (patches.lowest.shape[0] > 1 and count > room):
+        return count, blocks, 0
+    shared = fill(
+        columns,
+        motion,
+        owner,
+        lists.outlines,
+        lists.others,
+        lists.period,
+        near,
+        world.contacts,
+        contacts,
+        patches.target,
+        patches.lowest,
+        cursor,
+    )
+    for q in range(world.held.member.shape[0]):
+        patches.lowest[world.held.member[q] // PATCH] = -1
+    sort_incoming(patches, owner, shared)
+    return count, blocks, shared
+
+
+# In Python
+
+
+class Bodies(NamedTuple):
+    """What the lists of a bed need of its c constituents and r boundaries.
+
+    Attributes
+    ----------
+    radius, held : ndarray of shape (c,)
+        Bounding radius (m) of constituents, and which are held.
+    sections, sizes : ndarray of shape (w + k,)
+        Section of each wall and solid, and radius (m) of the circle that holds it.
+    outlines, others : ndarray of shape (c + r, s)
+        Numbers of all outlines, and of those that solids and granules have in terms of the solids'.
+    period : tuple of float
+        Period along x and y (m), zero where the scene does not repeat itself.
+    """
+
+    radius: np.ndarray
+    held: np.ndarray
+    sections: np.ndarray
+    sizes: np.ndarray
+    outlines: np.ndarray
+    others: np.ndarray
+    period: tuple[float, float]
+
+
+def new_contacts(blocks: int, columns: int, patches: int) -> Contacts:
+    """Memory for a list of so many blocks and columns; no contact yet."""
+    return Contacts(
+        numbers=np.empty(blocks * int(NUMBERS), np.uint32),
+        table=aligned(blocks * columns * BLOCK),
+        count=np.zeros(blocks, np.int64),
+        first=np.zeros(SECTIONS + 1, np.int64),
+        of_patch=np.zeros(patches + 1, np.int64),
+    )
+
+
+def new_patches(room: int, patches: int) -> Patches:
+    """Memory for so many pairs of two patches."""
+    target, incoming = np.empty(room, np.int64), np.empty(room, np.int64)
+    return Patches(target, incoming, np.zeros(patches + 1, np.int64), np.zeros(patches, np.int64))
+
+
+class Lists:
+    """Makes the lists of a bed; keeps memory between two of them.
+
+    Attributes
+    ----------
+    bodies : Bodies
+        What it lists.
+    columns : Columns
+        Where numbers of contacts are.
+    """
+
+    def __init__(self, bodies: Bodies, columns: Columns):
+        self.bodies, self.columns = bodies, columns
+        c, cells = len(bodies.radius), 4 * len(bodies.radius) + 64
+        beside = c * len(bodies.sections)
+        self.near = Near(
+            first=np.zeros(c + 1, np.int64),
+            partner=np.empty((ROOM + 1) * c + ROOM, np.uint32),
+            constituent=np.empty(beside, np.uint32),
+            boundary=np.empty(beside, np.uint32),
+            of_section=np.zeros(SECTIONS + 1, np.int64),
+        )
+        self.grid = Grid(*(np.empty(size, np.int64) for size in (c, c, cells, cells)))
+        self.largest, self.blocks = float(bodies.radius.max()), 0
+
+    def renewed(self, world, skin: float, *flags: bool) -> tuple[Contacts, Patches, int]:
+        """Contacts and Patches for the present positions, and the number of pairs of two patches.
+
+        flags: FULL, ROTATES and COMPOSED of dem.dynamics.kinds.
+        """
+        patches, room = len(world.patches.lowest), 0
+        while True:
+            contacts = new_contacts(self.blocks, self.columns.all // BLOCK, patches)
+            shares = new_patches(room, patches)
+            count, blocks, shared = RENEW(
+                world,
+                self.bodies,
+                self.columns,
+                skin,
+                self.largest,
+                *flags,
+                self.near,
+                self.grid,
+                contacts,
+                shares,
+                np.zeros(2, np.int64),
+            )
+            room = count if patches > 1 else 0
+            if count > len(self.near.partner):
+                self.near = self.near._replace(partner=np.empty(2 * count, np.uint32))
+            elif blocks > len(contacts.count) or room > len(shares.target):
+                self.blocks = blocks + blocks // 16
+            else:
+                return contacts, shares, shared
+
+
+RENEW = kernel(
+    renew,
+    apart={
+        "find_near_pairs",
+        "find_near_boundaries",
+        "sort_into_cells",
+        "set_reference",
+        "place",
+        "fill",
+        "find_old",
+        "fill_columns",
+        "sort_incoming",
+    },
+)

@@ -1,0 +1,316 @@
+"""A lower bound of the critical time step, proved for small motions of the bed as it is.
+
+A contact resists the relative motion of two granules along its normal and along its tangent, and
+may resist their relative rotation. In mass-weighted coordinates each adds k g g^T to the stiffness
+matrix and c g g^T to the damping matrix. Here g = (g1, g2), and g1 (three numbers: two of
+translation, one of rotation) belongs to granule 1. For any s > 0
+
+    g g^T <= (1 + s) g1 g1^T + (1 + 1/s) g2 g2^T,
+
+so that blocks of three by three, one per granule, bound both matrices, and the eigenvalues of the
+blocks bound theirs; s = |g2| / |g1|. A boundary that is driven counts as a granule does. The force
+at a contact usually lowers the stiffness. Off the centre of a granule it can raise the rotational
+stiffness, by GranuleTable.bend at most. All contacts are taken to stick. The bound leaves out that
+contacts grow stiffer until the next scan, and that the dashpot of a contact changes with its
+overlap.
+
+Velocity Verlet, of which a dashpot sees the velocity at full steps with an acceleration that is
+extrapolated from the last two (dem.dynamics.motion), is stable if k dt^2 / 4 + 2 c dt <= 1,
+with k and c the greatest eigenvalues of both matrices: a motion that changes its sign in each step
+then just keeps its size. That is exact for one contact; for matrices without common eigenvectors it
+was tried on random ones (tests/dynamics/test_step.py).
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.contacts.force_law import TINY as LEAST
+from dem.contacts.layout import NUMBERS, PARTNER, TARGET, X, Y
+from dem.contacts.response import dashpot_of, length_of, rolling_stiffness
+from dem.dynamics.forces import section_of
+from dem.dynamics.measures import (
+    driven_acceleration,
+    expected_speed,
+    greatest_acceleration,
+    kinetic,
+    stable_step,
+    usual_overlap,
+)
+from dem.dynamics.motion import greater
+from dem.dynamics.world import INVERSE_MASS, PAIRS, SECTIONS, WALLS
+from dem.laws.protocol import energy, force, measure, root, slope, stiffness
+
+# Functions that the kernel has once
+APART = frozenset({"kinetic", "fastest", "scan_blocks", "add_contact", "body_of", "shortest_steps"})
+# What a kernel has: dem.dynamics.kinds
+FRICTION = DAMPING = ROLLING = LOCAL = TURNS = PERIODIC = True
+STIFFNESS = FRICTION_STIFFNESS = FRICTION_DASHPOT = ARM = ROLLING_DASHPOT = np.uint64(0)
+SHIFT_X = SHIFT_Y = TANGENTIAL_FORCE = MEASURE = ROLLING_MOMENT = COLUMNS = np.uint64(0)
+
+# Columns of the rows of bounds (bodies, 12): xx, xy, yy, xr, yr, rr of stiffness (1/s2), then of
+# damping (1/s)
+BOUND_STIFFNESS, BOUND_DAMPING, BOUNDS = 0, 6, 12
+# Rows of dem.contacts.layout that a scan reads
+GAP, ALONG_X, ALONG_Y, ARM_N1, ARM_T1, ARM_N2, ARM_T2, CURVED, PUSH_X, PUSH_Y, ELASTIC, ROWS = (
+    range(12)
+)
+TINY = 1e-100  # kg^-0.5: far below any weight, and its inverse times any other is finite
+# Of the result of a scan: pairs that touch, greatest overlap over the smaller radius, its
+# constituent, critical time step (s) and the one to take, kinetic energy (J), bounds of speed (m/s)
+# and of acceleration (m/s2), smallest overlap (m) that a stiffness is computed for
+(TOUCHING, DEEPEST, DEEP_CONSTITUENT, CRITICAL, CHOSEN, KINETIC, SPEED, PUSH, LEAST_OVERLAP,
+ RESULT) = range(10)  # fmt: skip
+
+
+class Body(NamedTuple):
+    """One of the two bodies at a contact.
+
+    Attributes
+    ----------
+    row : int
+        Its row of bounds.
+    size, spin : float
+        1/sqrt(m) (kg^-0.5) and 1/sqrt(I) (kg^-0.5 m^-1), zero for one that no force moves or turns.
+    normal_arm, tangent_arm : float
+        Moment arms (m) of the normal and of the tangential force about its centre.
+    bend : float
+        As GranuleTable.bend (1/(kg m)).
+    """
+
+    row: int
+    size: float
+    spin: float
+    normal_arm: float
+    tangent_arm: float
+    bend: float
+
+
+def body_of(world, bed, i, nx, ny, n, t):
+    """The granule of constituent i at a contact as a Body: its group where it is held.
+
+    The contact is at n along the normal and t along the tangent from the centre of constituent i.
+    """
+    g = world.constituents.owner[i]
+    motion, centre = world.granules.motion, world.constituents.motion
+    x = centre[i, X] - motion[g, X] + n * nx - t * ny
+    y = centre[i, Y] - motion[g, Y] + n * ny + t * nx
+    normal_arm, tangent_arm, spin, b = x * ny - y * nx, x * nx + y * ny, 0.0, world.held.group[g]
+    if b >= 0:
+        return boundary_of(world, bed, b, normal_arm, tangent_arm)
+    if TURNS:
+        spin = math.sqrt(world.granules.inverse_inertia[g])
+    size = math.sqrt(world.granules.inverse_mass[g])
+    return Body(g, size, spin, normal_arm, tangent_arm, bed.bend[g])
+
+
+def boundary_of(world, bed, b, normal_arm, tangent_arm):
+    """Boundary b at a contact as a Body."""
+    drive, reach = world.boundaries.drive, 0.0
+    if b < world.boundaries.reach.shape[0]:
+        reach = world.boundaries.reach[b]
+    size = math.sqrt(max(drive[b, INVERSE_MASS], drive[b, INVERSE_MASS + 1]))
+    spin = math.sqrt(drive[b, INVERSE_MASS + 2])
+    # a flat side has no curvature: its size bounds the arm
+    bend = bed.bulk * reach * drive[b, INVERSE_MASS + 2]
+    granules = world.granules.angle.shape[0]
+    return Body(granules + b, size, spin, normal_arm, tangent_arm, bend)
+
+
+def magnitude(size, turn):
+    """|g| of g = (size e, turn), with e a unit vector.
+
+    The arm of the normal force on a disc is only rounding: below 1e-9 of the rest it changes no
+    digit.
+    """
+    if abs(turn) <= 1e-9 * size:
+        return size
+    return math.hypot(size, turn)
+
+
+def add_bound(rows, i, column, modulus, ex, ey, size, turn):
+    """Add modulus g g^T, g = (size e, turn), to one row."""
+    gx, gy = size * ex, size * ey
+    rows[i, column] += modulus * gx * gx
+    rows[i, column + 1] += modulus * gx * gy
+    rows[i, column + 2] += modulus * gy * gy
+    rows[i, column + 3] += modulus * gx * turn
+    rows[i, column + 4] += modulus * gy * turn
+    rows[i, column + 5] += modulus * turn * turn
+
+
+def add_pair(rows, one, two, k, c, ex, ey, size_1, turn_1, size_2, turn_2):
+    """Stiffness k (N/m) and damping c (N s/m) along a direction e, between two bodies.
+
+    size, turn: mass-weighted sizes of translation and rotation of both (kg^-0.5).
+    """
+    first, second = magnitude(size_1, turn_1), magnitude(size_2, turn_2)
+    factor_1, factor_2 = 1.0 + second / max(first, TINY), 1.0 + first / max(second, TINY)
+    add_bound(rows, one.row, BOUND_STIFFNESS, factor_1 * k, ex, ey, size_1, turn_1)
+    add_bound(rows, two.row, BOUND_STIFFNESS, factor_2 * k, ex, ey, size_2, turn_2)
+    if DAMPING:
+        add_bound(rows, one.row, BOUND_DAMPING, factor_1 * c, ex, ey, size_1, turn_1)
+        add_bound(rows, two.row, BOUND_DAMPING, factor_2 * c, ex, ey, size_2, turn_2)
+
+
+def constant_of(law, table, p, radius):
+    """K of contact p; radius: R* (m) there, where the pair has none of its own."""
+    if LOCAL:
+        return stiffness(law, table[p + STIFFNESS], radius)
+    return table[p + STIFFNESS]
+
+
+def add_contact(law, table, p, rows, least, overlap, nx, ny, radius, one, two):
+    """Stiffness and damping of contact p between two bodies.
+
+    least (m): smallest overlap that a stiffness is computed for.
+    """
+    held, constant = max(overlap, least), constant_of(law, table, p, radius)
+    measured, damping = measure(law, held, length_of(table, p)), 0.0
+    if DAMPING:
+        damping = dashpot_of(table, p, nx, ny, two.normal_arm, constant)
+        damping = damping * root(law, held, measured)
+    k = slope(law, constant, measured)
+    turn_1, turn_2 = one.normal_arm * one.spin, two.normal_arm * two.spin
+    add_pair(rows, one, two, k, damping, nx, ny, one.size, turn_1, two.size, turn_2)
+    if FRICTION:
+        k_t, c_t = table[p + FRICTION_STIFFNESS] * constant * measured, 0.0
+        if DAMPING:
+            c_t = table[p + FRICTION_DASHPOT] * damping
+        turn_1, turn_2 = one.tangent_arm * one.spin, two.tangent_arm * two.spin
+        add_pair(rows, one, two, k_t, c_t, -ny, nx, one.size, turn_1, two.size, turn_2)
+    if ROLLING:
+        k_r = rolling_stiffness(law, table[p + ARM], constant) * measured
+        c_r = table[p + ROLLING_DASHPOT] * root(law, held, measured)
+        add_pair(rows, one, two, k_r, c_r, 0.0, 0.0, 0.0, one.spin, 0.0, two.spin)
+    # what the force can add to the rotation
+    rows[one.row, BOUND_STIFFNESS + 5] += k * max(overlap, 0.0) * one.bend
+    rows[two.row, BOUND_STIFFNESS + 5] += k * max(overlap, 0.0) * two.bend
+
+
+def scan_blocks(world, bed, begin, end, geometry, bounds, result):
+    """Add what the contacts of blocks begin to end do to the rows of bounds, where there are any, and
+    to a result: how many pairs touch, the greatest overlap over the smaller radius, and its
+    constituent.
+
+    geometry: from dem.dynamics.forces.show. NaN is the greatest overlap.
+    """
+    contacts, motion, radius = world.contacts, world.constituents.motion, bed.radius
+    numbers, table, least = contacts.numbers, contacts.table, result[LEAST_OVERLAP]
+    for block in range(begin, end):
+        section = section_of(contacts, block)
+        at, base = NUMBERS * np.uint64(block), COLUMNS * np.uint64(block)
+        for lane in range(contacts.count[block]):
+            k = np.uint64(lane)
+            p, i, j = base + k, np.int64(numbers[at + k]), np.int64(numbers[at + PARTNER + k])
+            row = geometry[block - begin]
+            overlap, nx, ny = row[GAP, lane], row[ALONG_X, lane], row[ALONG_Y, lane]
+            if not overlap <= 0.0:
+                smaller = min(radius[i], radius[j]) if section == PAIRS else radius[i]
+                if section == PAIRS:
+                    result[TOUCHING] += 1.0
+                relative = overlap / smaller
+                if not (relative <= result[DEEPEST] or result[DEEPEST] != result[DEEPEST]):
+                    result[DEEPEST], result[DEEP_CONSTITUENT] = relative, i
+            if bounds.shape[0] == 0:
+                continue
+            # the points are on the surfaces of both bodies, not in the middle of a gap
+            apart = 0.5 * min(overlap, 0.0)
+            n1, n2, t1 = row[ARM_N1, lane] + apart, row[ARM_N2, lane] + apart, row[ARM_T1, lane]
+            one = body_of(world, bed, i, nx, ny, n1, t1)
+            if section == PAIRS:
+                two = body_of(world, bed, j, nx, ny, -n2, row[ARM_T2, lane])
+            else:
+                normal_arm, tangent_arm = 0.0, 0.0
+                if section != WALLS:
+                    dx, dy = motion[j, X] - motion[i, X], motion[j, Y] - motion[i, Y]
+                    if PERIODIC:
+                        dx, dy = dx + table[p + SHIFT_X], dy + table[p + SHIFT_Y]
+                    x, y = n1 * nx - t1 * ny - dx, n1 * ny + t1 * nx - dy
+                    normal_arm, tangent_arm = x * ny - y * nx, x * nx + y * ny
+                b = np.int64(numbers[at + TARGET + k])
+                two = boundary_of(world, bed, b, normal_arm, tangent_arm)
+            radius_there = row[CURVED, lane]
+            add_contact(world.law, table, p, bounds, least, overlap, nx, ny, radius_there, one, two)
+
+
+def greatest_eigenvalue(rows, i, column):
+    """Bound on the greatest eigenvalue of one row."""
+    xx, xy, yy = rows[i, column], rows[i, column + 1], rows[i, column + 2]
+    xr, yr, rr = rows[i, column + 3], rows[i, column + 4], rows[i, column + 5]
+    moving = 0.5 * (xx + yy + math.sqrt((xx - yy) ** 2 + 4.0 * xy * xy))
+    return 0.5 * (moving + rr + math.sqrt((moving - rr) ** 2 + 4.0 * (xr * xr + yr * yr)))
+
+
+def shortest_steps(rows, fraction):
+    """Critical step (s) of the bed, and that for a fraction: the least of all rows."""
+    critical, chosen = math.inf, math.inf
+    for i in range(rows.shape[0]):
+        k = greatest_eigenvalue(rows, i, BOUND_STIFFNESS)
+        c = greatest_eigenvalue(rows, i, BOUND_DAMPING)
+        critical = min(critical, stable_step(k, c, 1.0))
+        chosen = min(chosen, stable_step(k, c, fraction))
+    return critical, chosen
+
+
+def add_energies(world, begin, end, geometry, energies):
+    """Add normal, tangential and rolling elastic energies (J) of blocks; a spring stores
+    T^2 / (2 k_t)."""
+    contacts, table, law = world.contacts, world.contacts.table, world.law
+    for block in range(begin, end):
+        base = COLUMNS * np.uint64(block)
+        for lane in range(contacts.count[block]):
+            p, row = base + np.uint64(lane), geometry[block - begin]
+            overlap = max(row[GAP, lane], 0.0)
+            constant = constant_of(law, table, p, row[CURVED, lane])
+            measured = measure(law, overlap, length_of(table, p))
+            energies[0] += energy(law, constant, overlap, measured)
+            if FRICTION:
+                stiff = table[p + FRICTION_STIFFNESS] * constant * table[p + MEASURE]
+                energies[1] += 0.5 * table[p + TANGENTIAL_FORCE] ** 2 / max(stiff, LEAST)
+            if ROLLING:
+                stiff = rolling_stiffness(law, table[p + ARM], constant) * table[p + MEASURE]
+                energies[2] += 0.5 * table[p + ROLLING_MOMENT] ** 2 / max(stiff, LEAST)
+
+
+def fill_elastic_forces(world, begin, end, geometry):
+    """Write the normal forces (N) of the law to a row of the geometry."""
+    contacts, table, law = world.contacts, world.contacts.table, world.law
+    for block in range(begin, end):
+        base = COLUMNS * np.uint64(block)
+        for lane in range(contacts.count[block]):
+            p, row = base + np.uint64(lane), geometry[block - begin]
+            overlap = max(row[GAP, lane], 0.0)
+            constant = constant_of(law, table, p, row[CURVED, lane])
+            measured = measure(law, overlap, length_of(table, p))
+            row[ELASTIC, lane] = force(law, constant, overlap, measured)
+
+
+SCAN, ENERGIES, ELASTIC_FORCES = range(3)  # what `scan` does
+
+
+def scan(world, bed, task, later, frame, skin, begin, end, geometry, bounds, result):
+    """What is asked of the contacts of blocks begin to end, in one kernel.
+
+    SCAN: see `scan_blocks`; with the first block also the measures of dem.dynamics.measures, after
+    kicks of a time `later` (s), and with the last one the critical step (s) and the one to take.
+    ENERGIES: add elastic energies (J) to the result. ELASTIC_FORCES: write them (N) to a row of the
+    geometry.
+    """
+    if task == SCAN:
+        if begin == 0:
+            energy, fastest = kinetic(world, later, frame)
+            speed = expected_speed(world, skin, fastest)
+            push = greater(driven_acceleration(world.boundaries), greatest_acceleration(world, bed))
+            result[KINETIC], result[PUSH] = energy, push
+            result[SPEED] = math.sqrt(speed * speed + 2.0 * skin * push)
+            if result[LEAST_OVERLAP] == 0.0:
+                result[LEAST_OVERLAP] = usual_overlap(world.law, bed, speed)
+        scan_blocks(world, bed, begin, end, geometry, bounds, result)
+        if bounds.shape[0] > 0 and end == world.contacts.first[SECTIONS]:
+            result[CRITICAL], result[CHOSEN] = shortest_steps(bounds, bed.fraction)
+    elif task == ENERGIES:
+        add_energies(world, begin, end, geometry, result)
+    else:
+        fill_elastic_forces(world, begin, end, geometry)

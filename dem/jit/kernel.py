@@ -1,0 +1,184 @@
+"""From plain functions to a kernel: what a scene lacks is decided, the rest is compiled and kept.
+
+A kernel is a function of a module, with all functions that it calls. Names in capitals that the
+caller gives are constants in its place: Numba drops `if FRICTION:` where FRICTION is False, before
+it looks at types. Functions that a class answers, such as those of a shape or a law, are those of
+the classes that the caller gives. All of them stay plain functions, which Python can call.
+"""
+
+import functools
+import gc
+import multiprocessing
+import time
+from collections.abc import Callable
+from contextlib import contextmanager, suppress
+from dis import get_instructions
+from types import CellType, FunctionType
+from typing import Any
+
+import numba
+from numba.extending import register_jitable
+
+from dem.base.messages import say
+from dem.jit import cache
+from dem.jit.intrinsics import INTRINSICS
+
+# nnan and ninf stay off: they would remove the very tests that find a NaN.
+# reassoc stays off: a sum has one order, so a seed has one result.
+# Nothing counts references: kernels take arrays, and return numbers only.
+OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "arcp", "nsz"}, "_nrt": False}
+NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
+
+class Binding:
+    """Copies of functions, with constants and answers in place of what their modules have.
+
+    Attributes
+    ----------
+    copies : dict of function to function
+        All functions of the kernel.
+    constants : dict of str to object
+        What else they load from their modules, or are given, by module and name.
+    """
+
+    def __init__(self, given: dict[str, Any], classes: tuple[type, ...], apart: frozenset[str]):
+        self.given, self.classes, self.apart = given, classes, apart
+        self.copies: dict[FunctionType, FunctionType] = {}
+        self.constants: dict[str, Any] = {}
+
+    def copy(self, function: FunctionType, is_answer: bool = False) -> FunctionType:
+        """A function whose globals are those that it loads, as they are in this kernel; those of an
+        answer of a class are as in its own file."""
+        names = {"__name__": function.__module__, "__builtins__": __builtins__}
+        for instruction in get_instructions(function.__code__):
+            name = instruction.argval
+            if instruction.opname == "LOAD_GLOBAL" and name in function.__globals__:
+                names[name] = self.value(function, name, function.__globals__[name], is_answer)
+        cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+        held = (self.value(function, name, cell.cell_contents, is_answer) for name, cell in cells)
+        closure = tuple(map(CellType, held))
+        copy = FunctionType(
+            function.__code__, names, function.__name__, function.__defaults__, closure
+        )
+        copy.__module__, copy.__qualname__ = function.__module__, function.__qualname__
+        self.copies[function] = copy
+        return copy
+
+    def value(self, function, name, value, is_answer):
+        """What a name of a function stands for, which is a value in Python."""
+        if not is_answer:
+            value = self.given.get(name, value)
+        if hasattr(value, "answers"):
+            answers = (value.answers[cls] for cls in self.classes if cls in value.answers)
+            value, is_answer = next(answers, value.__wrapped__), True
+        if type(value) is not FunctionType or value in INTRINSICS:
+            self.constants[f"{function.__module__}.{name}"] = value
+            return value
+        if value in self.copies:
+            return self.copies[value]
+        inlined = value.__name__ not in self.apart
+        copy = self.copy(value, is_answer)
+        register_jitable(forceinline=inlined, **NO_WRAPPERS, **OPTIONS)(copy)
+        return copy
+
+
+class Kernel:
+    """A kernel: compiled, or found on disk, when it is called first.
+
+    Attributes
+    ----------
+    compiling : float
+        Processor time (s) that this process has compiled, or loaded, kernels.
+    function : function
+        What is called.
+    binding : Binding
+        What it is made of.
+    """
+
+    compiling = 0.0
+
+    def __init__(self, function, given, classes, apart):
+        self.function, self.binding = function, Binding(given, classes, apart)
+        self.run: Callable[..., Any] | None = None
+
+    def __call__(self, *arguments):
+        if self.run is None:
+            self.run = self.start()
+        return self.run(*arguments)
+
+    def start(self) -> Callable[..., Any]:
+        """The function with its parts; it compiles itself for each combination of types."""
+        with compiling():
+            entry = self.binding.copy(self.function)
+            if numba.config.DISABLE_JIT:
+                return entry
+            dispatcher = numba.njit(nogil=True, **OPTIONS)(entry)
+            dispatcher.compile = self.compile
+            return dispatcher
+
+    def compile(self, signature):
+        """Have the function for some types of arguments, from disk if it is there."""
+        with compiling(), cache.folder_of(self.binding, signature) as keeps:
+            if not keeps.has_code:
+                _say_compiling()
+            once = numba.njit(nogil=True, cache=keeps.usable, **OPTIONS)(self.run.py_func)
+            with suppress(OSError):  # it is compiled, and the disk is full
+                once.compile(signature)
+            (compiled,) = once.overloads.values()
+            self.run.add_overload(compiled)
+            return compiled.entry_point
+
+
+@contextmanager
+def compiling():
+    """Count the time of a block as that of compiling; without garbage collection, which takes a
+    sixth of it and finds little."""
+    enabled, started = gc.isenabled(), time.process_time()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
+            gc.collect(0)  # else the run pays for it
+        Kernel.compiling += time.process_time() - started
+
+
+def kernel(function, apart=(), classes=(), **constants) -> Kernel:
+    """The kernel of a function.
+
+    Parameters
+    ----------
+    function : function
+        What is called, with arrays, numbers and named tuples of them; it returns numbers.
+    apart : collection of str
+        Functions that are compiled once, and called; all others become part of their callers.
+    classes : tuple of type
+        Of shapes and laws, whose functions answer the questions of the kernel.
+    **constants
+        Names in capitals, and what they stand for.
+    """
+    return _made(function, frozenset(apart), classes, tuple(sorted(constants.items())))
+
+
+@functools.cache
+def _made(function, apart, classes, constants):
+    return Kernel(function, dict(constants), classes, apart)
+
+
+def computing() -> float:
+    """Processor time (s) of this process without that of compiling."""
+    return time.process_time() - Kernel.compiling
+
+
+@functools.cache
+def _say_compiling() -> None:
+    """Say once that a process compiles, because a library call then takes long."""
+    if multiprocessing.parent_process() is None:
+        say(COMPILING)
+
+
+COMPILING = (
+    "Compiling for this kind of scene, up to a minute; the next process finds it compiled, unless "
+    "a shape is defined in a script or a notebook."
+)
