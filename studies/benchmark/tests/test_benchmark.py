@@ -1,12 +1,9 @@
 """The benchmark without other codes, and on other processors."""
 
-import re
-
 import numpy as np
 import pytest
 
 import dem
-from studies.benchmark.findings import elsewhere, speed
 from studies.benchmark.results import SMOKE, compare_codes
 from studies.benchmark.scenes import make_case
 from studies.benchmark.sizes import tiled
@@ -25,13 +22,6 @@ def test_the_benchmark_times_the_codes_that_are_there(monkeypatch, small_bed, in
     rates = dict(zip(values["code"], values["granule_steps_per_second"][0], strict=True))
     assert (rates["dem"] > 0.0).all() and (rates["LAMMPS"] > 0.0).all() == installed
     assert ("not run: LAMMPS is not installed." in values["code_status"]) != installed
-
-
-@pytest.mark.parametrize("file", elsewhere, ids=lambda findings: findings.name)
-def test_a_benchmark_of_another_processor_is_named_after_it(file):
-    family, model = re.search(r"family(\d+)_model(\d+)", file.name).groups()
-    processor = file.dataset.attrs["processor"]
-    assert f"(family {family}, model {model})" in processor != speed.dataset.attrs["processor"]
 
 
 @pytest.mark.parametrize("side", [2, 3])

@@ -42,17 +42,6 @@ def test_a_bed_of_which_a_run_failed_is_left_out():
     assert found.interval == pytest.approx(rest.interval)
 
 
-def test_the_beds_are_none_of_the_papers_sweep():
-    """Each is drawn at all moduli, about the one of the configuration."""
-    paper, sweep = load("config/paper.yaml"), load("studies/calibration/sweep.yaml")
-    runs = sweep.block("drag").runs.values()
-    seeds = {run.seed for run in runs}
-    moduli = {run.configuration.material.young_modulus for run in runs}
-    assert seeds.isdisjoint(run.seed for run in paper.block("drag").runs.values())
-    assert len(runs) == len(seeds) * len(moduli)
-    assert min(moduli) < paper.material.young_modulus < max(moduli)
-
-
 def test_the_modulus_of_the_paper_is_within_the_interval():
     """The sweep keeps the modulus of the first fit; a later one must not contradict it."""
     fitted = yaml.safe_load(Path("studies/calibration/calibration.yaml").read_text("utf-8"))

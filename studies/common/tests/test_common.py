@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from intervals import assert_held
 from pictures import assert_not_blank
-from project import ROOT, needs_study
+from project import ROOT
 
 from dem.figures.catalogue import draw, drawable_from, possible
 from dem.io.lazily import open_lazily
@@ -67,21 +67,3 @@ def test_a_figure_shows_the_released_file_of_its_study_which_a_sweep_makes(name,
     assert shown
     for file in shown:
         assert_not_blank(draw(name, file, tmp_path, OF_STUDIES)[1])
-
-
-@needs_study("shear", "velocity")
-@pytest.mark.parametrize(
-    ("study", "motion", "rough"), [("shear", "inertial_number", 0.4), ("velocity", "velocity", 0.3)]
-)
-def test_every_bed_moves_in_all_ways_with_friction_and_without(study, motion, rough):
-    """So that beds are their own control; without friction no contact has any."""
-    beds = {}
-    for run in load(ROOT / f"studies/{study}/sweep.yaml").block("drag").runs.values():
-        configuration = run.configuration
-        friction = configuration.friction
-        way = getattr(configuration.shear or configuration.cylinder, motion)
-        assert friction.granule == friction.wall == friction.cylinder
-        beds.setdefault(run.bed_key(), set()).add((way, friction.granule))
-    ways = next(iter(beds.values()))
-    assert len(beds) > 2 and all(each == ways for each in beds.values())
-    assert ways == {(way, mu) for way, _ in ways for mu in (0.0, rough)} and len(ways) > 4

@@ -1,16 +1,12 @@
 """Shapes in boxes of several widths: the line finds the drag at infinite width."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from intervals import assert_held
 from sweeps import dataset_of
 
-from dem.sweep.config import load
 from studies.pressure.widths import Widths
 
-STUDY = Path(__file__).parent.parent
 WIDTH = np.array([1.0, 2.0, 4.0, 1.0])
 BOXES = ["1", "2", "4", "high"]
 
@@ -50,15 +46,3 @@ def test_intervals_hold_the_truth_as_often_as_they_say(power):
     made = [Widths(boxes(power, noise=0.02, seed=seed)) for seed in range(100)]
     assert_held([widths.limit("e1")[1:] for widths in made], 0.5)
     assert_held([widths.change("e1", "high")[1:] for widths in made], 1.0)
-
-
-def test_every_bed_of_the_study_has_the_same_shape_of_neighbourhood():
-    """Boxes of all sizes have as many granules per area as the paper's, as thick as any other, and
-    the cylinder as far from the floor."""
-    paper, runs = load("config/paper.yaml"), load(STUDY / "sweep.yaml").block("drag").runs
-    for run in runs.values():
-        mine, granules = run.configuration, run.shape.granules / paper.shapes[run.label].granules
-        size = mine.box_width / mine.cylinder.start
-        assert granules == pytest.approx(size * paper.cylinder.start / paper.box_width)
-        assert mine.material.thickness == paper.shapes["c1"].diameter
-        assert (mine.packing.fraction is None) != (mine.packing.pressure is None)
