@@ -11,7 +11,6 @@ B = {"gravity": 1}
 # one key of the paper's sweep, or all that varies
 FILES = {
     "sweep must give all runs a shape or a case; there are c1, d1": {"cases": {}},
-    "sweep.seed has 1 twice; list each once.": {"sweep.seed": "1, 1"},
     "sweep.seed is []; it must be a list of values.": {"sweep.seed": []},
     "sweep has 1,100,000 runs; it must have at most 1,000,000.": {"sweep.seed": "1 to 100000"},
     "sweep.friction.granule has 0.3 twice": {"sweep.friction/granule": [0.3, 0.1 + 0.2]},
@@ -21,7 +20,6 @@ FILES = {
     "it must be a list of values, or factors: {times: [0.5, 2]}.": {"sweep.gravity": {"time": [1]}},
     "is false, which has no multiples.": {"sweep.numerics/allow_unstable": {"times": [2]}},
     "no value that can vary; the nearest is friction.granule.": {"sweep.friction_granule": [0.1]},
-    "no value that can vary; the nearest is record.bins.": {"sweep.record/window": [[0, 1]]},
     "varies cylinder.stroke, which runs of one block share": {"sweep.cylinder/stroke": [1e-3]},
     "asks for an impossible run": {"sweep.cylinder/start": [0.25, 0.01]},
     "sweep: p is no value that can vary": {"sweep.p": {"a": B, "b": 3}},
@@ -39,7 +37,6 @@ FILES = {
         "sweep.p": POINTS | {"over": {"gravity": RANGE | {"scale": "log"}}}
     },
     "sweep must give all runs a shape or a case": {"sweep": {"box": {"a": C1, "b": B}}},
-    "sweep.blocks is {}; it must have at least 1 item": {"sweep": {"blocks": {}}},
     f"sweep.blocks.../x is '../x'; {A_LABEL}": {"sweep": {"blocks": {"../x": {"case": "all"}}}},
     "blocks.store is a folder of results": {"sweep": {"blocks": {"store": {"case": "all"}}}},
     "blocks.a: null is no value that can vary": {"sweep": {"blocks": {"a": {None: [1]}}}},
