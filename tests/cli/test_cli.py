@@ -1,6 +1,5 @@
 """The command line's promises: exit status, one sentence, nothing written, and files whose labels are true."""
 
-import importlib.metadata
 import json
 import operator
 import re
@@ -33,13 +32,6 @@ quick = pytest.mark.quick
 def called(*words):
     """What a command line did, in this process."""
     return CliRunner().invoke(app, [str(word) for word in words])
-
-
-@quick
-def test_the_version_is_that_of_the_package():
-    """With the revision of a checkout."""
-    version = importlib.metadata.version("granular-drag")
-    assert called("--version").stdout.startswith(f"granular-drag {version}, ")
 
 
 def test_a_failed_run_says_what_where_and_when(tmp_path):
@@ -128,10 +120,7 @@ def test_a_run_is_labelled_with_the_values_of_the_command_line(tmp_path):
 PRINTED = {  # a value: as it is written, and what is another one
     1.5581123456: ("1.55811 1.5581 1.558112", "1.558"),
     2.3: ("2.3 2.30", "2"),
-    0.3: ("0.30 3e-1", "much"),
-    5e6: ("5e6 5000000", "-5e6"),
     1_000_001: ("1000001", "1e6"),
-    400: ("400 4e2", "401"),
     7.66e10: ("7.66e+10", "7.7e10"),
     -0.5: ("-0.5", "0.5"),
     True: ("true True", "false"),

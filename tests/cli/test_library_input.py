@@ -88,14 +88,6 @@ def test_real_numbers_of_any_kind_are_taken_alike(kind):
         assert_array_equal(array, value)
 
 
-@quick
-def test_scalars_of_any_kind_are_taken_alike():
-    """A whole number, a float32 and an array without axes are numbers."""
-    assert dem.Material(3900) == dem.Material(np.float32(3900)) == dem.Material(np.array(3900.0))
-    one, other = dem.Cylinder(1, [0, 1], np.zeros(2)), dem.Cylinder(1.0, (0.0, 1.0))
-    assert (one.radius, one.position, one.velocity) == (0.5, other.position, other.velocity)
-
-
 EYE, TWO = np.eye(2), np.arange(2.0)
 MADE = [  # what is made of arrays
     (dem.Disc, {"radius": TWO + 1}),

@@ -16,7 +16,6 @@ from synthetic import DENSITY, VELOCITY, drags, drawn, jammed, sheared
 
 from dem.analysis.onset import limits
 from dem.analysis.velocity import rates
-from dem.figures.catalogue import FIGURES
 
 quick = pytest.mark.quick
 
@@ -337,8 +336,3 @@ def test_figure_shear_shows_the_friction_of_the_lid_and_the_packing_fraction():
         assert axes.get_xscale() == "log"
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["friction 0", "friction 1"]
-
-
-def test_each_figure_is_asked_for_here():
-    asked = {*CURVES, *PLACES, *BEDS}
-    assert {*FIGURES} == asked | {"sweep", "velocity", "onset", "shear"}

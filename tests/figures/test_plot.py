@@ -168,13 +168,6 @@ def test_without_an_encoder_a_film_is_refused(tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_folder_is_kept(tmp_path):
-    (folder := tmp_path / "discs.gif").mkdir()
-    with pytest.raises(dem.InputError, match="must be a file"):
-        dem.film(result_of("walls"), folder)
-    assert folder.is_dir()
-
-
 MATPLOTLIBRC = """
 text.usetex: True
 lines.linewidth: 5

@@ -12,10 +12,8 @@ import xarray as xr
 from sweeps import FOREIGN, foreign, smoke
 from typer.testing import CliRunner
 
-from dem.base.errors import InputError
 from dem.cli.app import app
-from dem.io.dataset import AXES, LABELS, read
-from dem.io.lazily import open_lazily
+from dem.io.dataset import AXES, LABELS
 from dem.report.build import build
 from dem.sweep.state import SweepState
 from dem.sweep.workers import Workers
@@ -49,17 +47,6 @@ def hostile(results, tmp_path_factory):
     with netCDF4.Dataset(folder / "runs.nc", "a") as file:
         file.title = TITLE
     return folder
-
-
-@pytest.mark.parametrize("name", FILES)
-def test_a_file_that_is_cut_off_is_refused(results, tmp_path, name):
-    cut = tmp_path / name
-    cut.write_bytes((results / name).read_bytes()[:-1000])
-    with pytest.raises(InputError, match=f"{cut}: its content cannot be used .* run again"):
-        read(cut, ("run_id",))
-    words = f"{cut}: it is not a readable netCDF.*make it again, or copy it again"
-    with pytest.raises(InputError, match=words):
-        open_lazily(cut).__enter__()
 
 
 def test_other_programs_notice_damage_to_arrays(results):

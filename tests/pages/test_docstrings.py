@@ -53,14 +53,6 @@ def test_help_has_types_that_can_be_read_and_an_example_that_prints_what_it_says
         assert not re.search("Annotated|Validator|FieldInfo|Unit", types) and len(types) < 600
 
 
-def test_every_member_of_a_simulation_has_an_example():
-    """In its own docstring, in that of the class or of another member."""
-    source = "".join(case.source for t in examples("Simulation").values() for case in t.examples)
-    for name in members("Simulation"):
-        used = name.replace("Simulation.", r"\brun\.")
-        assert re.search(used + r"\b", source), f"{name} has no example"
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_numbers_of_docstrings_have_units(name):
     """Those of arguments, attributes and results."""

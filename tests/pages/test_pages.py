@@ -131,11 +131,6 @@ def test_a_picture_is_of_the_released_file_and_of_its_code(path):
     assert path.stat().st_size <= write_pages.LARGEST
 
 
-def test_no_picture_is_left_that_no_page_shows():
-    pictures = {*DOCS.glob("images/*.png"), *ROOT.glob("studies/*/images/*")}
-    assert pictures == set(write_pages.pictures())
-
-
 def test_a_sentence_that_the_data_contradicts_ends_the_build():
     with pytest.raises(ValueError, match="contradict the sentence 'Discs drag less"):
         findings.fill("{{ holds('Discs drag less than ellipses', drag.falls('e1', 'c1')) }}")

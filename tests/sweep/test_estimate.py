@@ -66,8 +66,8 @@ def test_what_is_said_of_a_sweep_under_way_is_what_the_store_holds(stopped):
 
 @pytest.mark.quick
 def test_damaged_files_are_left_by_who_reads_and_put_aside_by_who_makes_runs(stopped, capsys):
-    """Whoever reads does not count them. Their bytes stay under another name, which is said once, and what they
-    held is made again."""
+    """Whoever reads does not count them. Their other name is said once, and what they held is made again; their
+    bytes are asked for in store_states.py."""
     damaged = [path for path in stopped.store.files() if path.suffix == ".npz"]
     for path in damaged:
         path.write_bytes(path.read_bytes()[:100])
@@ -91,7 +91,6 @@ def test_damaged_files_are_left_by_who_reads_and_put_aside_by_who_makes_runs(sto
     for path in aside:
         words = f"{path}: it is damaged, and kept as {path.name}.damaged; it is made again."
         assert any(line.endswith(words) for line in lines)
-        assert len(path.with_name(f"{path.name}.damaged").read_bytes()) == 100
 
 
 @pytest.mark.quick

@@ -62,11 +62,21 @@ def test_a_run_goes_on_from_a_checkpoint_with_the_same_bits(hurried):
         np.testing.assert_array_equal(whole[name], resumed[name], err_msg=name)
 
 
+REPLACE = Path.replace
+
+
+def full(part, target):
+    """Path.replace of a disk that has no room for results."""
+    if target.suffix == ".nc":
+        raise OSError("the disk is full")
+    return REPLACE(part, target)
+
+
 @pytest.mark.quick
 def test_a_checkpoint_is_there_until_the_result_is(hurried):
     """What cannot be written, because the disk is full, is not lost; nor is that of another run, which is refused
     before any work. Damaged ones are in bad_input.py."""
-    checkpoint, output, replace = Path("run.npz"), Path("run.nc"), Path.replace
+    checkpoint, output = Path("run.npz"), Path("run.nc")
     command = simulate(output, "--checkpoint", checkpoint)
     two = smoke().replicate("c1", 3.9e3, 2)
     with pytest.raises(Killed):
@@ -75,13 +85,7 @@ def test_a_checkpoint_is_there_until_the_result_is(hurried):
     words = "run.npz: it is no checkpoint of this run, or damaged; delete it or name another file"
     assert words in CliRunner().invoke(app, command).stderr and checkpoint.read_bytes() == content
     checkpoint.unlink()
-
-    def full(part, target):
-        if target.suffix == ".nc":
-            raise OSError("the disk is full")
-        return replace(part, target)
-
-    for put, status in (full, 1), (replace, 0):
+    for put, status in (full, 1), (REPLACE, 0):
         with mock.patch.object(Path, "replace", put):
             assert CliRunner().invoke(app, command).exit_code == status
         assert (output.exists(), checkpoint.exists()) == (not status, status)
@@ -117,14 +121,8 @@ def test_what_cannot_be_read_now_is_left_alone(monkeypatch, kind):
 @pytest.mark.quick
 def test_runs_are_kept_until_their_batch_is_there():
     """What the disk has no room for is not made again."""
-    file, replace = drawn(), Path.replace
-
-    def put(part, target):
-        if target.suffix == ".nc":
-            raise OSError("the disk is full")
-        return replace(part, target)
-
-    with mock.patch.object(Path, "replace", put), pytest.raises(OSError, match="the disk is full"):
+    file = drawn()
+    with mock.patch.object(Path, "replace", full), pytest.raises(OSError, match="the disk is full"):
         of_file(file)
     of_file(file)
     assert len(made()) == 4

@@ -45,17 +45,6 @@ def forces(executor=None) -> list[float]:
         return dataset["force"].values.ravel().tolist()
 
 
-def test_any_executor_leaves_what_this_process_leaves():
-    """And stays open."""
-    few()
-    alone = forces()
-    shutil.rmtree("results")
-    with ProcessPoolExecutor(2, get_context("spawn")) as pool:
-        assert forces(pool) == alone
-        assert pool.submit(abs, -1).result() == 1
-    assert len(made()) == 8
-
-
 @pytest.mark.quick
 def test_a_worker_that_does_not_see_the_store_sends_the_file_of_a_batch(monkeypatch):
     """And leaves nothing in its own store, but what speeds it up. A process makes one run at a time."""

@@ -98,7 +98,7 @@ def test_results_and_table_of_a_study_depend_on_all_that_makes_their_numbers(rul
 
 def measures(study):
     """Whether a study declares that it simulates or measures by itself."""
-    return "\nMEASURES = True\n" in (FOLDERS[study] / "results.py").read_text(encoding="utf-8")
+    return getattr(import_module(f"{package_of(study)}.results"), "MEASURES", False)
 
 
 @pytest.mark.parametrize("study", reported())
@@ -107,6 +107,3 @@ def test_what_measures_takes_all_cores_and_what_reads_takes_one(rules, study):
     assert rules["batch"].resources["_cores"].value == THREADS
     cores = rules["results"].resources["_cores"].evaluate(Wildcards(fromdict={"study": study}))
     assert cores.value == (CORES if measures(study) else 1)
-    # whose file names this process, and not only those of its runs, as its origin
-    results = import_module(f"{package_of(study)}.results")
-    assert getattr(results, "MEASURES", False) is measures(study)
