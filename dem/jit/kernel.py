@@ -9,7 +9,12 @@ the classes that the caller gives. All of them stay plain functions, which Pytho
 import functools
 import gc
 import multiprocessing
+import os
+import sys
+import threading
 import time
+import uuid
+import warnings
 from collections.abc import Callable
 from contextlib import contextmanager, suppress
 from dis import get_instructions
@@ -64,6 +69,12 @@ class Binding:
         self.copies[function] = copy
         return copy
 
+    def rename(self, key: str) -> None:
+        """Give all functions names of this kernel alone: of two parts of one name, the linker takes
+        the first for both, although they have other constants."""
+        for copy in self.copies.values():
+            copy.__qualname__ += f"_{key[:16]}"
+
     def value(self, function, name, value, is_answer):
         """What a name of a function stands for, which is a value in Python."""
         if not is_answer:
@@ -112,7 +123,8 @@ class Kernel:
             entry = self.binding.copy(self.function)
             if numba.config.DISABLE_JIT:
                 return entry
-            dispatcher = numba.njit(nogil=True, **OPTIONS)(entry)
+            self.binding.rename(cache.name_of(self.binding, ()) or uuid.uuid4().hex)
+            dispatcher = new_dispatcher(entry, False)
             dispatcher.compile = self.compile
             return dispatcher
 
@@ -121,12 +133,39 @@ class Kernel:
         with compiling(), cache.folder_of(self.binding, signature) as keeps:
             if not keeps.has_code:
                 _say_compiling()
-            once = numba.njit(nogil=True, cache=keeps.usable, **OPTIONS)(self.run.py_func)
+                if keeps.usable:
+                    compile_apart(self.run.py_func, signature)
+            once = new_dispatcher(self.run.py_func, keeps.usable)
             with suppress(OSError):  # it is compiled, and the disk is full
                 once.compile(signature)
             (compiled,) = once.overloads.values()
             self.run.add_overload(compiled)
             return compiled.entry_point
+
+
+def new_dispatcher(function, keeps: bool):
+    """What compiles a function; keeps: whether its machine code is kept on disk."""
+    return numba.njit(nogil=True, cache=keeps, **OPTIONS)(function)
+
+
+def compile_apart(function, signature) -> None:
+    """Have another process compile a function and keep its machine code, where this one can fork.
+
+    Where LLVM compiles, it has machine code of each part beside that of the whole kernel, and calls
+    the former, of which some sums round otherwise. This process then reads the code from disk as all
+    later ones do, so that the first run of a kind has the same bits. If the other process fails, this
+    one compiles.
+    """
+    if not sys.platform.startswith("linux") or threading.active_count() > 1:
+        return  # another thread may hold a lock, which the other process would wait for
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # of threads
+        child = os.fork()
+    if child == 0:
+        with suppress(BaseException):
+            new_dispatcher(function, True).compile(signature)
+        os._exit(0)
+    os.waitpid(child, 0)
 
 
 @contextmanager

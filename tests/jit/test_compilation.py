@@ -192,3 +192,28 @@ def test_a_run_is_the_same_as_plain_python(desk, monkeypatch):
     assert list(map(float.fromhex, plain)) == pytest.approx(
         list(map(float.fromhex, compiled)), 1e-9
     )
+
+
+SCALED = f"""
+{IMPORT}
+FACTOR = 1.0
+
+def part(mass, i):
+    return FACTOR * mass[i]
+
+def scaled(mass):
+    return part(mass, 0)
+"""
+ASK_SCALED = """
+import numpy as np
+from scaled import kernel, scaled
+print(*(kernel(scaled, ("part",), FACTOR=factor)(np.ones(2)) for factor in {}))
+"""
+
+
+@pytest.mark.quick
+def test_kernels_that_other_processes_have_compiled_keep_their_own_constants(desk):
+    """Of two parts of one name the linker would take one for both."""
+    (desk.folder / "scaled.py").write_text(SCALED)
+    for factors in (["2.0"], ["3.0"], ["2.0", "3.0"]):
+        assert desk.ask(ask=ASK_SCALED.format(list(map(float, factors))))[0] == factors
