@@ -28,6 +28,7 @@ DELETES_OR_CATCHES = {
     "cli/sweep.py simulate: unlink": "checkpoints of a run whose file is written",
     "io/dataset.py content_of: Exception": "it becomes a sentence, once all bytes could be read",
     "jit/cache.py checked: unlink": "machine code that is damaged; it is compiled again",
+    "jit/kernel.py compile_apart: Exception": "the other process ends, and this one compiles and raises",
     "sweep/batch.py _row: Exception": "an error of a user's file becomes a failed run; all others are raised",
     "sweep/batch.py _row: unlink": "the checkpoint of a run that is kept",
     "sweep/batch.py retry: unlink": "its sound runs are kept, and the user asks for the failed ones",
