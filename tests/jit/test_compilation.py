@@ -120,13 +120,13 @@ def test_machine_code_for_a_law_of_ones_own_is_known_by_the_code_of_its_file(des
 
 
 TIMED = """
-import time
+import os
 from dem.jit.kernel import computing
 import numpy as np
 from kernels import count, total
-before, started = computing(), time.process_time()
+before, started = computing(), sum(os.times()[:4])  # with the processes that compile
 total(np.ones(2)), count(np.ones(2)), total(np.ones(2, "f4"))
-print(computing() - before, time.process_time() - started)
+print(computing() - before, sum(os.times()[:4]) - started)
 """
 
 
