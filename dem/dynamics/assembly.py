@@ -406,14 +406,19 @@ def assemble(
     owner = scene.shape.owner
     patches = number_of_patches(n)
     x, y = scene.periodic or (None, None)
-    bodies_listed = Bodies(
+    listed = Bodies(
         radius=table.bounding,
         held=table.held,
+        largest=float(table.bounding.max()),
         sections=sections,
         sizes=sizes,
         outlines=of_granules,
         others=of_solids,
         period=(x or 0.0, y or 0.0),
+        columns=columns,
+        full=flags["FULL"],
+        rotates=flags["ROTATES"],
+        composed=flags["COMPOSED"],
     )
     world = World(
         shape=scene.shape,
@@ -446,7 +451,7 @@ def assemble(
         gravity=np.array(scene.gravity or (0.0, 0.0), float),
         account=np.zeros(PEAK + 1),
     )
-    return System(world, table, flags, Lists(bodies_listed, columns), task)
+    return System(world, table, flags, Lists(listed), task)
 
 
 # Order in memory: that of Morton (1966), the bits of two cell numbers interleaved, so that a patch

@@ -32,6 +32,7 @@ from dem.dynamics.scan import (
     LEAST_OVERLAP,
     SPEED,
     TOUCHING,
+    Moment,
 )
 from dem.dynamics.step import Threads
 from dem.dynamics.system import System, is_finite, longest_move
@@ -266,7 +267,7 @@ class Engine:
         speed, and any granule could collide with one of its own size.
         """
         world, table = system.world, system.table
-        result = system.scan(later, self.rules.frame, self.skin)
+        result = system.scan(Moment(later, self.rules.frame, self.skin))
         alone = steps_alone(world.law, table, float(result[LEAST_OVERLAP]))
         critical, chosen = map(min, alone, result[[CRITICAL, CHOSEN]].tolist())
         return Diagnostics(
@@ -449,7 +450,10 @@ class Engine:
         """Fill a row of the record but for the step, after an interval of a duration (s); its impulses
         do not count again."""
         seen = self.seen()
-        boundaries, result = seen.world.boundaries, seen.scan(0.0, self.rules.frame, steps=False)
+        boundaries, result = (
+            seen.world.boundaries,
+            seen.scan(Moment(frame=self.rules.frame), steps=False),
+        )
         row[ENERGY], row[OVERLAP] = result[KINETIC], result[DEEPEST]
         row[CONTACTS] = 2.0 * result[TOUCHING] / len(self.world.granules.angle)
         of = row[OF_BED:].reshape(-1, OF_BOUNDARY)

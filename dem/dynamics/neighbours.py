@@ -168,13 +168,14 @@ def sort_few(values, start, stop):
         values[q] = value
 
 
-def find_near_pairs(motion, radius, largest, owner, held, skin, period, grid, near):
+def find_near_pairs(motion, owner, bodies, skin, grid, near):
     """Pairs of constituents of different granules closer than skin (m); returns their number.
 
-    largest (m): of the radii. Each pair is listed once, under its lower index. No two held ones make a pair. Stops where
+    Each pair is listed once, under its lower index. No two held ones make a pair. Stops where
     `near` has too little room, and returns more than it has.
     """
-    columns, rows = sort_into_cells(motion, grid, 2.0 * largest + skin, period)
+    radius, held, period = bodies.radius, bodies.held, bodies.period
+    columns, rows = sort_into_cells(motion, grid, 2.0 * bodies.largest + skin, period)
     n, partner, count = radius.shape[0], near.partner, 0
     near.first[0] = 0
     for i in range(n):
@@ -217,12 +218,10 @@ def distance_from(faces, b, c, s, x, y):
     return 0.0 if inside else max(nearest - faces.radius[b], 0.0)
 
 
-def find_near_boundaries(motion, boundaries, faces, sections, sizes, radius, skin, period, near):
-    """Constituents closer than skin (m) to boundaries.
-
-    sections, sizes: section of each boundary, and its radius (m) or that of the circle that holds
-    it.
-    """
+def find_near_boundaries(world, bodies, skin, near):
+    """Constituents closer than skin (m) to boundaries."""
+    boundaries, motion, faces = world.boundaries, world.constituents.motion, world.faces
+    sections, sizes, radius, period = bodies.sections, bodies.sizes, bodies.radius, bodies.period
     moving, planes, count = boundaries.motion, boundaries.planes, 0
     near.of_section[WALLS] = 0
     for section in range(WALLS, SECTIONS):
@@ -250,26 +249,23 @@ def find_near_boundaries(motion, boundaries, faces, sections, sizes, radius, ski
 # Blocks
 
 
-def fill_block(block, lane, i, row, target, contacts):
-    """Numbers of a contact."""
+def add_contact(world, bodies, contacts, cursor, section, i, row, target):
+    """Append constituent i and a body (row of motion) to the list: their numbers, and the columns
+    that depend on positions alone: sizes, images, and what the contact remembers.
+
+    cursor: block and lane of the last contact that was found in the old list, and of the next of the
+    new one.
+    """
+    columns, motion, block, lane = bodies.columns, world.constituents.motion, cursor[2], cursor[3]
     at = NUMBERS * np.uint64(block) + np.uint64(lane)
     contacts.numbers[at + CONSTITUENT] = i
     contacts.numbers[at + PARTNER] = row
     contacts.numbers[at + TARGET] = target
     contacts.count[block] = lane + 1
-
-
-def fill_columns(
-    columns, contacts, block, lane, i, row, section, motion, outlines, others, period, old, at_old
-):
-    """Columns of a contact that depend on positions alone: sizes, images, and what it remembers.
-
-    at_old: where the old table has it, -1 where it has not.
-    """
     table, p = contacts.table, columns.all * block + lane
-    sizes, count = outlines, columns.numbers
+    sizes, count = bodies.outlines, columns.numbers
     if section == OUTLINES:
-        sizes, count = others, columns.outline_numbers
+        sizes, count = bodies.others, columns.outline_numbers
     for c in range(count):
         table[p + columns.sizes + c * BLOCK] = sizes[i, c]
         table[p + columns.sizes + columns.second + c * BLOCK] = sizes[row, c]
@@ -277,23 +273,34 @@ def fill_columns(
     if columns.shift >= 0:
         x, y = 0.0, 0.0
         if section != WALLS:
-            x, y = image(period[0], dx), image(period[1], dy)
+            x, y = image(bodies.period[0], dx), image(bodies.period[1], dy)
         table[p + columns.shift], table[p + columns.shift + BLOCK] = x, y
         dx, dy = dx + x, dy + y
+    old = find_old(world.contacts, columns.all, cursor, section, i, row)
     for c in range(columns.history, columns.all, BLOCK):
-        table[p + c] = old.table[at_old + c] if at_old >= 0 else 0.0
+        table[p + c] = world.contacts.table[old + c] if old >= 0 else 0.0
     if columns.normal >= 0:
         normal = p + columns.normal
         if table[normal] == 0.0 and table[normal + BLOCK] == 0.0:  # along the line of centres
             distance = np.sqrt(dx * dx + dy * dy)
             table[normal] = dx / distance if distance > 0.0 else 1.0
             table[normal + BLOCK] = dy / distance if distance > 0.0 else 0.0
+    cursor[3] += 1
+    if cursor[3] == BLOCK:
+        end_block(cursor)
+
+
+def end_block(cursor):
+    """Let the next contact begin a block; returns its number."""
+    if cursor[3] > 0:
+        cursor[2], cursor[3] = cursor[2] + 1, 0
+    return cursor[2]
 
 
 def find_old(old, stride, cursor, section, i, row):
     """Where the table of the old list has a contact, -1 where it has not.
 
-    stride: numbers of a block; cursor: block and lane to look from, because both lists are in
+    stride: numbers of a block. It looks from where the cursor is, because both lists are in
     ascending order.
     """
     block, lane = cursor[0], cursor[1]
@@ -313,88 +320,44 @@ def find_old(old, stride, cursor, section, i, row):
     return -1
 
 
-def fill(
-    columns, motion, owner, outlines, others, period, near, old, contacts, targets, lowest, cursor
-):
-    """Fill the blocks of a list. Returns the number of pairs of two patches.
-
-    targets (room,): the constituents on which these write forces; lowest: see Patches.
-    """
-    bodies, block, lane, shared = owner.shape[0], 0, 0, 0
-    cursor[0], cursor[1] = old.first[PAIRS], 0
+def fill(world, bodies, near, contacts, patches, cursor):
+    """Fill the blocks of a list. Returns the number of pairs of two patches."""
+    owner, rows, lowest = (
+        world.constituents.owner,
+        world.constituents.motion.shape[0],
+        patches.lowest,
+    )
+    last, shared = 0, 0
     for patch in range(lowest.shape[0]):
         lowest[patch] = patch
-    last = 0
-    contacts.of_patch[0] = 0
-    for i in range(bodies):
+    cursor[0], cursor[1], cursor[2], cursor[3] = world.contacts.first[PAIRS], 0, 0, 0
+    contacts.of_patch[0] = contacts.first[PAIRS] = 0
+    for i in range(owner.shape[0]):
         patch = owner[i] // PATCH
         if patch != last:
-            if lane > 0:
-                block, lane = block + 1, 0
+            begin = end_block(cursor)
             for q in range(last, patch):
-                contacts.of_patch[q + 1] = block
+                contacts.of_patch[q + 1] = begin
             last = patch
         for q in range(near.first[i], near.first[i + 1]):
             j = np.int64(near.partner[q])
             home, target = owner[j] // PATCH, j
             if home != patch:
                 lowest[home] = min(lowest[home], patch)
-                target, targets[shared] = motion.shape[0] + shared, j
+                target, patches.target[shared] = rows + shared, j
                 shared += 1
-            fill_block(block, lane, i, j, target, contacts)
-            at_old = find_old(old, columns.all, cursor, PAIRS, i, j)
-            fill_columns(
-                columns,
-                contacts,
-                block,
-                lane,
-                i,
-                j,
-                PAIRS,
-                motion,
-                outlines,
-                others,
-                period,
-                old,
-                at_old,
-            )
-            lane += 1
-            if lane == BLOCK:
-                block, lane = block + 1, 0
-    if lane > 0:
-        block, lane = block + 1, 0
+            add_contact(world, bodies, contacts, cursor, PAIRS, i, j, target)
+    begin = end_block(cursor)
     for q in range(last, lowest.shape[0]):
-        contacts.of_patch[q + 1] = block
-    contacts.first[PAIRS], contacts.first[WALLS] = 0, block
+        contacts.of_patch[q + 1] = begin
+    contacts.first[WALLS] = begin
     for section in range(WALLS, SECTIONS):
-        cursor[0], cursor[1] = old.first[section], 0
+        cursor[0], cursor[1] = world.contacts.first[section], 0
         for q in range(near.of_section[section], near.of_section[section + 1]):
             i, b = np.int64(near.constituent[q]), np.int64(near.boundary[q])
-            row = bodies + b
             lowest[owner[i] // PATCH] = -1
-            fill_block(block, lane, i, row, b, contacts)
-            at_old = find_old(old, columns.all, cursor, section, i, row)
-            fill_columns(
-                columns,
-                contacts,
-                block,
-                lane,
-                i,
-                row,
-                section,
-                motion,
-                outlines,
-                others,
-                period,
-                old,
-                at_old,
-            )
-            lane += 1
-            if lane == BLOCK:
-                block, lane = block + 1, 0
-        if lane > 0:
-            block, lane = block + 1, 0
-        contacts.first[section + 1] = block
+            add_contact(world, bodies, contacts, cursor, section, i, owner.shape[0] + b, b)
+        contacts.first[section + 1] = end_block(cursor)
     return shared
 
 
@@ -431,7 +394,7 @@ def sort_incoming(patches, owner, shared):
     first[0] = 0
 
 
-def set_reference(world, full, rotates, composed):
+def set_reference(world, bodies):
     """Note the present places of all bodies; angles are turned exactly, and constituents follow."""
     granules, constituents, boundaries = world.granules, world.constituents, world.boundaries
     motion, reference, orientation = (
@@ -439,84 +402,45 @@ def set_reference(world, full, rotates, composed):
         constituents.reference,
         constituents.orientation,
     )
-    n, bodies = granules.angle.shape[0], constituents.owner.shape[0]
-    for i in range(n if rotates else 0):
+    n, c = granules.angle.shape[0], constituents.owner.shape[0]
+    for i in range(n if bodies.rotates else 0):
         orientation[i, 0], orientation[i, 1] = (
             math.cos(granules.angle[i]),
             math.sin(granules.angle[i]),
         )
-    if composed:
+    if bodies.composed:
         place(granules.motion, constituents, 0, n)
-    for i in range(bodies):
+    for i in range(c):
         reference[i, 0], reference[i, 1] = motion[i, X], motion[i, Y]
     for b in range(boundaries.angle.shape[0]):
         angle, moved = boundaries.angle[b], boundaries.motion
         orientation[n + b, 0], orientation[n + b, 1] = math.cos(angle), math.sin(angle)
-        for c in range(8):
-            motion[bodies + b, c] = moved[b, c]
-        if full:
-            motion[bodies + b, VX] += moved[b, DVX]
-            motion[bodies + b, VY] += moved[b, DVY]
+        for k in range(8):
+            motion[c + b, k] = moved[b, k]
+        if bodies.full:
+            motion[c + b, VX] += moved[b, DVX]
+            motion[c + b, VY] += moved[b, DVY]
         if b < boundaries.reference.shape[0]:
             boundaries.reference[b, 0], boundaries.reference[b, 1] = moved[b, X], moved[b, Y]
             boundaries.reference[b, 2] = angle
 
 
-def renew(
-    world,
-    lists,
-    columns,
-    skin,
-    largest,
-    full,
-    rotates,
-    composed,
-    near,
-    grid,
-    contacts,
-    patches,
-    cursor,
-):
+def renew(world, bodies, skin, near, grid, contacts, patches, cursor):
     """Fill the blocks of a list for the present positions, see Lists.
 
     Returns the numbers of pairs, of blocks, and of pairs of two patches. Where there is too little
     room for pairs or blocks, nothing but their number is right.
     """
-    motion, owner, radius = world.constituents.motion, world.constituents.owner, lists.radius
-    set_reference(world, full, rotates, composed)
-    count = find_near_pairs(
-        motion, radius, largest, owner, lists.held, skin, lists.period, grid, near
-    )
+    owner = world.constituents.owner
+    set_reference(world, bodies)
+    count = find_near_pairs(world.constituents.motion, owner, bodies, skin, grid, near)
     if count > near.partner.shape[0]:
         return count, 0, 0
-    find_near_boundaries(
-        motion,
-        world.boundaries,
-        world.faces,
-        lists.sections,
-        lists.sizes,
-        radius,
-        skin,
-        lists.period,
-        near,
-    )
+    find_near_boundaries(world, bodies, skin, near)
     blocks, room = blocks_needed(near, owner), patches.target.shape[0]
     if blocks > contacts.count.shape[0] or (patches.lowest.shape[0] > 1 and count > room):
         return count, blocks, 0
-    shared = fill(
-        columns,
-        motion,
-        owner,
-        lists.outlines,
-        lists.others,
-        lists.period,
-        near,
-        world.contacts,
-        contacts,
-        patches.target,
-        patches.lowest,
-        cursor,
-    )
+    shared = fill(world, bodies, near, contacts, patches, cursor)
     for q in range(world.held.member.shape[0]):
         patches.lowest[world.held.member[q] // PATCH] = -1
     sort_incoming(patches, owner, shared)
@@ -533,21 +457,32 @@ class Bodies(NamedTuple):
     ----------
     radius, held : ndarray of shape (c,)
         Bounding radius (m) of constituents, and which are held.
+    largest : float
+        Greatest of these radii (m).
     sections, sizes : ndarray of shape (w + k,)
         Section of each wall and solid, and radius (m) of the circle that holds it.
     outlines, others : ndarray of shape (c + r, s)
         Numbers of all outlines, and of those that solids and granules have in terms of the solids'.
     period : tuple of float
         Period along x and y (m), zero where the scene does not repeat itself.
+    columns : Columns
+        Where numbers of contacts are.
+    full, rotates, composed : bool
+        Flags of dem.dynamics.kinds.
     """
 
     radius: np.ndarray
     held: np.ndarray
+    largest: float
     sections: np.ndarray
     sizes: np.ndarray
     outlines: np.ndarray
     others: np.ndarray
     period: tuple[float, float]
+    columns: Columns
+    full: bool
+    rotates: bool
+    composed: bool
 
 
 def new_contacts(blocks: int, columns: int, patches: int) -> Contacts:
@@ -574,12 +509,10 @@ class Lists:
     ----------
     bodies : Bodies
         What it lists.
-    columns : Columns
-        Where numbers of contacts are.
     """
 
-    def __init__(self, bodies: Bodies, columns: Columns):
-        self.bodies, self.columns = bodies, columns
+    def __init__(self, bodies: Bodies):
+        self.bodies, self.blocks = bodies, 0
         c, cells = len(bodies.radius), 4 * len(bodies.radius) + 64
         beside = c * len(bodies.sections)
         self.near = Near(
@@ -590,30 +523,17 @@ class Lists:
             of_section=np.zeros(SECTIONS + 1, np.int64),
         )
         self.grid = Grid(*(np.empty(size, np.int64) for size in (c, c, cells, cells)))
-        self.largest, self.blocks = float(bodies.radius.max()), 0
 
-    def renewed(self, world, skin: float, *flags: bool) -> tuple[Contacts, Patches, int]:
-        """Contacts and Patches for the present positions, and the number of pairs of two patches.
-
-        flags: FULL, ROTATES and COMPOSED of dem.dynamics.kinds.
-        """
-        patches, room = len(world.patches.lowest), 0
+    def renewed(self, world, skin: float) -> tuple[Contacts, Patches, int]:
+        """Contacts and Patches for the present positions, and the number of pairs of two patches."""
+        patches, room, columns = len(world.patches.lowest), 0, self.bodies.columns.all // BLOCK
         while True:
-            contacts = new_contacts(self.blocks, self.columns.all // BLOCK, patches)
-            shares = new_patches(room, patches)
-            count, blocks, shared = RENEW(
-                world,
-                self.bodies,
-                self.columns,
-                skin,
-                self.largest,
-                *flags,
-                self.near,
-                self.grid,
-                contacts,
-                shares,
-                np.zeros(2, np.int64),
+            contacts, shares = (
+                new_contacts(self.blocks, columns, patches),
+                new_patches(room, patches),
             )
+            memory = self.near, self.grid, contacts, shares, np.zeros(4, np.int64)
+            count, blocks, shared = RENEW(world, self.bodies, skin, *memory)
             room = count if patches > 1 else 0
             if count > len(self.near.partner):
                 self.near = self.near._replace(partner=np.empty(2 * count, np.uint32))
@@ -633,7 +553,7 @@ RENEW = kernel(
         "place",
         "fill",
         "find_old",
-        "fill_columns",
+        "add_contact",
         "sort_incoming",
     },
 )

@@ -189,8 +189,8 @@ def add_contact(law, table, p, rows, least, overlap, nx, ny, radius, one, two):
     rows[two.row, BOUND_STIFFNESS + 5] += k * max(overlap, 0.0) * two.bend
 
 
-def scan_blocks(world, bed, begin, end, geometry, bounds, result):
-    """Add what the contacts of blocks begin to end do to the rows of bounds, where there are any, and
+def scan_blocks(world, bed, begin, geometry, bounds, result):
+    """Add what the contacts of blocks from `begin` on do to the rows of bounds, where there are any, and
     to a result: how many pairs touch, the greatest overlap over the smaller radius, and its
     constituent.
 
@@ -198,7 +198,7 @@ def scan_blocks(world, bed, begin, end, geometry, bounds, result):
     """
     contacts, motion, radius = world.contacts, world.constituents.motion, bed.radius
     numbers, table, least = contacts.numbers, contacts.table, result[LEAST_OVERLAP]
-    for block in range(begin, end):
+    for block in range(begin, begin + geometry.shape[0]):
         section = section_of(contacts, block)
         at, base = NUMBERS * np.uint64(block), COLUMNS * np.uint64(block)
         for lane in range(contacts.count[block]):
@@ -254,63 +254,69 @@ def shortest_steps(rows, fraction):
     return critical, chosen
 
 
-def add_energies(world, begin, end, geometry, energies):
-    """Add normal, tangential and rolling elastic energies (J) of blocks; a spring stores
-    T^2 / (2 k_t)."""
+def add_energies(world, begin, geometry, result):
+    """Add normal, tangential and rolling elastic energies (J) of blocks from `begin` on to a result,
+    and write the normal forces (N) of the law to a row of the geometry.
+
+    A spring stores T^2 / (2 k_t).
+    """
     contacts, table, law = world.contacts, world.contacts.table, world.law
-    for block in range(begin, end):
-        base = COLUMNS * np.uint64(block)
-        for lane in range(contacts.count[block]):
-            p, row = base + np.uint64(lane), geometry[block - begin]
-            overlap = max(row[GAP, lane], 0.0)
-            constant = constant_of(law, table, p, row[CURVED, lane])
+    for k in range(geometry.shape[0]):
+        base, block = COLUMNS * np.uint64(begin + k), geometry[k]
+        for lane in range(contacts.count[begin + k]):
+            p, overlap = base + np.uint64(lane), max(block[GAP, lane], 0.0)
+            constant = constant_of(law, table, p, block[CURVED, lane])
             measured = measure(law, overlap, length_of(table, p))
-            energies[0] += energy(law, constant, overlap, measured)
+            block[ELASTIC, lane] = force(law, constant, overlap, measured)
+            result[0] += energy(law, constant, overlap, measured)
             if FRICTION:
                 stiff = table[p + FRICTION_STIFFNESS] * constant * table[p + MEASURE]
-                energies[1] += 0.5 * table[p + TANGENTIAL_FORCE] ** 2 / max(stiff, LEAST)
+                result[1] += 0.5 * table[p + TANGENTIAL_FORCE] ** 2 / max(stiff, LEAST)
             if ROLLING:
                 stiff = rolling_stiffness(law, table[p + ARM], constant) * table[p + MEASURE]
-                energies[2] += 0.5 * table[p + ROLLING_MOMENT] ** 2 / max(stiff, LEAST)
+                result[2] += 0.5 * table[p + ROLLING_MOMENT] ** 2 / max(stiff, LEAST)
 
 
-def fill_elastic_forces(world, begin, end, geometry):
-    """Write the normal forces (N) of the law to a row of the geometry."""
-    contacts, table, law = world.contacts, world.contacts.table, world.law
-    for block in range(begin, end):
-        base = COLUMNS * np.uint64(block)
-        for lane in range(contacts.count[block]):
-            p, row = base + np.uint64(lane), geometry[block - begin]
-            overlap = max(row[GAP, lane], 0.0)
-            constant = constant_of(law, table, p, row[CURVED, lane])
-            measured = measure(law, overlap, length_of(table, p))
-            row[ELASTIC, lane] = force(law, constant, overlap, measured)
+SCAN, ENERGIES = range(2)  # what `scan` does
 
 
-SCAN, ENERGIES, ELASTIC_FORCES = range(3)  # what `scan` does
+class Moment(NamedTuple):
+    """When a bed is scanned.
 
-
-def scan(world, bed, task, later, frame, skin, begin, end, geometry, bounds, result):
-    """What is asked of the contacts of blocks begin to end, in one kernel.
-
-    SCAN: see `scan_blocks`; with the first block also the measures of dem.dynamics.measures, after
-    kicks of a time `later` (s), and with the last one the critical step (s) and the one to take.
-    ENERGIES: add elastic energies (J) to the result. ELASTIC_FORCES: write them (N) to a row of the
-    geometry.
+    Attributes
+    ----------
+    later : float
+        Kicks that velocities lack (s).
+    frame : tuple of float
+        Velocity (m/s) that is added to all for the energy.
+    skin : float
+        Skin of the lists (m).
     """
-    if task == SCAN:
-        if begin == 0:
-            energy, fastest = kinetic(world, later, frame)
-            speed = expected_speed(world, skin, fastest)
-            push = greater(driven_acceleration(world.boundaries), greatest_acceleration(world, bed))
-            result[KINETIC], result[PUSH] = energy, push
-            result[SPEED] = math.sqrt(speed * speed + 2.0 * skin * push)
-            if result[LEAST_OVERLAP] == 0.0:
-                result[LEAST_OVERLAP] = usual_overlap(world.law, bed, speed)
-        scan_blocks(world, bed, begin, end, geometry, bounds, result)
-        if bounds.shape[0] > 0 and end == world.contacts.first[SECTIONS]:
-            result[CRITICAL], result[CHOSEN] = shortest_steps(bounds, bed.fraction)
-    elif task == ENERGIES:
-        add_energies(world, begin, end, geometry, result)
-    else:
-        fill_elastic_forces(world, begin, end, geometry)
+
+    later: float = 0.0
+    frame: tuple[float, float] = (0.0, 0.0)
+    skin: float = 0.0
+
+
+def scan(world, bed, task, moment, begin, geometry, bounds, result):
+    """What is asked of the contacts of blocks from `begin` on, in one kernel.
+
+    SCAN: see `scan_blocks`; with the first block also the measures of dem.dynamics.measures, at a
+    Moment, and with the last one the critical step (s) and the one to take. ENERGIES: see
+    `add_energies`.
+    """
+    if task == ENERGIES:
+        add_energies(world, begin, geometry, result)
+        return
+    skin, end = moment.skin, begin + geometry.shape[0]
+    if begin == 0:
+        energy, fastest = kinetic(world, moment.later, moment.frame)
+        speed = expected_speed(world, skin, fastest)
+        push = greater(driven_acceleration(world.boundaries), greatest_acceleration(world, bed))
+        result[KINETIC], result[PUSH] = energy, push
+        result[SPEED] = math.sqrt(speed * speed + 2.0 * skin * push)
+        if result[LEAST_OVERLAP] == 0.0:
+            result[LEAST_OVERLAP] = usual_overlap(world.law, bed, speed)
+    scan_blocks(world, bed, begin, geometry, bounds, result)
+    if bounds.shape[0] > 0 and end == world.contacts.first[SECTIONS]:
+        result[CRITICAL], result[CHOSEN] = shortest_steps(bounds, bed.fraction)

@@ -10,13 +10,14 @@ from dem.contacts.layout import BLOCK, aligned
 from dem.dynamics.checkpoint import copied
 from dem.dynamics.kinds import kernels
 from dem.dynamics.neighbours import Lists
-from dem.dynamics.scan import BOUNDS, ELASTIC_FORCES, ENERGIES, LEAST_OVERLAP, RESULT, ROWS, SCAN
+from dem.dynamics.scan import BOUNDS, ENERGIES, LEAST_OVERLAP, RESULT, ROWS, SCAN, Moment
 from dem.dynamics.step import DRIFT, FORCES, RESPOND, SHOW, STEPS, Threads, places, work
 from dem.dynamics.world import World
 
 CHUNK = 1024  # blocks whose geometry is kept at a time
 NONE = np.zeros((0, ROWS, BLOCK))
 SHARED = "shape", "outlines", "contacts", "faces", "held", "patches"  # which no drift changes
+NOW = Moment()
 NO_BOUNDS = np.zeros((0, BOUNDS))
 
 
@@ -56,10 +57,9 @@ class System:
 
     def rebuild(self, skin: float) -> None:
         """Make the list for the present positions, with constants and what contacts remember."""
-        world, flags = self.world, self.kernels.flags
+        world = self.world
         bare = without_shape(world)._replace(law=None)
-        asked = (flags[name] for name in ("FULL", "ROTATES", "COMPOSED"))
-        contacts, patches, shared = self.lists.renewed(bare, skin, *asked)
+        contacts, patches, shared = self.lists.renewed(bare, skin)
         constituents, rows = world.constituents, len(world.constituents.motion)
         force = constituents.force
         if len(force) < rows + shared:
@@ -103,27 +103,9 @@ class System:
             if task == RESPOND:  # springs as they are, at the present overlaps
                 self._put_springs_back(world, begin, end)
                 self.kernels.work(world, task, *given)
-                self._ask(ELASTIC_FORCES, begin, end, rows, world=world)
+                given = ENERGIES, NOW, begin, rows, NO_BOUNDS, np.zeros(RESULT)
+                self.kernels.scan(without_shape(world), self.table, *given)
             yield begin, end, rows
-
-    def _ask(
-        self,
-        task,
-        begin,
-        end,
-        rows,
-        bounds=NO_BOUNDS,
-        result=None,
-        later=0.0,
-        frame=(0.0, 0.0),
-        skin=0.0,
-        world=None,
-    ):
-        """See dem.dynamics.scan.scan."""
-        given = task, later, frame, skin, begin, end, rows, bounds
-        result = np.zeros(RESULT) if result is None else result
-        bare = without_shape(self.world if world is None else world)
-        self.kernels.scan(bare, self.table, *given, result)
 
     def _put_springs_back(self, world, begin, end):
         """What contacts of some blocks remember but for the measure of the law."""
@@ -137,25 +119,26 @@ class System:
         if flags["ROLLING"]:
             blocks[:, 2 * BLOCK : 3 * BLOCK] = saved[:, 2 * BLOCK : 3 * BLOCK]
 
-    def scan(self, later=0.0, frame=(0.0, 0.0), skin=0.0, steps=True, least=0.0) -> np.ndarray:
+    def scan(self, moment: Moment = NOW, steps: bool = True, least: float = 0.0) -> np.ndarray:
         """The result of a scan (dem.dynamics.scan).
 
-        later (s): kicks that velocities lack; frame: velocity (m/s) that is added to all for the
-        energy; skin (m); steps: whether time steps are asked for; least (m): smallest overlap of a
-        contact in these, zero for that of a collision at the greatest expected speed.
+        steps: whether time steps are asked for; least (m): smallest overlap of a contact in these,
+        zero for that of a collision at the greatest expected speed.
         """
         bodies = len(self.world.granules.angle) + len(self.world.boundaries.angle)
         bounds, result = np.zeros((bodies, BOUNDS)) if steps else NO_BOUNDS, np.zeros(RESULT)
         result[LEAST_OVERLAP] = least
-        for begin, end, rows in self.geometries():
-            self._ask(SCAN, begin, end, rows, bounds, result, later, frame, skin)
+        bare = without_shape(self.world)
+        for begin, _, rows in self.geometries():
+            self.kernels.scan(bare, self.table, SCAN, moment, begin, rows, bounds, result)
         return result
 
     def elastic(self) -> np.ndarray:
         """Elastic energies (J) of normal, tangential and rolling springs."""
-        energies = np.zeros(RESULT)
-        for begin, end, rows in self.geometries():
-            self._ask(ENERGIES, begin, end, rows, result=energies)
+        energies, bare = np.zeros(RESULT), without_shape(self.world)
+        for begin, _, rows in self.geometries():
+            given = ENERGIES, NOW, begin, rows, NO_BOUNDS, energies
+            self.kernels.scan(bare, self.table, *given)
         return energies[:3]
 
     def later(self, pending_kick: float, ahead: float) -> "System":

@@ -38,7 +38,7 @@ from dem.dynamics.forces import (
 )
 from dem.dynamics.motion import collect, farthest_of, greater, place, rotate
 from dem.dynamics.scan import CRITICAL, DEEP_CONSTITUENT, DEEPEST, TOUCHING
-from dem.dynamics.step import FORCES, RESPOND, STEPS, Threads, share_of
+from dem.dynamics.step import FORCES, RESPOND, STEPS, Place, Threads, share_of
 from dem.dynamics.system import System
 from dem.dynamics.world import PATCH, World, granules_of, number_of_patches
 from dem.jit.interrupts import signals_deferred
@@ -237,10 +237,12 @@ def fire(world, memory, steps, enough, list_range, sums, thread):
 
 
 class Descent(NamedTuple):
-    """A thread that minimises: dem.dynamics.step.Place, with what all of them share.
+    """A thread that minimises.
 
     Attributes
     ----------
+    place : Place
+        Which one it is, with its scratch memory.
     memory : ndarray of shape (5,)
         Time step (s), alpha, number of steps downhill, the largest time step (s), and the largest
         net force (N) that was seen last.
@@ -248,20 +250,16 @@ class Descent(NamedTuple):
         Of each patch.
     """
 
-    number: int
-    size: int
-    arrivals: np.ndarray
-    moved: np.ndarray
-    pair: np.ndarray
-    lanes: np.ndarray
+    place: Place
     memory: np.ndarray
     sums: np.ndarray
 
 
-def work(world, task, enough, dt, steps, list_range, rows, thread):
+def work(world, task, enough, dt, steps, list_range, rows, descent):
     """As dem.dynamics.step.work, where STEPS are those of `fire`, and nothing drifts."""
+    thread = descent.place
     if task == STEPS:
-        return fire(world, thread.memory, steps, enough, list_range, thread.sums, thread)
+        return fire(world, descent.memory, steps, enough, list_range, descent.sums, thread)
     if task == FORCES:
         all_forces(world, dt, thread.pair, thread.lanes)
     else:
@@ -318,7 +316,7 @@ class Minimiser:
 
     def descent(self, place) -> Descent:
         """The place of a thread, with what all share."""
-        return Descent(*place[:6], self.memory, self.sums)
+        return Descent(place, self.memory, self.sums)
 
     def begin(self) -> None:
         """Lists and forces at the start."""
