@@ -194,26 +194,32 @@ def test_a_run_is_the_same_as_plain_python(desk, monkeypatch):
     )
 
 
-SCALED = f"""
+# A part so long that LLVM calls it
+SHIFTED = f"""
 {IMPORT}
-FACTOR = 1.0
+import math
+SHIFT = 1.0
 
-def part(mass, i):
-    return FACTOR * mass[i]
+def part(x):
+{60 * f"    x = math.cos(x) + SHIFT{chr(10)}"}
+    return x
 
-def scaled(mass):
-    return part(mass, 0)
+def shifted(x):
+    return part(x) + part(2.0 * x)
 """
-ASK_SCALED = """
-import numpy as np
-from scaled import kernel, scaled
-print(*(kernel(scaled, ("part",), FACTOR=factor)(np.ones(2)) for factor in {}))
+ASK_SHIFTED = """
+from shifted import kernel, shifted
+print(*(kernel(shifted, ("part",), SHIFT=shift)(1.0) for shift in {}))
 """
 
 
 @pytest.mark.quick
-def test_kernels_that_other_processes_have_compiled_keep_their_own_constants(desk):
-    """Of two parts of one name the linker would take one for both."""
-    (desk.folder / "scaled.py").write_text(SCALED)
-    for factors in (["2.0"], ["3.0"], ["2.0", "3.0"]):
-        assert desk.ask(ask=ASK_SCALED.format(list(map(float, factors))))[0] == factors
+def test_kernels_that_other_processes_have_compiled_keep_their_own_constants(desk, monkeypatch):
+    """Of two parts of one name the linker would take one for both; so named where sets have one order."""
+    monkeypatch.setenv("PYTHONHASHSEED", "0")
+    (desk.folder / "shifted.py").write_text(SHIFTED)
+    one, two, both = (
+        desk.ask(ask=ASK_SHIFTED.format(shifts))[0] for shifts in ([1.0], [2.0], [1.0, 2.0])
+    )
+    assert one != two
+    assert both == one + two
