@@ -79,7 +79,7 @@ class Scene:
         Groups of granules that are a boundary.
     species : array_like of int of shape (n,), optional
         Number of the material of each granule, from 0 (without unit); None if there is one.
-    law : Hertz, Linear, Line or a class of your own
+    law : Hertz, Linear, Line, Cohesive or a class of your own
         Law of all contacts.
     rolling : Rolling, optional
         Rolling resistance of all contacts of discs; None for none.
@@ -285,9 +285,9 @@ class Scene:
 
 
 def reach(scene: Scene) -> float:
-    """Greatest distance (m) between the centres of two bodies that can touch."""
+    """Greatest distance (m) between the centres of two bodies that can touch, or attract."""
     radius = float(scene.shape.bounding_radius.max())
-    return radius + max([radius, *(solid.radius for solid in scene.solids)])
+    return radius + max([radius, *(solid.radius for solid in scene.solids)]) + scene.law.range
 
 
 ARRAYS = {"position": (2,), "velocity": (2,), "angle": (), "angular_velocity": ()}  # of a granule

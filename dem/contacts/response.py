@@ -1,7 +1,7 @@
 """Forces of a block of contacts, from their geometry and velocities.
 
 A contact acts from body 1 to body 2 with N n + T t on body 2, n and t as in dem.shapes.protocol;
-N >= 0 pushes them apart, T opposes the slip. A moment M on body 2 and -M on body 1 oppose the
+N pushes them apart, or pulls where the law attracts; T opposes the slip. A moment M on body 2 and -M on body 1 oppose the
 rotation of one relative to the other.
 """
 
@@ -40,7 +40,7 @@ from dem.contacts.layout import (
     V_TANGENT,
 )
 from dem.jit.intrinsics import add_four, widest_vectors
-from dem.laws.protocol import force, mean_root, measure, root, slope, stiffness
+from dem.laws.protocol import attraction, force, mean_root, measure, root, slope, stiffness
 
 # What a kernel has: dem.dynamics.kinds
 FRICTION = DAMPING = TURNS = LEVERS = ROLLING = LEDGER = LOCAL = LONG = YIELDS = True
@@ -108,7 +108,8 @@ def respond(law, table, base, count, dt, lanes):
 
     Bodies that do not touch remember nothing, and feel nothing but the dashpot if they touch within
     half a step: their overlap counts as zero in the law. Springs are capped first, then spring and
-    dashpot, so that friction does no positive work.
+    dashpot, so that friction does no positive work. The cap is that of what pushes: attraction
+    takes nothing from it.
     """
     widest_vectors()
     if DAMPING:
@@ -134,7 +135,8 @@ def respond(law, table, base, count, dt, lanes):
             dashpot = dashpot_of(table, p, nx, ny, lever, constant)
             normal = max(elastic + dashpot * mean * -rate, 0.0)
             damped = -(normal - elastic) * rate
-        fx, fy = normal * nx, normal * ny
+        along = normal - attraction(law, lanes[k + OVERLAP], length_of(table, p))
+        fx, fy = along * nx, along * ny
         tangential = 0.0
         if FRICTION:
             last = table[p + MEASURE]
@@ -183,7 +185,7 @@ def respond(law, table, base, count, dt, lanes):
         if TURNS:
             one = two = 0.0
             if LEVERS:
-                one, two = lanes[k + T1] * normal, -lanes[k + T2] * normal
+                one, two = lanes[k + T1] * along, -lanes[k + T2] * along
             if FRICTION:
                 one, two = one - lanes[k + N1] * tangential, two - lanes[k + N2] * tangential
             lanes[k + TORQUE_1], lanes[k + TORQUE_2] = one - moment, two + moment

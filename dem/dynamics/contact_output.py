@@ -16,6 +16,8 @@ from dem.dynamics.world import PAIRS, WALLS
 class ContactList(NamedTuple):
     """Contacts of a bed, m in all, as `Simulation.contacts` returns them.
 
+    Under a law that attracts they are all within its range, touching or not.
+
     Attributes
     ----------
     granule : ndarray of shape (m,)
@@ -31,9 +33,9 @@ class ContactList(NamedTuple):
         Branch vectors (m): from the centre of the granule to that of the other granule, of its
         image beside a periodic side, or to the point of contact with a solid or a wall.
     overlap : ndarray of shape (m,)
-        Overlaps (m).
+        Overlaps (m); negative across a gap.
     force : ndarray of shape (m,)
-        Elastic normal forces (N), without those of dashpots.
+        Elastic normal forces (N), without those of dashpots; negative where they attract.
     tangential_force : ndarray of shape (m,)
         Forces of the tangential springs (N) on the partner, along the tangent (-ny, nx); zero
         without friction, NaN where it is not known.
@@ -83,7 +85,7 @@ def _columns(system, names, begin, end, rows):
     world, columns = system.world, system.kernels.columns
     contacts, owner, motion = world.contacts, world.constituents.owner, world.constituents.motion
     touching = np.arange(BLOCK) < contacts.count[begin:end, None]
-    touching &= rows[:, GAP] > 0.0
+    touching &= rows[:, GAP] > -world.law.range
     numbers = contacts.numbers.reshape(-1, 3, BLOCK)[begin:end].astype(np.int64)
     constituent, body, target = (numbers[:, k][touching] for k in range(3))
     section = np.searchsorted(contacts.first[1:], np.arange(begin, end), side="right")

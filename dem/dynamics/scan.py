@@ -9,7 +9,7 @@ translation, one of rotation) belongs to granule 1. For any s > 0
 
 so that blocks of three by three, one per granule, bound both matrices, and the eigenvalues of the
 blocks bound theirs; s = |g2| / |g1|. A boundary that is driven counts as a granule does. The force
-at a contact usually lowers the stiffness. Off the centre of a granule it can raise the rotational
+at a contact usually lowers the stiffness, and attraction does as it fades. Off the centre of a granule it can raise the rotational
 stiffness, by GranuleTable.bend at most. All contacts are taken to stick. The bound leaves out that
 contacts grow stiffer until the next scan, and that the dashpot of a contact changes with its
 overlap.
@@ -40,7 +40,16 @@ from dem.dynamics.measures import (
 )
 from dem.dynamics.motion import greater
 from dem.dynamics.world import INVERSE_MASS, PAIRS, SECTIONS, WALLS
-from dem.laws.protocol import energy, force, measure, root, slope, stiffness
+from dem.laws.protocol import (
+    attraction,
+    attraction_energy,
+    energy,
+    force,
+    measure,
+    root,
+    slope,
+    stiffness,
+)
 
 # Functions that the kernel has once
 APART = frozenset({"kinetic", "fastest", "scan_blocks", "add_contact", "body_of", "shortest_steps"})
@@ -233,6 +242,9 @@ def scan_blocks(world, bed, begin, geometry, bounds, result):
                 two = boundary_of(world, bed, b, normal_arm, tangent_arm)
             radius_there = row[CURVED, lane]
             add_contact(world.law, table, p, bounds, least, overlap, nx, ny, radius_there, one, two)
+            pull = attraction(world.law, overlap, length_of(table, p)) / bed.bulk
+            bounds[one.row, BOUND_STIFFNESS + 5] += pull * one.bend
+            bounds[two.row, BOUND_STIFFNESS + 5] += pull * two.bend
 
 
 def greatest_eigenvalue(rows, i, column):
@@ -264,11 +276,14 @@ def add_energies(world, begin, geometry, result):
     for k in range(geometry.shape[0]):
         base, block = COLUMNS * np.uint64(begin + k), geometry[k]
         for lane in range(contacts.count[begin + k]):
-            p, overlap = base + np.uint64(lane), max(block[GAP, lane], 0.0)
+            p, gap = base + np.uint64(lane), block[GAP, lane]
+            overlap, second = max(gap, 0.0), length_of(table, p)
             constant = constant_of(law, table, p, block[CURVED, lane])
-            measured = measure(law, overlap, length_of(table, p))
-            block[ELASTIC, lane] = force(law, constant, overlap, measured)
+            measured = measure(law, overlap, second)
+            push = force(law, constant, overlap, measured)
+            block[ELASTIC, lane] = push - attraction(law, gap, second)
             result[0] += energy(law, constant, overlap, measured)
+            result[0] += attraction_energy(law, gap, second)
             if FRICTION:
                 stiff = table[p + FRICTION_STIFFNESS] * constant * table[p + MEASURE]
                 result[1] += 0.5 * table[p + TANGENTIAL_FORCE] ** 2 / max(stiff, LEAST)

@@ -127,7 +127,7 @@ def stress(
         below = _below(limits, start[:, axis], length[:, axis], period)
         return np.tensordot(np.diff(below, axis=0), values, 1)
 
-    between = contacts.partner >= 0
+    between = (contacts.partner >= 0) & (contacts.overlap > 0.0)
     ends = np.concatenate([contacts.granule[between], contacts.partner[between]])
     point, normal = contacts.point[between], contacts.normal[between]
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):

@@ -59,7 +59,7 @@ class System:
         """Make the list for the present positions, with constants and what contacts remember."""
         world = self.world
         bare = without_shape(world)._replace(law=None)
-        contacts, patches, shared = self.lists.renewed(bare, skin)
+        contacts, patches, shared = self.lists.renewed(bare, skin + world.law.range)
         constituents, rows = world.constituents, len(world.constituents.motion)
         force = constituents.force
         if len(force) < rows + shared:

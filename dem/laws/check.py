@@ -10,6 +10,8 @@ import numpy as np
 from dem.base.errors import InputError
 from dem.base.types import refuse
 from dem.laws.protocol import (
+    attraction,
+    attraction_energy,
     energy,
     force,
     impact_overlap,
@@ -28,7 +30,12 @@ YOUNG, THICKNESS, RADIUS = 1e9, 2e-3, 1e-3  # Pa, m, m
 MASS, SPEED = 1e-6, 1.0  # m* (kg) and speed (m/s) of an impact
 # share of the granule in 1/E*, both radii (m) and R* (m)
 ALIKE, AT_A_WALL = (0.5, RADIUS, RADIUS, 0.5 * RADIUS), (1.0, RADIUS, RADIUS, RADIUS)
-PAIRS = ALIKE, AT_A_WALL, (0.5, RADIUS, 2.0 * RADIUS, RADIUS / 1.5)
+PAIRS = (
+    ALIKE,
+    AT_A_WALL,
+    (0.5, RADIUS, 2.0 * RADIUS, RADIUS / 1.5),
+    (1.0, 2.0 * RADIUS, 2.0 * RADIUS, 2.0 * RADIUS),
+)
 OVERLAP = RADIUS * np.geomspace(1e-6, 0.3, 401)  # m
 SAME = 1e-6  # relative error of what a law says twice
 NEAR = 5e-3  # relative error of means over a step near touch, which are fits
@@ -106,6 +113,19 @@ def _faults(law, pair):
     if differs(work, push, between).any():
         yield "force is not dU/d(overlap) of energy: collisions would change the energy."
 
+    # Attraction, at and beyond its range, and in a contact
+    apart = np.concatenate([np.linspace(-2.0, 0.0, 129) * law.range, OVERLAP])
+    pull, stored = (ask(q, apart, second) for q in (attraction, attraction_energy))
+    if pull[:65].any() or stored[:65].any():
+        yield f"it attracts across more than range, {law.range:g} m: pairs would be missed."
+    middle = ask(attraction, 0.5 * (apart[1:] + apart[:-1]), second)
+    given = np.diff(apart) * (pull[:-1] + 4.0 * middle + pull[1:]) / 6.0
+    if (np.abs(np.diff(stored) + given) > SAME * np.abs(stored).max()).any():
+        yield (
+            "attraction is not -dU/d(overlap) of attraction_energy, or jumps: granules that part "
+            "would change the energy."
+        )
+
     # The dashpot, by which restitution follows from the damping ratio
     constant = stiffness(law, modulus, pair[-1])
     rates = 2.0 * push / np.sqrt(2.0 * work * constant)
@@ -132,5 +152,6 @@ def _faults(law, pair):
     if (most := (push / (steep * OVERLAP)).max()) > law.bulk * (1.0 + SAME):
         yield f"bulk is {law.bulk:g}; force over slope and overlap reaches {most:g}."
     deepest = impact_overlap(law, modulus, ALIKE[-1], MASS, SPEED)
-    if not np.isclose(at(deepest, ALIKE)[2], 0.5 * MASS * SPEED**2, SAME):
+    stored = at(deepest, ALIKE)[2] + attraction_energy(law, deepest, length(law, *ALIKE))
+    if not np.isclose(stored, 0.5 * MASS * SPEED**2, SAME):
         yield f"impact_overlap is {deepest:g} m, where energy is not that of the impact."

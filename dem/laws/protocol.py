@@ -43,6 +43,15 @@ class Law:
     # gradually. Too small: at the default step collisions of a low restitution return too much.
     margin = 1.2
 
+    # Greatest gap (m) across which granules attract each other. Read by the neighbour lists. Too
+    # small: pairs that attract each other are not found.
+    range = 0.0
+
+    @property
+    def repulsion(self):
+        """The law without attraction, under which beds are packed."""
+        return self
+
     def scale(self, modulus: float, radius: float) -> float:
         """Stiffness (N/m) of granules of a radius (m) in which forces are measured."""
         return modulus
@@ -128,6 +137,22 @@ def stiffest(law, modulus, radius, overlap):
 
 
 @question
+def attraction(law, overlap, length):
+    """What a contact pulls with (N) beside the force, at an overlap that is negative across a gap;
+    zero from `range` on. Dashpots, friction and rolling resistance do not see it.
+
+    length: of the pair, which may be R* (m).
+    """
+    return 0.0
+
+
+@question
+def attraction_energy(law, overlap, length):
+    """Energy (J) of the attraction, which is minus its derivative; zero from `range` on."""
+    return 0.0
+
+
+@question
 def impact_overlap(law, modulus, radius, mass, speed):
     """Greatest overlap (m) of an elastic collision of two like granules at a speed (m/s); radius,
     mass: R* (m) and m* (kg)."""
@@ -136,7 +161,8 @@ def impact_overlap(law, modulus, radius, mass, speed):
     low, high, met = 0.0, radius, 0.5 * mass * speed * speed
     for _ in range(50):
         middle = 0.5 * (low + high)
-        if energy(law, constant, middle, measure(law, middle, second)) < met:
+        stored = energy(law, constant, middle, measure(law, middle, second))
+        if stored + attraction_energy(law, middle, second) < met:
             low = middle
         else:
             high = middle
@@ -153,6 +179,8 @@ QUESTIONS = (
     root,
     mean_root,
     stiffest,
+    attraction,
+    attraction_energy,
     impact_overlap,
 )
 # as dem.jit.questions.register

@@ -157,7 +157,7 @@ class Room(NamedTuple):
             still,
             thickness=1.0,
             periodic=self.periods,
-            law=self.law,
+            law=self.law.repulsion,
             species=self.species,
         )
 

@@ -29,6 +29,7 @@ def settle(shape, room, materials, friction, gravity, thickness, job):
     """
     rough = Friction(friction, friction, friction)
     real = {"material": materials, "gravity": (0.0, -gravity), "thickness": thickness}
+    real["law"] = room.law
     scene = replace(room.scene(shape, friction=rough), **real)
     diameter = 2.0 * float(shape.constituent_radius.mean())
     enough = STILL * float(scene.mass.sum()) * gravity * diameter

@@ -40,6 +40,8 @@ BROKEN = {
     "dashpot times root is not 2 dy/d": {"root": lambda law, d, m: m**0.5},
     "mean_root is not the mean": {"mean_root": lambda law, d, h, length: (1.5 * max(d, 0.0)) ** 0.5},
     "forces grow by 4 where granules": {"stiffness": lambda law, modulus, radius: modulus},
+    "it attracts across more than range, 0 m": {"attraction": lambda law, d, length: 1e-3},
+    "attraction is not -dU/d": {"attraction": lambda law, d, length: max(d, 0.0)},
     "stiffest is below slope": {"stiffest": lambda law, modulus, radius, d: 0.0},
 }  # fmt: skip
 CALLS = {
