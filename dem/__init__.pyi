@@ -10,6 +10,7 @@ from .figures import plot as plot
 from .figures.film import film as film
 from .io.lazily import open_results as open_results
 from .laws.check import check_law as check_law
+from .laws.cohesive import Cohesive as Cohesive
 from .laws.hertz import Hertz as Hertz
 from .laws.line import Line as Line
 from .laws.linear import Linear as Linear

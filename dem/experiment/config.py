@@ -141,6 +141,7 @@ class Configuration(Section):
     @model_validator(mode="after")
     def _check_together(self):
         record, cylinder, pressure = self.record, self.cylinder, self.packing.pressure
+        bed_alone = self.module.constants.get("BED_ALONE")
         if self.second is not None and cylinder is None:
             raise ValueError("second is a cylinder beside another; give cylinder too")
         if pressure is not None and "y" in self.periodic:
@@ -155,11 +156,16 @@ class Configuration(Section):
                     f"{self.periodic}; granules settle on a floor, give gravity, and let periodic be "
                     "none or x"
                 )
-            if self.module.constants.get("BED_ALONE"):
+            if bed_alone:
                 raise ValueError(
                     f"packing.preparation is settled; the experiment {self.experiment} compresses its "
                     "bed, let it be relaxed or grown"
                 )
+        if bed_alone and self.contact.law == "cohesive":
+            raise ValueError(
+                f"contact.law is cohesive; the experiment {self.experiment} compresses its bed, and "
+                "beds are packed without attraction: let law be hertz"
+            )
         if record is None or cylinder is None or not self.module.observed:
             return self
         if record.bins % (record.snapshots - 1):

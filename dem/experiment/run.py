@@ -93,8 +93,7 @@ class Replicate(Identity):
     def law(self):
         """The law of contacts, under which the bed is packed too."""
         c = self.configuration
-        law, stiffness = law_of(c.law_name, c.beside), c.contact.stiffness
-        return law() if stiffness is None else law(stiffness)
+        return law_of(c.law_name, c.beside)(**c.contact.constants)
 
     @property
     def coordinates(self) -> dict:

@@ -13,6 +13,7 @@ from dem.base.types import (
     Coefficient,
     Count,
     Density,
+    Force,
     Label,
     Length,
     NotNegative,
@@ -212,14 +213,27 @@ class ContactSection(Section):
     """law of contacts, or a class in a file of your own; none: hertz"""
     stiffness: Stiffness | None = None
     """normal stiffness of linear contacts; none: pi/4 E* times thickness"""
+    pull_off: Force | None = None
+    """force that parts cohesive contacts"""
+    range: Length | None = None
+    """gap across which cohesive contacts attract"""
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """What the law is given."""
+        return {key: value for key, value in self if key != "law" and value is not None}
 
     @model_validator(mode="after")
     def _check(self):
-        if self.stiffness is not None and self.law != "linear":
-            raise ValueError(
-                f"stiffness is {self.stiffness:g} N/m and law {self.law or 'hertz'}; leave it out, or "
-                "let law be linear"
-            )
+        law, cohesive = self.law or "hertz", {"pull_off", "range"}
+        for key, value in self.constants.items():
+            owner = "cohesive" if key in cohesive else "linear"
+            if law != owner:
+                raise ValueError(
+                    f"{key} is {value:g} and law {law}; leave it out, or let law be {owner}"
+                )
+        if law == "cohesive" and (missing := cohesive - self.constants.keys()):
+            raise ValueError(f"law is cohesive; give {' and '.join(sorted(missing))} too")
         return self
 
 

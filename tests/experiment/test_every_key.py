@@ -37,7 +37,8 @@ SCENES = {
     "discs": {"cylinder.material": SOFT, "cylinder.spin": 50.0, "cylinder.direction": 0.3, "second": SECOND,
               "gravity": 9.81, "walls": WALLS, "rolling": ROLLING, "packing.fraction": 0.77, "packing.friction": 0.2},
     "pressed": {"packing.fraction": None, "packing.pressure": 3e7, "periodic": "x"},
-    "settled": {"packing.preparation": "settled", "packing.fraction": 0.5, "gravity": 1e3, "material.young_modulus": 2e9},
+    "settled": {"packing.preparation": "settled", "packing.fraction": 0.5, "gravity": 1e3, "material.young_modulus": 2e9,
+                "contact": {"law": "cohesive", "pull_off": 1e-3, "range": 1e-6}},
     "ellipses": {"shapes": {"x": DISC | {"kind": "ellipse", "aspect_ratio": 1.4}}},
     "materials": {"shapes": {"x": {"granules": 20, "mixture": {"y": 0.5, "z": 0.5}}, "z": DISC | {"diameter": 7e-4},
                              "y": DISC | {"material": SOFT | {"density": 5e3}}}},
@@ -53,7 +54,7 @@ NAMES = {
 }  # that the schema leaves to folders
 # numbers that are tried in turn where there is none, by their units
 ABSENT = {"1": (0.37, 2.0), "m": (1e-3,), "s": (1e-9,), "Pa": (3e7,), "rad": (0.3,), "rad s-1": (40.0,),
-          "kg m-3": (5e3,), "N m-1": (1e6,), "m s-2": (9.81,)}  # fmt: skip
+          "kg m-3": (5e3,), "N": (1e-3,), "N m-1": (1e6,), "m s-2": (9.81,)}  # fmt: skip
 # values by which granules move while they are packed, and the scenes whose kernels others have for that
 MOVED = "packing.friction", "packing.preparation"
 IN_MOTION = "discs", "settled"

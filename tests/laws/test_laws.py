@@ -14,7 +14,8 @@ import dem
 from dem.base.source_hash import ROOT
 from dem.laws import LAWS as NAMES
 
-LAWS = {name: getattr(dem, law)() for name, law in NAMES.items()}
+STICKY = dem.Cohesive(pull_off=2e-2, range=2e-6)
+LAWS = {name: getattr(dem, law)() for name, law in NAMES.items() if law != "Cohesive"}
 LAWS["stiff"] = dem.Linear(stiffness=1e6)
 STEEL = dem.Material(7.8e3, 2e11, 0.25, ELASTIC.restitution)
 SMALL, LARGE, THICK = 1e-3, 2.5e-3, 1e-3  # m
@@ -23,7 +24,7 @@ ROLLING = dem.Rolling(0.4, 0.3, 0.5)
 
 def options_of(law, rolling=ROLLING):
     """So that kernels are those of scenes.py: runs under Hertz's law and of lines resist rolling."""
-    return {"law": law, "rolling": None if isinstance(law, dem.Linear) else rolling}
+    return {"law": law, "rolling": None if isinstance(law, dem.Linear | dem.Cohesive) else rolling}
 
 
 PAGE = (ROOT / "docs/howto/law.md").read_text()
@@ -152,11 +153,72 @@ def test_the_critical_step_before_a_collision_is_that_of_the_stiffest_to_come(la
         assert np.isfinite(least) and before <= 1.01 * least
 
 
+# Cohesion
+
+
+@pytest.mark.quick
+def test_a_disc_hangs_where_the_pull_off_force_exceeds_its_weight():
+    for share, hangs in (0.98, True), (1.02, False):
+        scene = dem.Scene(
+            dem.Disc([SMALL]), dem.Material(restitution=0.5), dem.Friction(),
+            walls=[[0.0, 1.0, 0.0]], law=STICKY,
+        )  # fmt: skip
+        scene = replace(scene, gravity=(0.0, -share * STICKY.pull_off / scene.mass[0]))
+        run = dem.Simulation(scene, dem.State([[0.0, 1e-8 - SMALL]]))
+        run.advance(2e-3)
+        assert (run.state.position[0, 1] > -SMALL - STICKY.range) == hangs
+
+
+@pytest.mark.quick
+def test_discs_that_cling_part_at_the_speed_of_their_bond():
+    """The bond has the energy F_0 (d / 2 + 3/5 delta_0), where the overlap delta_0 is that at rest."""
+    scene = dem.Scene(dem.Disc(2 * [SMALL]), ELASTIC, dem.Friction(), law=STICKY)
+    both = dem.Hertz(), 1e-6, 2 * [SMALL], 2 * [ELASTIC], 1.0
+    rest = 1e-6 * (STICKY.pull_off / stated_force(*both)) ** (2.0 / 3.0)
+    bond = STICKY.pull_off * (0.5 * STICKY.range + 0.6 * rest)
+    away = np.array([[-1.0, 0.0], [1.0, 0.0]])
+    for share, part in (0.99, False), (1.01, True):
+        speed = share * np.sqrt(bond / scene.mass[0])  # of each
+        run = dem.Simulation(scene, dem.State((SMALL - 0.5 * rest) * away, speed * away))
+        run.advance(4e-3)
+        assert (len(run.contacts().granule) == 0) == part
+
+
+@pytest.mark.quick
+def test_cohesion_adds_to_the_force_that_friction_bears():
+    """Between a disc that slides along a wall, spins, and bears no load: mu times the pull-off force."""
+    scene = dem.Scene(
+        dem.Disc([SMALL]), dem.Material(restitution=0.5), dem.Friction(wall=0.3),
+        walls=[[0.0, -1.0, 0.0]], law=STICKY,
+    )  # fmt: skip
+    run = dem.Simulation(scene, dem.State([[0.0, SMALL]], [[0.0, 0.0]], None, [1e3]))
+    run.advance(1e-3)
+    now = run.contacts()
+    assert_allclose(now.force, 0.0, atol=1e-3 * STICKY.pull_off)
+    assert_allclose(now.tangential_force, 0.3 * STICKY.pull_off, rtol=1e-3)
+    impulse = run.state.velocity[0, 0] * scene.mass[0]
+    assert_allclose(impulse, -0.3 * STICKY.pull_off * run.time, rtol=3e-2)
+
+
+@pytest.mark.quick
+def test_a_column_stands_by_cohesion_and_spreads_without():
+    x, y = np.meshgrid(SMALL * np.arange(1, 8, 2), SMALL * np.arange(1, 16, 2))
+    state = dem.State(np.column_stack([(x + 2e-5 * (y > 5 * SMALL)).ravel(), y.ravel()]))
+    width = []
+    for law in (STICKY, STICKY._replace(pull_off=1e-9)):
+        scene = dem.Scene(
+            dem.Disc(32 * [SMALL]), dem.Material(2500.0, 1e7, 0.3, 0.3), dem.Friction(),
+            walls=[[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]], thickness=1e-3, gravity=(0.0, -9.81), law=law,
+        )  # fmt: skip
+        width.append(np.ptp(dem.simulate(scene, state, 0.2).state.position[:, 0]))
+    assert width[0] < 1.2 * 6 * SMALL and width[1] > 2.0 * 6 * SMALL
+
+
 # Laws of one's own
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("law", [*LAWS.values(), cone()], ids=str)
+@pytest.mark.parametrize("law", [*LAWS.values(), STICKY, cone()], ids=str)
 def test_check_law_accepts_what_keeps_its_promises(law):
     dem.check_law(law)
 

@@ -13,6 +13,7 @@ CLUMP = {"kind": "clump", "diameter": 1e-3, "granules": 100, "discs": [[0, 0, 1]
 SECOND = {"diameter": 2e-3, "gap": 20e-3}
 LONG = 300 * "n"  # too long for a file
 PRESSED = {"packing.fraction": None, "packing.pressure": 3e7}
+COHESIVE = {"law": "cohesive", "pull_off": 1e-3, "range": 1e-6}
 SETTLED = {"packing.preparation": "settled", "packing.fraction": 0.6, "gravity": 9.81}
 ONSET = SETTLED | {"experiment": "onset"}
 
@@ -76,6 +77,8 @@ FILES = {
     "settled, gravity 0 and periodic none; granules settle on": SETTLED | {"gravity": 0.0},
     "settled, gravity 9.81 and periodic xy; granules settle on": SETTLED | {"periodic": "xy"},
     "and law line; leave it out, or let law": {"contact.law": "line", "contact.stiffness": 1e6},
+    "law is cohesive; give pull_off too": {"contact": {"law": "cohesive", "range": 1e-6}},
+    "beds are packed without attraction": {"contact": COHESIVE, "experiment": "jamming"},
     "give cylinder too": {"cylinder": None, "experiment": "onset", "second": SECOND},
     "the experiment jamming compresses its bed, let it be relaxed or grown": SETTLED
     | {"experiment": "jamming"},
