@@ -118,11 +118,18 @@ def cell_at(period, distance, count, size):
 
 
 def around(period, cell, count):
-    """First and last (excluded) of a cell and those beside it. The cell that follows the last along
-    a periodic side is the first, modulo `count`."""
+    """First and last (excluded) of a cell and those beside it, see `wrapped`."""
     if period > 0.0:
         return cell - 1, cell - 1 + min(count, 3)
     return max(cell - 1, 0), min(cell + 2, count)
+
+
+def wrapped(cell, count):
+    """Number of a cell: the one that follows the last along a periodic side is the first. Faster
+    than a division."""
+    if cell < 0:
+        return cell + count
+    return cell - count if cell >= count else cell
 
 
 def sort_into_cells(motion, grid, size, period):
@@ -186,18 +193,21 @@ def find_near_pairs(motion, owner, bodies, skin, grid, near):
         lowest, highest = around(period[1], row, rows)
         leftmost, rightmost = around(period[0], column, columns)
         for r in range(lowest, highest):
-            for c in range(leftmost, rightmost):
-                cell = r % rows * columns + c % columns
-                for m in range(grid.start[cell], grid.start[cell + 1]):
+            c = leftmost
+            while c < rightmost:
+                # cells that follow each other in memory: all, but across a periodic side
+                along = min(rightmost - c, columns - wrapped(c, columns))
+                cell = wrapped(r, rows) * columns + wrapped(c, columns)
+                c += along
+                for m in range(grid.start[cell], grid.start[cell + along]):
                     j = grid.members[m]
-                    if j <= i or owner[j] == owner[i] or (held[i] and held[j]):
-                        continue
                     dx = nearest(period[0], motion[j, X] - motion[i, X])
                     dy = nearest(period[1], motion[j, Y] - motion[i, Y])
                     reach = radius[i] + radius[j] + skin
-                    if dx * dx + dy * dy < reach * reach:
-                        partner[count] = j
-                        count += 1
+                    is_pair = (j > i) & (owner[j] != owner[i]) & ~(held[i] & held[j])
+                    # without a branch, which the processor could not predict
+                    partner[count] = j
+                    count += is_pair & (dx * dx + dy * dy < reach * reach)
         sort_few(partner, begin, count)
         near.first[i + 1] = count
     return count
