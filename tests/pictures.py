@@ -7,7 +7,7 @@ from matplotlib.container import ErrorbarContainer
 from matplotlib.text import Text
 from PIL import Image
 
-from dem.cli.show import plain_console
+from dem.cli.show import PlainConsole
 
 
 def assert_alone(browser):
@@ -35,7 +35,7 @@ def assert_not_blank(picture):
 
 
 def text_of(table, width=1000):
-    console = plain_console(width=width)
+    console = PlainConsole(width=width)
     with console.capture() as text:
         console.print(table)
     return text.get()

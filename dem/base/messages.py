@@ -8,7 +8,12 @@ from difflib import get_close_matches
 def say(sentence: str) -> None:
     """Print a sentence on standard error, on a line of its own even beside a progress bar."""
     clear = "\r\x1b[2K" if sys.stderr.isatty() else ""
-    print(f"{clear}{sentence}", file=sys.stderr, flush=True)
+    print(f"{clear}{printable(sentence)}", file=sys.stderr, flush=True)
+
+
+def printable(text: str) -> str:
+    """Lines of text whose control characters a terminal shows as escapes, and does not obey."""
+    return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in text)
 
 
 def did_you_mean(word: object, names: Iterable[object], otherwise: str | None = None) -> str:

@@ -2,7 +2,6 @@
 
 import sys
 import time
-from functools import partial
 from pathlib import Path
 
 from rich.console import Console
@@ -10,9 +9,19 @@ from rich.live import Live
 
 from dem.analysis.tables import WIDE
 from dem.base.files import atomic
+from dem.base.messages import printable
 from dem.io.progress import bar
 
-plain_console = partial(Console, markup=False, emoji=False)  # texts of files are no markup
+
+class PlainConsole(Console):
+    """A console on which texts of files are neither markup nor control characters."""
+
+    def __init__(self, **options):
+        super().__init__(markup=False, emoji=False, **options)
+
+    def render(self, *arguments):
+        for segment in super().render(*arguments):
+            yield segment if segment.control else segment._replace(text=printable(segment.text))
 
 
 def draw_figure(
@@ -31,7 +40,7 @@ def watched(look) -> None:
 
     look: gives the table, and whether anything is left.
     """
-    with Live(console=plain_console(), auto_refresh=False) as live:
+    with Live(console=PlainConsole(), auto_refresh=False) as live:
         while True:
             table, left = look()
             live.update(table, refresh=True)
@@ -43,7 +52,7 @@ def watched(look) -> None:
 def print_or_write(table, output: Path | None) -> None:
     """Show a table, or write it to a text file; only a terminal limits its width."""
     if output is None:
-        plain_console(width=None if sys.stdout.isatty() else WIDE).print(table)
+        PlainConsole(width=None if sys.stdout.isatty() else WIDE).print(table)
         return
     with atomic(output) as part, part.open("w", encoding="utf-8") as file:
-        plain_console(file=file, width=WIDE).print(table)
+        PlainConsole(file=file, width=WIDE).print(table)

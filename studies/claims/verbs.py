@@ -18,7 +18,7 @@ def test(
     """
     if not 0.0 <= margin <= 1.0:
         raise InputError(f"margin is {margin}; it must be between 0 and 1.")
-    from dem.cli.show import plain_console
+    from dem.cli.show import PlainConsole
 
     with bar(f"testing claims on {data}"):
         from dem.io.dataset import content_of
@@ -33,7 +33,7 @@ def test(
         summary = detail(verdicts[name])
     else:
         raise InputError(f"claim is {name!r}; there are {', '.join(verdicts)}.")
-    plain_console(width=160).print(summary)
+    PlainConsole(width=160).print(summary)
 
 
 def _read(path: Path, margin: float):

@@ -20,7 +20,7 @@ from dem.sweep.workers import Workers
 
 FILES = "runs.nc", "drag.nc", "snapshots.nc"
 HOSTILE = "</script><script>alert(1)</script>"
-TITLE = "a [red]title[/red] [/nothing]"
+TITLE = "a [red]title[/red] [/nothing]\x1b[2J"
 
 
 @pytest.fixture(scope="module")
@@ -187,6 +187,6 @@ def test_text_of_a_file_is_no_script_in_the_report(hostile, tmp_path):
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_text_of_a_file_is_no_markup_on_the_terminal(hostile, name):
+def test_text_of_a_file_is_neither_markup_nor_a_command_to_the_terminal(hostile, name):
     status, output = outcome("info", hostile / name)
-    assert status == 0 and "[red]title[/red] [/nothing]" in output
+    assert status == 0 and r"[red]title[/red] [/nothing]\x1b[2J" in output
