@@ -44,6 +44,8 @@ from dem.material import Friction, Rolling
 from dem.shapes import KINDS
 
 Share = Annotated[Ratio, Field(lt=1)]
+# the shortest length of an outline, however slender or rounded, is one that the library takes
+Diameter = Annotated[Number, Field(ge=1e-12), Unit("m")]
 LOOSEST = 0.75  # packing fraction of a box with room above a bed that settles
 
 
@@ -82,7 +84,7 @@ class GranuleMaterialSection(SolidMaterialSection):
 
 
 class CylinderSection(Section):
-    diameter: Length
+    diameter: Diameter
     """diameter of the cylinder; length of a plate or an ellipse"""
     velocity: Speed
     """velocity of the cylinder, upwards if there is no direction"""
@@ -115,7 +117,7 @@ class CylinderSection(Section):
 
 
 class SecondSection(Section):
-    diameter: Length
+    diameter: Diameter
     """diameter of a second cylinder, which moves with the first"""
     gap: Annotated[NotNegative, Unit("m")]
     """distance between the surfaces of both"""
@@ -309,7 +311,7 @@ Mixture = Annotated[
 class ShapeSection(Section):
     kind: Annotated[str, or_file(KINDS)] | None = None
     """kind of granule, or file and class of your own, such as stones.Stone; none: a mixture"""
-    diameter: Length | None = None
+    diameter: Diameter | None = None
     """mean volume diameter of the granules; none: a mixture"""
     granules: Annotated[Count, Field(ge=1, le=10_000_000)]
     """number of granules"""

@@ -24,6 +24,7 @@ FILES = {
     "its keys are granule, wall,": {"friction": 0.3},
     "is 5e-324; it must be positive, at least 1e-20, in Pa.": {"material.young_modulus": 5e-324},
     "packing.fraction is 84; it must be below 1.": {"packing.fraction": 84},
+    "is 1e-13; it must be at least 1e-12, in m.": {"cylinder.diameter": 1e-13},
     "record.window.1 is missing": {"record.window": [1e-3]},
     "record.observables is 'drag'; it must be a list.": {"record.observables": "drag"},
     "is 'drags'; it must be 'alignment', 'drag'": {"record.observables": ["drags"]},
