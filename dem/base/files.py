@@ -47,6 +47,8 @@ def check_output(name: str, path: Any, suffixes: tuple[str, ...] = ("",)) -> Pat
     if real.exists() and not real.is_file():
         raise InputError(f"{words}; it must be a file.")
     folder = next(parent for parent in real.parents if parent.exists())
+    if not folder.is_dir():
+        raise InputError(f"{words}; it must be in a folder, and {folder} is a file.")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise OSError(_cannot(real, "written", f"{folder} is read-only or belongs to another user"))
     return Path(path)

@@ -10,7 +10,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from dem.base.errors import RunError
-from dem.base.files import PART, lock
+from dem.base.files import PART, check_output, lock
 from dem.base.messages import say
 
 DAY = 86400.0  # s
@@ -20,8 +20,10 @@ def prepare(folder: Path, store: Path) -> FileLock:
     """Make a folder and its store ready; returns the lock that holds it.
 
     The folder is held until the process ends, however it ends: no lock is left behind by a run that
-    was killed. Raises RunError where another run works in it, OSError where it cannot be written.
+    was killed. Raises RunError where another run works in it, InputError where it is a file, OSError
+    where it cannot be written.
     """
+    check_output("results", folder / ".lock")
     try:
         held = lock(folder / ".lock", 0).lock
     except Timeout:

@@ -67,8 +67,8 @@ def paths():
 def test_a_path_that_cannot_be_is_called_what_it_is_called_where_it_was_given(
     tmp_path, name, kind, words
 ):
-    """A folder, or a file of another kind: what is to be written by the name of its option, what is to be read by
-    its own name. Nothing is written or replaced."""
+    """A folder, a file of another kind, or a file in place of a folder: what is to be written by the name of its
+    option, what is to be read by its own name. Nothing is written or replaced."""
     if words[0] == "figure" and name == "output":
         pytest.skip("it is a folder")
     written, note = kind == "option" and name != "config", tmp_path / "note.md"
@@ -76,7 +76,7 @@ def test_a_path_that_cannot_be_is_called_what_it_is_called_where_it_was_given(
     bad = [tmp_path / f"folder{end}" for end in ("", ".nc", ".html", ".png", ".txt")]
     for folder in bad:
         folder.mkdir()
-    for path in [*bad, *[note] * (name != "checkpoint")] if written else bad[:1]:
+    for path in [*bad, note / "out.nc", *[note] * (name != "checkpoint")] if written else bad[:1]:
         out = str(tmp_path / "out")
         result = called(*(w.replace("FOLDER", str(path)).replace("OUT", out) for w in words))
         assert result.exit_code == 2, result.output
