@@ -101,13 +101,6 @@ def run_hash(*plugins: Path) -> str:
     return code_hash(run_codes(*plugins))
 
 
-@cache
-def kernel_hash() -> str:
-    """Hash of the code that decides how granules move."""
-    kernels = tuple(f"dem/{name}" for name in KERNELS)
-    return code_hash({n: code for n, code in _codes_of_all_runs().items() if n.startswith(kernels)})
-
-
 def plugin_codes(plugin: Path) -> dict[str, str]:
     """Hash of the code of a file as it is now; for one of a user, of all that it may use of its
     folder and of PLUGINS.
