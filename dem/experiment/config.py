@@ -60,6 +60,8 @@ HERTZ = "hertz"  # the law of contacts where none is named
 SECTIONS = "cylinder", "record", "shear"
 UNHASHED_KEYS = "beside", "record.window", "threads"  # that no number depends on
 FIXED_KEYS = *UNHASHED_KEYS, "record.observables"  # that cannot vary in a sweep
+# what runs have without these keys: said or not, they are one run
+USUAL = {"contact.law": HERTZ, "cylinder.outline": "circle", "cylinder.angle": 0.0}
 
 
 class Configuration(Section):
@@ -240,9 +242,11 @@ class Configuration(Section):
         """The values that a run of each shape is known by, by path, but for density and seed."""
         values = self.values()
         shapes, ellipse, known = values.pop("shapes"), values.pop("ellipse"), {}
-        paths = {path: v for path, v in by_path(values).items() if path not in UNHASHED_KEYS}
-        if paths.get("contact.law") == HERTZ:  # is what runs are without it
-            del paths["contact.law"]
+        paths = {
+            path: value
+            for path, value in by_path(values).items()
+            if path not in UNHASHED_KEYS and value != USUAL.get(path)
+        }
         for label, shape in self.shapes.items():
             if shape.mixture:
                 parts = {name: shapes[name] | {"granules": s} for name, s in shape.mixture.items()}

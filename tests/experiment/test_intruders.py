@@ -26,10 +26,12 @@ def run(changes=None):
 
 
 def test_a_run_without_the_new_keys_is_known_by_what_it_was():
-    """Finished runs and beds stay finished: what is not asked for is no part of what they are."""
-    known = run().run_key() + run().bed_key()
-    new = r"null|pressure|second|walls|cylinder\.(?!diameter|velocity|start|stroke)"
-    assert not re.search(new, known)
+    """Finished runs and beds stay finished: what is not asked for, or is as it is without a word, is no part of
+    what they are."""
+    new = r"null|pressure|second|walls|law|cylinder\.(?!diameter|velocity|start|stroke)"
+    usual = {"contact.law": "hertz", "cylinder.outline": "circle", "cylinder.angle": 0.0}
+    for one in run(), run(usual):
+        assert not re.search(new, one.run_key() + one.bed_key())
 
 
 @pytest.mark.parametrize("outline", ["circle", "ellipse", "plate", "square", "wedge"])
