@@ -276,6 +276,10 @@ class Configuration(Section):
         if shape not in self.shapes:
             hint = did_you_mean(shape, self.shapes)
             raise InputError(f"shape is {shape!r}; the configuration has no such shape{hint}.")
+        if self.shapes[shape].granules is None:
+            raise InputError(
+                f"shapes.{shape}.granules is missing; only a part of mixtures needs none."
+            )
         replicate = Replicate(self, shape, density, seed)
         check_room(replicate)
         return replicate

@@ -313,8 +313,8 @@ class ShapeSection(Section):
     """kind of granule, or file and class of your own, such as stones.Stone; none: a mixture"""
     diameter: Diameter | None = None
     """mean volume diameter of the granules; none: a mixture"""
-    granules: Annotated[Count, Field(ge=1, le=10_000_000)]
-    """number of granules"""
+    granules: Annotated[Count, Field(ge=1, le=10_000_000)] | None = None
+    """number of granules; none: a part of mixtures alone"""
     aspect_ratio: AspectRatio | None = None
     """length over width of a granule"""
     discs: Discs | None = None

@@ -61,6 +61,7 @@ FILES = {
     "aspect_ratio is given; kind clump takes no": {"shapes.m": CLUMP | {"aspect_ratio": 2}},
     "has the kinds disc and dumbbell; its shapes must be of one kind": {"shapes.m": MIXED},
     "kind is given; a mixture takes none": {"shapes.m": MIXED | {"kind": "disc"}},
+    "run: shapes.c1.granules is missing; only a part of": {"shapes.c1.granules": None},
     "sum to 0.9; they must": {"shapes.m": MIXED | {"mixture": {"c1": 0.5, "d1": 0.4}}},
     "'c3', which is not one of shapes": {"shapes.m": MIXED | {"mixture": {"c1": 0.5, "c3": 0.5}}},
     "has m, a mixture itself": {"shapes.m": MIXED | {"mixture": {"c1": 0.5, "m": 0.5}}},

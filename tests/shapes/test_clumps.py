@@ -109,7 +109,7 @@ def test_what_has_the_density_of_the_bed_has_that_of_all_its_granules_together()
     shapes = {"c1": {"mixture": {"light": 0.3, "heavy": 0.7}, "granules": 60}}
     for name, diameter, density in (("light", 0.9e-3, 2.0e3), ("heavy", 1.2e-3, 7.8e3)):
         material = {"young_modulus": 7e10, "density": density}
-        shapes[name] = {"kind": "disc", "granules": 60, "diameter": diameter, "material": material}
+        shapes[name] = {"kind": "disc", "diameter": diameter, "material": material}
     run = replicate(6e7, shapes=shapes, **{"cylinder.spin": "free"})
     scene = make_scene(run, make_bed(run))
     density = scene.mass.sum() / (scene.shape.area.sum() * scene.thickness)
