@@ -150,6 +150,14 @@ def write_bytes(path: Path, content: bytes) -> None:
         part.write_bytes(content)
 
 
+def write_arrays(path: Path, arrays: dict[str, Any]) -> None:
+    """Write an .npz."""
+    import numpy as np
+
+    with atomic(path) as part, part.open("wb") as file:
+        np.savez(file, **arrays)
+
+
 # Only half-written files of ours have such names, so that what killed processes left can be removed.
 PART = re.compile(r"\.(.+\..+)\.(\d+)\.dem\.part")  # file and host, process
 

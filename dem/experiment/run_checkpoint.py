@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.files import arrays_of, atomic
+from dem.base.files import arrays_of, write_arrays
 from dem.dynamics.result import Record
 from dem.dynamics.simulation import Simulation
 from dem.experiment.run import Replicate
@@ -44,8 +44,7 @@ class PartialRun:
         }
         groups |= {f"look{number}": look for number, look in enumerate(self.looks)}
         arrays = {f"{group}.{k}": v for group, values in groups.items() for k, v in values.items()}
-        with atomic(path) as part, part.open("wb") as file:
-            np.savez(file, **arrays)
+        write_arrays(path, arrays)
 
 
 def saved(path: Path, replicate: Replicate) -> dict | None:

@@ -5,7 +5,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from dem.base.files import atomic
+from dem.base.files import atomic, write_bytes
 from dem.experiment.intruders import ahead_of
 from dem.experiment.snapshots import Snapshots
 from dem.figures.bed import placed
@@ -35,8 +35,7 @@ def export(motion: Snapshots, path: Path, progress=lambda done: None) -> None:
             meshio.write(part, _mesh(motion, snapshot), file_format="vtu")
         lines.append(f'<DataSet timestep="{displacement:.9g}" file="{name}"/>')
         progress((snapshot + 1) / len(motion.displacement))
-    with atomic(path) as part:
-        part.write_text(PVD.format("\n".join(lines)))
+    write_bytes(path, PVD.format("\n".join(lines)).encode())
 
 
 def _mesh(motion: Snapshots, snapshot: int) -> meshio.Mesh:

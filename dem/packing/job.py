@@ -5,7 +5,7 @@ import time
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.files import arrays_of, atomic, check_output
+from dem.base.files import arrays_of, check_output, write_arrays
 from dem.dynamics.checkpoint import fingerprint, written
 
 SAVED_EVERY = 60.0  # s between two times that a bed is kept
@@ -73,7 +73,5 @@ class Job:
         if self.path is None or not self._arrays:
             return
         stage = {f"{STAGE}{name}": value for name, value in self.stage.items()}
-        arrays = written(**self._arrays | changes, **stage, bed=self._bed)
-        with atomic(self.path) as part, part.open("wb") as file:
-            np.savez(file, **arrays)
+        write_arrays(self.path, written(**self._arrays | changes, **stage, bed=self._bed))
         self._saved_at = time.monotonic()

@@ -10,7 +10,7 @@ from PIL import Image
 
 from dem.analysis.tables import ROWS, number
 from dem.base.errors import InputError
-from dem.base.files import atomic
+from dem.base.files import write_bytes
 from dem.io.lazily import open_lazily
 from dem.report.info import LEGEND, drag_table, means_table
 
@@ -51,8 +51,7 @@ def build(drag: Path, output: Path) -> None:
         provenance="provenance.html" if (folder / "provenance.html").is_file() else "",
         now=f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
     )
-    with atomic(output) as part:
-        part.write_text(html, encoding="utf-8")
+    write_bytes(output, html.encode())
 
 
 def embedded(file: Path) -> tuple[str, str, str]:

@@ -12,11 +12,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
 from filelock import Timeout
 
 from dem.base.errors import InputError
-from dem.base.files import arrays_of, atomic, bytes_of, lock, set_aside, write_bytes
+from dem.base.files import arrays_of, bytes_of, lock, set_aside, write_arrays, write_bytes
 from dem.base.provenance import compilers
 from dem.base.source_hash import digest
 from dem.experiment.config import of_values
@@ -145,13 +144,13 @@ class Store:
                     load(checkpoint, aside=True)
                     bed = make(replicate, checkpoint)._asdict()
                     del bed["periodic"]  # the configuration says it
-                    _save(path, bed)
+                    write_arrays(path, bed)
                     checkpoint.unlink(missing_ok=True)
         return bed
 
     def keep(self, run: str, values: dict) -> None:
         """Keep what a run gave until its batch is whole."""
-        _save(self.run_of(run), values)
+        write_arrays(self.run_of(run), values)
 
     def kept(self, run: str, aside: bool = False) -> dict | None:
         """What a run gave whose batch has not ended, None if it is not there or damaged, and then put
@@ -175,11 +174,6 @@ class Store:
             for path in sorted(self.folder.glob(names)):
                 if path.suffix in (".nc", ".json", ".npz", ".damaged"):
                     yield path
-
-
-def _save(path: Path, values: dict) -> None:
-    with atomic(path) as part, part.open("wb") as file:
-        np.savez(file, **values)
 
 
 def load(path: Path, aside: bool = False) -> dict | None:
