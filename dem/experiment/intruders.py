@@ -18,16 +18,17 @@ def width_of(cylinder) -> float:
     return cylinder.diameter / (cylinder.aspect_ratio or RATIOS[cylinder.outline])
 
 
-def polygon_of(section) -> tuple[list[tuple[float, float]], float] | None:
-    """Corners (m), anticlockwise, and radius (m) of the outline of a cylinder; None if it is no
-    polygon."""
+def rounded(section) -> tuple[list[tuple[float, float]], float]:
+    """Corners (m), anticlockwise, and radius (m) of the circles about them that the outline of a
+    cylinder goes around; of an ellipse the circle that holds it."""
     outline = getattr(section, "outline", None)  # a second cylinder is round
-    if outline not in CORNERS:
-        return None
-    radius = 0.5 * width_of(section) if outline == "plate" else ROUNDED * section.diameter
+    radius = section.diameter * (ROUNDED if outline in CORNERS else 0.5)
+    if outline == "plate":
+        radius = 0.5 * width_of(section)
     half = 0.5 * section.diameter - radius
     slope = math.sqrt(3.0) if outline == "wedge" else 1.0
-    return [(x * half, y * half / slope) for x, y in CORNERS[outline]], radius
+    corners = CORNERS.get(outline, [(0.0, 0.0)])
+    return [(x * half, y * half / slope) for x, y in corners], radius
 
 
 def outline_of(section):
@@ -36,12 +37,10 @@ def outline_of(section):
     from dem.shapes.ellipse import Ellipse
     from dem.solids import Polygon
 
-    half = 0.5 * section.diameter
-    if polygon := polygon_of(section):
-        return Polygon(*polygon)
     if getattr(section, "outline", None) == "ellipse":
-        return Ellipse([half], [0.5 * width_of(section)])
-    return Disc([half])
+        return Ellipse([0.5 * section.diameter], [0.5 * width_of(section)])
+    corners, radius = rounded(section)
+    return Polygon(corners, radius) if len(corners) > 1 else Disc([radius])
 
 
 def area_of_solids(configuration) -> float:
@@ -49,24 +48,20 @@ def area_of_solids(configuration) -> float:
     one, second = configuration.cylinder, configuration.second
     if one is None:
         return 0.0
-    if polygon := polygon_of(one):
-        corners, radius = polygon
+    if one.outline == "ellipse":
+        area = 0.25 * math.pi * one.diameter * width_of(one)
+    else:
+        corners, radius = rounded(one)
         edges = list(zip(corners, [*corners[1:], corners[0]], strict=True))
         area = 0.5 * sum(a * d - b * c for (a, b), (c, d) in edges)
         area += radius * sum(math.dist(*edge) for edge in edges) + math.pi * radius**2
-    elif one.outline == "ellipse":
-        area = 0.25 * math.pi * one.diameter * width_of(one)
-    else:
-        area = 0.25 * math.pi * one.diameter**2
     return area + 0.25 * math.pi * second.diameter**2 if second else area
 
 
 def radius_of(cylinder) -> float:
     """Radius (m) of the circle that holds the outline of the cylinder."""
-    if polygon := polygon_of(cylinder):
-        corners, radius = polygon
-        return radius + max(math.hypot(*corner) for corner in corners)
-    return 0.5 * cylinder.diameter
+    corners, radius = rounded(cylinder)
+    return radius + max(math.hypot(*corner) for corner in corners)
 
 
 def ahead_of(cylinder) -> tuple[float, float]:
