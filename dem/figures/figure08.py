@@ -32,8 +32,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     cases = {shape: find(dataset, shape) for shape in CODES}
     if None in cases.values():
         raise InputError("it takes cases of both shapes, c1 and e0, at the density of the first.")
-    figure = Figure(figsize=(style.WIDTH, 5.0))
-    left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.7, 1.0))
+    figure, (left, right) = style.panels(2, 2, 0.0, 5.0, sharey=True, width_ratios=(1.7, 1.0))
     numbers, ticks = summarise(dataset), []
     for place, (shape, label) in enumerate(cases.items()):
         (code, width, filled, paper, deviation), case = CODES[shape], dataset.sel(case=label)
