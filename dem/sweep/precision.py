@@ -226,10 +226,11 @@ def run_mean(run, variable: str, row: dict) -> tuple[float, str]:
     if row["failure"]:
         return math.nan, str(row["failure_reason"])
     c, values = run.configuration, np.asarray(row[variable], float)
-    last = c.module.layout[variable][0][-1:]
-    if c.module.observed and last in (("displacement",), ("snapshot",)):
-        axis = "displacement" if last == ("displacement",) else "snapshot_displacement"
-        displacement, (start, stop) = c.module.axes[axis], c.record.window
-        values = values[..., (displacement >= start) & (displacement <= stop)]
+    dims = c.module.layout[variable][0]
+    for axis, dim in ("displacement", "displacement"), ("snapshot_displacement", "snapshot"):
+        if c.module.observed and dim in dims:
+            displacement, (start, stop) = c.module.axes[axis], c.record.window
+            inside = (displacement >= start) & (displacement <= stop)
+            values = values.compress(inside, dims.index(dim))
     with np.errstate(invalid="ignore"):
         return float(np.nansum(values) / np.isfinite(values).sum()), ""

@@ -78,11 +78,11 @@ def test_replicates_are_added_until_a_mean_is_known_as_well_as_asked_and_no_long
 
 @quick
 def test_a_mean_of_a_run_is_that_within_the_window():
-    """Of bins from 4 to 9 of 12, and snapshots 2 and 3 of 5."""
+    """Of bins from 4 to 9 of 12, and snapshots 2 and 3 of 5, also of what has another dimension after them."""
     record = {"bins": 12, "snapshots": 5, "window": [0.4e-3, 1e-3]}
     observables = ["drag", "snapshots", "stress"]
     run = smoke(record=record | {"observables": observables}).replicate("c1", 3900.0, 1)
-    for name, count, expected in ("drag", 12, 6.5), ("stress_xx", 5, 2.5):
+    for name, count, expected in ("drag", 12, 6.5), ("stress_xx", 5, 2.5), ("granule_x", 5, 2.5):
         row = {name: np.arange(count), "failure": 0}
         assert precision.run_mean(run, name, row) == (expected, "")
 
