@@ -85,9 +85,10 @@ def compared(path: Path, other: Path, name: str | None = None) -> xr.Dataset:
     samples, ids = [], []
     for file in (path, other):
         with open_lazily(file) as dataset:
-            name = name or usual(quantities_of(dataset))
-            samples.append(run_means(dataset, [name])[name].drop_vars("seed", errors="ignore"))
-            ids.append(over_seeds(dataset["run_id"].load()).drop_vars("seed", errors="ignore"))
+            runs = dataset.drop_vars("seed", errors="ignore")
+            name = name or usual(quantities_of(runs))
+            samples.append(run_means(runs, [name])[name])
+            ids.append(over_seeds(runs["run_id"].load()))
     samples[1] = samples[1].where(~ids[1].isin(ids[0])).rename(seed="second_seed")
     axes = [set(sample.dims) - {"seed", "second_seed"} for sample in samples]
     pair = [sample.rename(word) for sample, word in zip(samples, PAIR, strict=True)]

@@ -194,13 +194,8 @@ def checked(target: Target) -> Target:
 
 def _checked(function: Any, head: str) -> Any:
     signature, plain = inspect.signature(function), get_type_hints(function)
-    parameters = signature.parameters
+    parameters, types = signature.parameters, function.__annotations__
     names = [name for name, p in parameters.items() if p.kind is p.POSITIONAL_OR_KEYWORD]
-    types = {
-        name: parameter.annotation
-        for name, parameter in parameters.items()
-        if parameter.annotation is not parameter.empty
-    }
 
     @functools.cache  # because a bed asks often
     def validate(name: str) -> Callable[[Any], Any]:

@@ -187,18 +187,16 @@ def _labels(block: Block, layout: dict, left: set[str]) -> Iterator[tuple]:
         if name in layout:
             yield name, layout[name][0], values, attributes(name, layout)
     ids, families = (np.zeros(block.shape, "U32") for _ in range(2))
-    counts = np.zeros([len(axis.points) for axis in block.beside_seed], np.int64)
     for point, run in block.runs.items():
         if run.id not in left:
             ids[point], families[point] = run.id, run.bed_family
-            counts[block.without_seed(point)] += 1
     yield "run_id", block.dims, ids, attributes("run_id", layout)
     if "jam_fraction" in layout:
         yield "bed_family", block.dims, families, attributes("bed_family", layout)
     if block.until:
         dims = tuple(axis.name for axis in block.beside_seed)
         attrs = attributes(REPLICATES, OF_SWEEP) | block.until.model_dump()
-        yield REPLICATES, dims, counts, attrs
+        yield REPLICATES, dims, (ids != "").sum(block.dims.index("seed")), attrs
 
 
 def _check(sweep: Sweep, block: Block, failed: dict) -> None:

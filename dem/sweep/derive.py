@@ -33,7 +33,7 @@ class Jamming(NamedTuple):
         """The mean of a column, without beds that did not jam."""
         return float(xr.DataArray(self.of(kind, column, friction)).mean())
 
-    def at_distance(self, kind: str, other: str, fraction: float, friction: float = 0.0) -> float:
+    def at_distance(self, kind: str, other: str, fraction: float, friction: float) -> float:
         """Where a kind is as far from jamming as another is at a packing fraction."""
         jams, other_jams = (self.mean(name, "fraction", friction) for name in (kind, other))
         return jams + fraction - other_jams

@@ -232,9 +232,8 @@ class SweepState:
     def counts(self) -> tuple[int, int]:
         """How many runs exist, also of batches that have not ended, and how many the sweep has."""
         wanted = self.runs()
-        complete = {run for batch in self.store.batches() for run in batch.runs}
-        kept = [run for run in wanted - complete if self.store.run_of(run).is_file()]
-        return len(wanted & complete) + len(kept), len(wanted)
+        left = wanted.difference(*(batch.runs for batch in self.store.batches()))
+        return len(wanted) - sum(not self.store.run_of(run).is_file() for run in left), len(wanted)
 
     # All of it
 
