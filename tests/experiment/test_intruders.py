@@ -71,7 +71,7 @@ def test_a_cylinder_that_turns_freely_has_the_inertia_of_its_density():
 
 def test_a_mixture_is_pressed_as_hard_as_one_material():
     """The top wall bears the pressure that is asked for, although the granules differ in stiffness."""
-    disc = {"kind": "disc", "diameter": 1092e-6, "granules": 60}
+    disc = {"kind": "disc", "diameter": 1092e-6}
     soft = disc | {"material": {"young_modulus": 14e9}}
     mixture = {"granules": 60, "mixture": {"hard": 0.5, "soft": 0.5}}
     pressed = beds.replicate(2e7, shapes={"c1": mixture, "hard": disc, "soft": soft})

@@ -30,8 +30,8 @@ WEIGHT = 9.81e3  # m/s2
 STEEL = {"young_modulus": 200e9, "poisson_ratio": 0.3, "density": 7800.0}
 SHAPES = {kind: section_of(kind).model_dump(exclude_none=True) for kind in KINDS} | {
     "many": {"kind": "disc", "diameter": 1e-3, "granules": 1100},  # more than a patch
-    "soft": {"kind": "disc", "diameter": 1.2e-3, "granules": 60},
-    "steel": {"kind": "disc", "diameter": 0.8e-3, "granules": 60, "material": STEEL},
+    "soft": {"kind": "disc", "diameter": 1.2e-3},
+    "steel": {"kind": "disc", "diameter": 0.8e-3, "material": STEEL},
     "mixture": {"mixture": {"soft": 0.5, "steel": 0.5}, "granules": 60},
 }
 SPRINGS = {"periodic": "x", "contact.law": "linear"}

@@ -9,7 +9,6 @@ from project import CONFIG
 import dem
 
 MIXED = {"granules": 100, "mixture": {"c1": 0.5, "d1": 0.5}}
-CLUMP = {"kind": "clump", "diameter": 1e-3, "granules": 100, "discs": [[0, 0, 1]]}
 SECOND = {"diameter": 2e-3, "gap": 20e-3}
 LONG = 300 * "n"  # too long for a file
 PRESSED = {"packing.fraction": None, "packing.pressure": 3e7}
@@ -58,7 +57,10 @@ FILES = {
     "give it, or a pressure in its place": {"packing.fraction": None},
     "aspect_ratio is missing; kind ellipse needs one": {"shapes.e1.aspect_ratio": None},
     "aspect_ratio is 1.5; a dumbbell always has 2": {"shapes.d1.aspect_ratio": 1.5},
-    "aspect_ratio is given; kind clump takes no": {"shapes.m": CLUMP | {"aspect_ratio": 2}},
+    "aspect_ratio is given; kind clump takes no": {
+        "shapes.e1.kind": "clump",
+        "shapes.e1.discs": [[0, 0, 1]],
+    },
     "has the kinds disc and dumbbell; its shapes must be of one kind": {"shapes.m": MIXED},
     "kind is given; a mixture takes none": {"shapes.m": MIXED | {"kind": "disc"}},
     "run: shapes.c1.granules is missing; only a part of": {"shapes.c1.granules": None},
