@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from dem.analysis.values import squeezed
 from dem.base.errors import InputError
 from dem.base.statistics import Estimate, bootstrap_interval, bootstrap_weights
 
@@ -45,8 +46,7 @@ def coordination(dataset: xr.Dataset) -> xr.DataArray:
 def limits(dataset: xr.Dataset) -> Limits:
     """Where beds of infinitely many granules jam; raises InputError where there are too few
     beds."""
-    sizes = dataset["run_id"].sizes
-    dataset = dataset.squeeze([dim for dim in sizes if sizes[dim] == 1 and dim != "seed"])
+    dataset = squeezed(dataset, "seed")
     dims = *dataset["aspect_ratio"].dims, *dataset["granules"].dims, "seed"
     counts = dataset["granules"].size, dataset.sizes.get("seed", 1)
     if len(dims) != 3 or set(dims) != set(dataset["run_id"].dims) or min(counts) < LEAST:

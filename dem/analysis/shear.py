@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from dem.analysis.values import along, places_beside, value_of
+from dem.analysis.values import along, places_beside, squeezed, value_of
 from dem.base.errors import InputError
 from dem.base.statistics import half_interval
 
@@ -68,8 +68,7 @@ def rheology(dataset: xr.Dataset) -> dict[tuple, Curves]:
     for place in places_beside(dataset, AXIS):
         curves = {}
         for name, values in measured.items():
-            runs = values.sel(place)
-            runs = runs.squeeze([dim for dim in runs.dims if dim not in (AXIS, "seed")])
+            runs = squeezed(values.sel(place), AXIS, "seed")
             mean, half = runs.mean("seed"), half_interval(runs)
             curves[name] = np.stack([mean, mean - half, mean + half], -1)
         number = curves.pop("number")[:, 0]

@@ -37,6 +37,12 @@ def factors_of(runs: xr.DataArray | xr.Dataset, dim: str) -> list[str]:
     ]
 
 
+def squeezed(values, *kept: str):
+    """A DataArray or Dataset without the axes of one value, but for those that are kept."""
+    sizes = values.sizes
+    return values.squeeze([dim for dim in sizes if sizes[dim] == 1 and dim not in kept])
+
+
 def places_beside(dataset: xr.Dataset, *axes: str) -> list[dict]:
     """Places on the axes with more than one value beside some and the seed, value by name; the last
     axis fastest."""

@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 
 from dem.analysis.drag import over_seeds, summarise
-from dem.analysis.values import along, places_beside, value_of
+from dem.analysis.values import along, places_beside, squeezed, value_of
 from dem.base.errors import InputError
 from dem.base.statistics import Estimate, bootstrap_interval, bootstrap_weights
 
@@ -71,7 +71,7 @@ def rates(dataset: xr.Dataset) -> Rates:
     weights = bootstrap_weights(beds)
     means = {}
     for place in places_beside(dataset, AXIS):
-        drag = runs.sel(place).squeeze([dim for dim in runs.dims if dim not in (*LEAST, *place)])
+        drag = squeezed(runs.sel(place), *LEAST)
         means[tuple(map(str, place.values()))] = weights @ drag.transpose("seed", AXIS).values
     laws = {place: fit(velocity, drag) for place, drag in means.items()}
     return Rates(velocity, means, laws, beds)

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, MaxNLocator
 
 from dem.analysis.means import quantities_of, run_means
-from dem.analysis.values import designs_of, factors_of
+from dem.analysis.values import designs_of, factors_of, squeezed
 from dem.base.errors import InputError
 from dem.base.statistics import half_interval
 from dem.figures import style
@@ -46,9 +46,7 @@ def plot(dataset: xr.Dataset, of: str | None = None) -> Figure:
         runs = runs.expand_dims("shape")
     design = next(iter(designs_of(runs)), None)
     x, line, panel_dims, averaged = roles(runs, design)
-    runs = runs.squeeze(
-        [dim for dim in runs.dims if runs.sizes[dim] == 1 and dim not in (x, "seed")]
-    )
+    runs = squeezed(runs, x, "seed")
     mean = runs.mean("seed").mean(averaged, skipna=False)
     means = xr.Dataset({"mean": mean, "half": half_interval(runs, averaged)})
     factors = factors_of(runs, design) if design else []
