@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.live import Live
 
 from dem.analysis.tables import WIDE
-from dem.base.files import atomic
+from dem.base.files import atomic, check_output
 from dem.base.messages import printable
 from dem.io.progress import bar
 
@@ -31,6 +31,7 @@ def draw_figure(
     from dem.figures.catalogue import draw
 
     folder = output or data.parent / "figures"
+    check_output("output", folder / f"{name}.svg")
     with bar(f"drawing {name}"):
         draw(name, data, folder, figures, of)
 

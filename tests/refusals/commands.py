@@ -20,6 +20,7 @@ COMMANDS = {
     "combine --config config/smoke.yaml -o OUT --block drg": "no such block; the nearest is drag",
     "combine --config config/smoke.yaml -o OUT --observable zz": "observable is 'zz'",
     "figure figure13 pyproject.toml": "pyproject.toml",
+    "figure all docs/data/drag.nc -o README.md": "output is 'README.md/all.svg'; it must be in a folder",
     "figure 13 config/smoke.yaml -o OUT": "there are figure07, figure08",
     "figure figure07 docs/data/flow.nc -o OUT": "it holds no drag, and figure07 is drawn from that",
     "figure figure09 docs/data/drag.nc -o OUT": "figure09 is drawn from that; name snapshots.nc.",
