@@ -98,7 +98,7 @@ def bytes_of(path: Path) -> bytes:
     except FileNotFoundError:
         raise
     except OSError as error:
-        raise OSError(_cannot(path, "read", error.strerror)) from None
+        raise OSError(_cannot(path, "read", str(error.strerror))) from None
 
 
 def arrays_of(path: Path) -> dict[str, Any] | None:
@@ -126,7 +126,7 @@ def set_aside(path: Path) -> None:
     say(f"{path}: it is damaged, and kept as {aside.name}; it is made again.")
 
 
-def lock(path: Path, timeout: float = -1):
+def lock(path: Path, timeout: float = -1) -> Any:
     """A lock that this process has from now on, for `with`; its end gives it up too.
 
     timeout: s to wait for another process. Raises Timeout, and OSError, with what to do, where the
@@ -138,7 +138,7 @@ def lock(path: Path, timeout: float = -1):
         # a lock of another kind, a file that is there or not, would outlive a process that is killed
         return FileLock(path, fallback_to_soft=False).acquire(timeout)
     except OSError as error:
-        why = fullness(path.parent) if error.errno in NO_SPACE else NO_LOCKS.get(error.errno)
+        why = fullness(path.parent) if error.errno in NO_SPACE else NO_LOCKS.get(error.errno or 0)
         if why:
             raise OSError(_cannot(path, "locked", why)) from None
         raise
