@@ -4,7 +4,7 @@ import os
 from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -205,7 +205,7 @@ class Result(NamedTuple):
     simulation: "Simulation"
 
     @checked
-    def continuation(self, duration: Time, frames: OneOrMore = 1) -> Self:
+    def continuation(self, duration: Time, frames: OneOrMore = 1) -> "Result":
         """Go on from the last frame, as if there had been no end.
 
         Parameters
