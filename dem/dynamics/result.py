@@ -4,7 +4,7 @@ import os
 from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Self, cast
 
 import numpy as np
 
@@ -205,7 +205,7 @@ class Result(NamedTuple):
     simulation: "Simulation"
 
     @checked
-    def continuation(self, duration: Time, frames: OneOrMore = 1) -> "Result":
+    def continuation(self, duration: Time, frames: OneOrMore = 1) -> Self:
         """Go on from the last frame, as if there had been no end.
 
         Parameters
@@ -238,7 +238,7 @@ class Result(NamedTuple):
         """
         from dem.dynamics.simulation import result_of  # which imports this file
 
-        return result_of(deepcopy(self.simulation), duration, frames)
+        return cast(Self, result_of(deepcopy(self.simulation), duration, frames))
 
     def __repr__(self) -> str:
         granules, names = len(self.scene.mass), ", ".join(self._fields)
