@@ -73,6 +73,11 @@ def of_positions(flags: dict[str, bool], where, sizes: int, others: int) -> Colu
     )
 
 
+def types_of(*tuples) -> tuple[type, ...]:
+    """Types of the values of shapes and laws: a user's may be an integer here and a float there."""
+    return tuple(type(value) for values in tuples for value in values)
+
+
 def bound(function, apart, flags: dict[str, bool], shape, outlines, law, **more) -> Kernel:
     """The kernel of a function for the contacts of a kind of scene."""
     sizes, others = shape.outlines.shape[1], outlines.outlines.shape[1]
@@ -87,6 +92,7 @@ def bound(function, apart, flags: dict[str, bool], shape, outlines, law, **more)
         outline_sizes_at=SIZES_AT[others],
         find_outline=find_contact.answers[type(outlines)],
         refine_outline=refine_normal.answers[type(outlines)],
+        TYPES=types_of(shape, outlines, law),
         **more,
     )
 
@@ -96,7 +102,7 @@ def kernels(task, flags: dict[str, bool], shape, outlines, law) -> Kernels:
     the granules."""
     sizes, others = shape.outlines.shape[1], outlines.outlines.shape[1]
     where = columns_of(flags, shape, outlines)
-    given, of_law = flags | where, (type(law),)
+    given, of_law = flags | where | {"TYPES": types_of(law)}, (type(law),)
     return Kernels(
         flags=flags,
         columns=of_positions(flags, where, sizes, others),
