@@ -5,6 +5,7 @@ SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import product
 from typing import Annotated, Any
 
 import numpy as np
@@ -241,12 +242,15 @@ class Scene:
             if first.is_round and solid.is_round:
                 depth = first.radius + solid.radius - float(np.hypot(*away))
             else:
-                rings = first.placed((0.0, 0.0), first.angle), solid.placed(away, solid.angle)
-                depth = -max(beyond(*pair).min(axis=0).max() for pair in (rings, rings[::-1]))
+                parts = first.parts((0.0, 0.0), first.angle), solid.parts(away, solid.angle)
+                depth = -min(
+                    max(beyond(*pair).min(axis=0).max() for pair in (rings, rings[::-1]))
+                    for rings in product(*parts)
+                )
             if depth > TOUCHING * (first.radius + solid.radius):
                 raise InputError(
                     f"{name} is {depth:.3g} m inside solids[{other}]; put them beside each other, or "
-                    "make one convex outline of both."
+                    "make one solid of both."
                 )
 
     @property

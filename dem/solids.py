@@ -3,7 +3,9 @@
 SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -22,12 +24,14 @@ from dem.base.types import (
 )
 from dem.material import Material
 from dem.motion import Motion, Sliding, Turn, finite
+from dem.outlines import chains, rings
 from dem.periodic import Periods, walled
 from dem.shapes.disc import Disc
 from dem.shapes.protocol import is_alone, is_shape, resized, sizes_of
 
 ROUNDED, EXACT = 1e-3, 1e-8  # off 1: the length of a normal that is rounded, and of a unit vector
 ROWS: Any = finite(None, 3).func
+PLANE = np.array([1.0, 1j])  # of points as complex numbers
 FLAT = 1e-12  # of the squared size of a polygon: twice the area of three corners in a line
 
 
@@ -142,7 +146,7 @@ Walls = Annotated[Any, PlainValidator(walls)]
 
 def convex(corners: np.ndarray) -> np.ndarray:
     """Corners (k, 2) in m of a convex polygon, anticlockwise; raises ValueError."""
-    edges = np.diff(corners @ [1.0, 1j], append=corners[:1] @ [1.0, 1j])
+    edges = np.diff(corners @ PLANE, append=corners[:1] @ PLANE)
     turns = edges.conj() * np.roll(edges, -1)
     least = FLAT * np.ptp(corners, axis=0).max() ** 2
     once = abs(np.angle(turns).sum() - 2.0 * np.pi) < 1e-6
@@ -212,6 +216,11 @@ class Polygon:
         return np.column_stack([self.corners, along[:, 1], -along[:, 0], length])
 
     @property
+    def chains(self) -> list[np.ndarray]:
+        """Rows of `faces` that are convex: several have ends (dem.outlines)."""
+        return [self.faces]
+
+    @property
     def gyration_squared(self) -> float:
         """Squared radius of gyration (m2) about the origin, to 1e-4."""
         x, y = self.polygons(1025)[0, 0].T
@@ -232,6 +241,50 @@ class Polygon:
         return np.vstack([ring, ring[:1]])[None, None]
 
 
+class Pieces(Polygon):
+    """Outline of a solid: convex polygons of one radius as one; raises ValueError.
+
+    pieces: the polygons.
+    """
+
+    pieces: tuple[Polygon, ...]
+
+    def __init__(self, pieces: Sequence[Polygon]):
+        low, *_, high = sorted(piece.radius for piece in [*pieces, pieces[0]])
+        if low < high:
+            raise ValueError(f"its pieces must have one radius, not {low:g} and {high:g} m")
+        corners = np.concatenate([piece.corners for piece in pieces])
+        vars(self).update(pieces=tuple(pieces), corners=corners, radius=low)
+
+    @property
+    def area(self) -> float:
+        """Area (m2), to 1e-3."""
+        return float(0.5 * (self.path[:-1].conj() * self.path[1:]).imag.sum())
+
+    @property
+    def chains(self) -> list[np.ndarray]:
+        """As of a Polygon."""
+
+        def inside(z: np.ndarray) -> np.ndarray:
+            return depth(self.pieces, z.view(float).reshape(-1, 2))
+
+        found = rings([piece.corners @ PLANE for piece in self.pieces])
+        alone = len(found) == 1
+        return [np.array(row) for z in found for row in chains(z, alone, self.radius, inside)]
+
+    @cached_property
+    def path(self) -> np.ndarray:
+        """Closed outline (m,) in m; a line leads to each ring but the first, and back."""
+        path: list[complex] = []
+        for z in rings([piece.polygons(65)[0, 0, :-1] @ PLANE for piece in self.pieces]):
+            path += [*z, *z[:1], *path[:1]]
+        return np.array(path)
+
+    def polygons(self, points: int) -> np.ndarray:
+        """Closed outline (1, 1, m, 2) in m, of 65 points or more a piece."""
+        return self.path.view(float).reshape(1, 1, -1, 2)
+
+
 def beyond(ring: np.ndarray, points: np.ndarray) -> np.ndarray:
     """How far points (m, 2) are beyond each side (k,) of a closed convex outline, anticlockwise
     (m)."""
@@ -240,6 +293,12 @@ def beyond(ring: np.ndarray, points: np.ndarray) -> np.ndarray:
     normal = np.column_stack([edges[:, 1], -edges[:, 0]])[length > 0.0]
     normal /= length[length > 0.0, None]
     return points @ normal.T - (ring[:-1][length > 0.0] * normal).sum(axis=1)
+
+
+def depth(outlines: Sequence[Any], points: np.ndarray) -> np.ndarray:
+    """As `Solid.depth`, of convex outlines together."""
+    each = [beyond(outline.polygons(257)[0, 0], points).max(axis=1) for outline in outlines]
+    return -np.min(each, axis=0)
 
 
 @checked
@@ -295,9 +354,12 @@ def outline(value: Any) -> Any:
     """A Polygon, or one granule of a shape, as a copy; raises ValueError."""
     if isinstance(value, Polygon):
         return value
+    if isinstance(value, list | tuple) and value and all(type(v) is Polygon for v in value):
+        return Pieces(value)
     if not is_shape(type(value)) or value.owner[-1] > 0 or not is_alone(value):
         raise ValueError(
-            "it must be a dem.Polygon, or one convex granule of a shape, as dem.Disc([1e-3])"
+            "it must be a dem.Polygon, a list of them, or one convex granule of a shape, as "
+            "dem.Disc([1e-3])"
         )
     return granules(value)
 
@@ -309,10 +371,11 @@ class Solid:
 
     Parameters
     ----------
-    outline : Polygon, or granules of a shape
+    outline : Polygon, list of Polygon, or granules of a shape
         Outline in the frame of the solid: a `Polygon`, a `plate`, or one granule of a shape, such
         as ``dem.Disc([1e-3])``. A granule that is not round must be of the shape of the bed, or
-        the bed be of discs or dumbbells.
+        the bed be of discs or dumbbells. Polygons of one radius that touch or overlap make one
+        outline, which need not be convex: granules do not feel where one polygon ends.
     position : tuple of float
         Position (x, y) of the origin of the outline at the start (m).
     angle : float
@@ -352,6 +415,13 @@ class Solid:
     >>> scene = dem.Scene(dem.Disc([0.5e-3]), friction=dem.Friction(), solids=[plate, free])
     >>> scene.solids[1].radius
     0.001
+
+    A cross:
+
+    >>> upright = dem.Polygon([[0.0, -2e-3], [0.0, 2e-3]], radius=0.5e-3)
+    >>> cross = dem.Solid([dem.plate(5e-3, 1e-3), upright], position=(5e-3, 5e-3))
+    >>> print(f"{1e6 * cross.area:.1f} mm2")
+    8.6 mm2
     """
 
     outline: Annotated[Any, PlainValidator(outline)]
@@ -378,7 +448,7 @@ class Solid:
     @property
     def gyration_squared(self) -> float:
         """Squared radius of gyration (m2) about the position: inertia over mass of a body of one
-        density; of a Polygon to 1e-4."""
+        density; of a Polygon to 1e-4, of several to 1e-3."""
         return float(np.ravel(self.outline.gyration_squared)[0])
 
     @property
@@ -386,13 +456,19 @@ class Solid:
         """Radius (m) of the circle about the origin that holds the outline."""
         return float(np.max(self.outline.bounding_radius))
 
+    def parts(self, position: ArrayLike, angle: float) -> list[np.ndarray]:
+        """Closed convex outlines (points, 2) in m that make it up, at a position (m) and an angle
+        (rad)."""
+        pieces = getattr(self.outline, "pieces", [self.outline])
+        return [replace(self, outline=piece).placed(position, angle) for piece in pieces]
+
     def ring(self, points: int = 65) -> np.ndarray:
         """Closed outline (points, 2) in m about the position, at angle zero.
 
         Parameters
         ----------
         points : int
-            Points, without unit; a Polygon has more if it has many corners.
+            Points, without unit; polygons have more if they have many corners.
         """
         return self.outline.polygons(points)[0, 0]
 
@@ -406,7 +482,7 @@ class Solid:
         the outline (m; negative outside, and then a lower bound of the distance)."""
         if self.is_round:
             return self.radius - np.hypot(*points.T)
-        return -beyond(self.ring(257), points).max(axis=1)
+        return depth(getattr(self.outline, "pieces", [self.outline]), points)
 
 
 @checked

@@ -21,6 +21,18 @@ R = 1e-3
 WEDGE = dem.Polygon([[-2e-3, -1e-3], [2e-3, -1e-3], [0.0, 2e-3]], radius=0.4e-3)
 BLADE = dem.plate(8e-3, 0.6e-3)
 BAR = dem.Polygon([[-1e-3, -3e-3], [4e-3, 0.0], [-4e-3, 0.0]], radius=0.3e-3)
+
+
+def slab(left, right, low, high, slope=0.0):
+    """A piece with a top that rises by so much from left to right."""
+    return dem.Polygon(
+        [[left, low], [right, low], [right, high + slope], [left, high]], radius=0.4e-3
+    )
+
+
+PLATES = [dem.Polygon(np.array([[0, 0], end]) * R, 0.3e-3) for end in ([5, 1], [2, 5], [-3, 4])]
+ANGLE = [slab(0.0, 6e-3, -R, 0.0), slab(-R, 0.0, -R, 6e-3)]
+SOFT = dem.Material(young_modulus=1e8, restitution=0.1)
 FAR = dem.Cylinder(1e-3, (1.0, 1.0))
 # so that all scenes of discs with friction are of one kind
 OTHERS = [
@@ -29,19 +41,94 @@ OTHERS = [
 ]
 
 
-@pytest.mark.parametrize("outline", [WEDGE, BLADE])
-def test_area_and_inertia_of_a_polygon_are_those_of_the_points_in_it(outline):
-    solid = dem.Solid(outline, (0.0, 0.0))
-    low, high = (side(outline.corners, axis=0) for side in (np.min, np.max))
-    size, share = high - low + 2.0 * outline.radius, (np.arange(300) + 0.5) / 300
-    points = low - outline.radius + size * np.stack(np.meshgrid(share, share), -1).reshape(-1, 2)
-    inside = points[outside(points, outline.corners) < outline.radius]
+def away(points, pieces):
+    """Distances (n,) of points from the nearest of some polygons."""
+    return np.min([outside(points, piece.corners) for piece in pieces], axis=0)
+
+
+@pytest.mark.parametrize("pieces", [[WEDGE], [BLADE], PLATES, ANGLE])
+def test_area_and_inertia_of_polygons_are_those_of_the_points_in_them(pieces):
+    solid, radius = dem.Solid(pieces if pieces[1:] else pieces[0], (0.0, 0.0)), pieces[0].radius
+    corners = np.concatenate([piece.corners for piece in pieces])
+    low, high = (side(corners, axis=0) for side in (np.min, np.max))
+    size, share = high - low + 2.0 * radius, (np.arange(300) + 0.5) / 300
+    points = low - radius + size * np.stack(np.meshgrid(share, share), -1).reshape(-1, 2)
+    inside = points[away(points, pieces) < radius]
     squared = (inside**2).sum(axis=1)
     assert solid.area == pytest.approx(len(inside) / 300**2 * size.prod(), rel=3e-3)
     assert solid.gyration_squared == pytest.approx(squared.mean(), rel=3e-3)
     assert solid.radius == pytest.approx(math.sqrt(squared.max()), rel=5e-3)
-    rim = outside(solid.placed((0.0, 0.0), 0.0), outline.corners)
-    assert_allclose(rim, outline.radius, rtol=1e-9)
+    rim = away(solid.placed((0.0, 0.0), 0.0), pieces)
+    assert_allclose(rim, radius, rtol=1e-9 if len(pieces) == 1 else 1e-2)
+
+
+def of_pieces(pieces, state, material, turned=0.0, gravity=(0.0, -9.81), **values):
+    """Discs beside pieces that are one solid."""
+    solid = dem.Solid(pieces, (0.0, 0.0), turned, **values)
+    shape = dem.Disc(np.full(len(state.position), R))
+    scene = dem.Scene(
+        shape, material, dem.Friction(), solids=[solid, *OTHERS], gravity=gravity,
+        species=None if isinstance(material, dem.Material) else np.arange(len(shape.radius)) % 2,
+    )  # fmt: skip
+    return dem.Simulation(scene, state)
+
+
+@pytest.mark.parametrize("pieces", [PLATES, ANGLE])
+def test_a_disc_touches_pieces_where_they_are_nearest(pieces):
+    """On both sides of each, in and around their corners, and nowhere else."""
+    rng, reach = np.random.default_rng(1), R + pieces[0].radius
+    places = rng.uniform(-5e-3, 8e-3, (4000, 2))
+    overlap = reach - away(places, pieces)
+    near = overlap < 0.1 * R
+    contacts = of_pieces(pieces, dem.State(places[near]), dem.Material()).contacts()
+    found, at_solid = np.zeros(near.sum()), contacts.partner == -1
+    np.maximum.at(found, contacts.granule[at_solid], contacts.overlap[at_solid])
+    assert (found > 0.0).sum() > 50
+    assert_allclose(found, np.maximum(overlap[near], 0.0), rtol=0, atol=1e-9 * R)
+
+
+@pytest.mark.parametrize("wide", [2.0 * R, 3.0 * R])
+def test_a_disc_that_slides_or_rolls_over_seams_keeps_its_speed(wide):
+    """Ten of pieces that touch or overlap, smooth or rough."""
+    pieces = [slab(x, x + wide, -R, 0.0) for x in 2.0 * R * np.arange(11)]
+    for friction in (0.0, 0.3):
+        state = dem.State([[R, 1.4 * R]])
+        run = of_pieces(pieces, state, SOFT, friction=friction)
+        run.advance(0.02)  # it comes to rest
+        state, arm = run.state, R - 0.5 * run.contacts().overlap[0]
+        state.velocity[:, 0], state.angular_velocity = 1.0, np.full(1, friction > 0.0) * -1.0 / arm
+        run = of_pieces(pieces, state, SOFT, friction=friction)
+        run.advance(20.0 * R)
+        assert_allclose(run.state.velocity[:, 0], 1.0, rtol=1e-9)
+        assert_allclose(run.state.angular_velocity, state.angular_velocity, rtol=1e-9)
+
+
+def test_a_disc_keeps_its_energy_through_a_valley_and_over_a_hill():
+    """An elastic one, on a smooth road of slopes."""
+    road = [
+        slab(x * R, x * R + 4e-3, -2e-3, high * R, rise * R)
+        for x, high, rise in [(0, 2, -2), (4, 0, 1), (8, 1, -1), (12, 0, 0)]
+    ]
+    elastic = [dem.Material(restitution=1.0), dem.Material(restitution=0.5)]
+    run = of_pieces(road, dem.State([[R, 3.1e-3], [0.5, 0.5]]), elastic, friction=0.0)
+    while run.state.position[0, 0] < 14e-3 and run.time < 0.5:
+        run.advance(2e-3)
+    end = run.state
+    gained = 0.5 * (end.velocity[0] ** 2).sum() / 9.81
+    assert gained + end.position[0, 1] == pytest.approx(3.1e-3, rel=1e-3)
+
+
+@pytest.mark.parametrize("angle", [0.3, 1.2])
+def test_a_disc_in_a_corner_presses_on_both_sides(angle):
+    """Each bears its share of the weight, and the solid bears it at the centre of the disc."""
+    c, s = math.cos(angle), math.sin(angle)
+    start = dem.State(1.4 * R * np.array([[c - s, c + s]]))
+    run = of_pieces(ANGLE, start, SOFT, angle, friction=0.0)
+    run.advance(0.02)
+    record, weight = run.record(1e-3, 1), 9.81 * run.scene.mass[0]
+    assert_allclose(np.sort(run.contacts().force), np.sort([c, s]) * weight, rtol=1e-6)
+    assert_allclose(record.normal_force[0, 0], [0.0, -weight], atol=1e-6 * weight)
+    assert_allclose(record.torque[0, 0], -weight * run.state.position[0, 0], rtol=1e-6)
 
 
 def test_every_layer_under_a_piston_bears_its_force():

@@ -30,6 +30,7 @@ KERNELS = (
     "laws",
     "material.py",
     "motion.py",
+    "outlines.py",
     "packing",
     "periodic.py",
     "scene.py",

@@ -20,6 +20,7 @@ from dem.contacts.layout import (
     MEAN_ROOT,
     N1,
     N2,
+    NUMBERS,
     NX,
     NY,
     ONE,
@@ -54,7 +55,7 @@ from dem.shapes.protocol import find_contact, refine_normal, support
 
 # What a kernel has: dem.dynamics.kinds
 FRICTION = DAMPING = TURNS = LEVERS = GUESSES = ORIENTED = ROLLING = PERIODIC = LOCAL = True
-SHIFT_X = SHIFT_Y = SIZES = SECOND = NORMAL_X = NORMAL_Y = np.uint64(0)
+COLUMNS = SHIFT_X = SHIFT_Y = SIZES = SECOND = NORMAL_X = NORMAL_Y = np.uint64(0)
 sizes_at = outline_sizes_at = one_size
 find_outline, refine_outline = find_contact, refine_normal
 
@@ -227,23 +228,28 @@ def find_walls(shape, planes, numbers, at, table, base, count, pair, lanes):
         store(pair, lanes, k, table, p, geometry)
 
 
-def find_outlines(
-    outlines, orientation, granules, constituents, numbers, at, table, base, count, pair, lanes
-):
+def turned_solid(orientation, more, numbers, at):
+    """Cosine and sine of the angle of the solid of a contact; more: how many more granules there are
+    than constituents."""
+    row = TWO * np.uint64(more + np.int64(numbers[at + PARTNER]))
+    return orientation[row], orientation[row + ONE]
+
+
+def find_outlines(outlines, orientation, more, contacts, block, pair, lanes):
     """Geometry of contacts with solids that have the outline of a granule, one by one.
 
-    granules, constituents: how many there are; the sizes of the block are in terms of the solid.
+    The sizes of the block are in terms of the solid.
     """
+    numbers, table, count = contacts.numbers, contacts.table, contacts.count[block]
+    at, base = NUMBERS * np.uint64(block), COLUMNS * np.uint64(block)
     for q in range(count):
         k = np.uint64(q)
         p, c, s = base + k, 1.0, 0.0
         if ORIENTED:
             c, s = lanes[k + C1], lanes[k + S1]
-        row = TWO * np.uint64(granules + np.int64(numbers[at + PARTNER + k]) - constituents)
         one = (c, s) + outline_sizes_at(table, p + SIZES)
-        two = (orientation[row], orientation[row + ONE]) + outline_sizes_at(
-            table, p + SIZES + SECOND
-        )
+        turned = turned_solid(orientation, more, numbers, at + k)
+        two = turned + outline_sizes_at(table, p + SIZES + SECOND)
         dx, dy = spacing(pair, k)
         geometry, converged = find_outline(outlines, dx, dy, one, two, last_normal(table, p))
         if not converged:
@@ -252,37 +258,36 @@ def find_outlines(
         store(pair, lanes, k, table, p, geometry)
 
 
-def find_polygons(
-    shape, faces, orientation, granules, constituents, numbers, at, table, base, count, pair, lanes
-):
+def find_polygons(shape, faces, orientation, more, contacts, block, pair, lanes):
     """Geometry of contacts with polygons, one by one."""
+    numbers, table, count = contacts.numbers, contacts.table, contacts.count[block]
+    at, base = NUMBERS * np.uint64(block), COLUMNS * np.uint64(block)
     for q in range(count):
         k = np.uint64(q)
-        p, b = base + k, np.int64(numbers[at + TARGET + k])
-        row = TWO * np.uint64(granules + np.int64(numbers[at + PARTNER + k]) - constituents)
+        p, t = base + k, np.int64(numbers[at + TARGET + k])
         one = outline_of_first(lanes, table, k, p)
         corner = sizes_at(table, p + SIZES + SECOND)
         if ORIENTED:
             corner = (1.0, 0.0) + corner
         dx, dy = spacing(pair, k)
-        turned = orientation[row], orientation[row + ONE]
+        turned = turned_solid(orientation, more, numbers, at + k)
         geometry = polygon_contact(
-            shape, faces, b, turned, one, corner, dx, dy, last_normal(table, p)
+            shape, faces, t, turned, one, corner, dx, dy, last_normal(table, p)
         )
         store(pair, lanes, k, table, p, geometry)
 
 
-def polygon_contact(shape, faces, b, turned, one, corner, dx, dy, guess):
-    """Contact of a constituent and a rounded convex polygon: with a face, or with a corner.
+def polygon_contact(shape, faces, t, turned, one, corner, dx, dy, guess):
+    """Contact of a constituent and a chain of faces of a polygon: with a face, or with a corner.
 
     A face is a half-plane along its length, and meets any shape by its support function, as a wall
     does. A corner is a circle, and meets any shape by its own contact search. The effective radius
     R* is that of the granule on both, so that the force does not jump where one becomes the other.
 
-    turned: cosine and sine of the angle of boundary b; one, corner: outlines of the constituent and
+    turned: cosine and sine of the angle of target t; one, corner: outlines of the constituent and
     of a corner; dx, dy (m): where the polygon is from the constituent.
     """
-    gap, nx, ny, place, f = nearest_face(shape, faces, b, turned, one, dx, dy)
+    gap, nx, ny, place, f = nearest_face(shape, faces, t, turned, one, dx, dy)
     h, q, rho = support(shape, one, nx, ny)
     overlap, n1, t1 = -gap, h + 0.5 * gap, q
     length = faces.row[f, 4]
@@ -297,26 +302,31 @@ def polygon_contact(shape, faces, b, turned, one, corner, dx, dy, guess):
             contact, converged = find_contact(shape, x, y, one, corner, guess)
         overlap, nx, ny, n1, t1, _, _, _ = contact
         _, _, rho = support(shape, one, nx, ny)
+    if faces.has_ends[t]:
+        before = place < 0.0 and f == faces.first[t]
+        after = place > length and f + 1 == faces.first[t + 1]
+        if before or after or gap < -h - faces.radius[t]:
+            overlap = -h  # the next chain has this contact, or the granule is behind the face
     rx, ry = n1 * nx - t1 * ny - dx, n1 * ny + t1 * nx - dy  # from the origin of the polygon
     n2, t2 = -(rx * nx + ry * ny), ry * nx - rx * ny
     return overlap, nx, ny, n1, t1, n2, t2, rho
 
 
-def nearest_face(shape, faces, b, turned, one, dx, dy):
-    """The face of polygon b with the greatest gap to a constituent.
+def nearest_face(shape, faces, t, turned, one, dx, dy):
+    """The face of target t with the greatest gap to a constituent.
 
     Returns that gap (m), the normal from the constituent into the face, the place along the face
     (m) that it is nearest to, and the number of the face.
     """
     c, s = turned
-    best, bx, by, place, number = -math.inf, 1.0, 0.0, 0.0, faces.first[b]
-    for f in range(faces.first[b], faces.first[b + 1]):
+    best, bx, by, place, number = -math.inf, 1.0, 0.0, 0.0, faces.first[t]
+    for f in range(faces.first[t], faces.first[t + 1]):
         fx, fy = faces.row[f, 2], faces.row[f, 3]
         nx, ny = s * fy - c * fx, -s * fx - c * fy  # into the face
         x = dx + c * faces.row[f, 0] - s * faces.row[f, 1]  # of its beginning
         y = dy + s * faces.row[f, 0] + c * faces.row[f, 1]
         h, q, _ = support(shape, one, nx, ny)
-        gap = x * nx + y * ny - faces.radius[b] - h
+        gap = x * nx + y * ny - faces.radius[t] - h
         if gap > best:
             # along the face, which runs along (ny, -nx)
             best, bx, by, number = gap, nx, ny, f

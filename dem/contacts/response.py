@@ -218,14 +218,15 @@ def accumulate(numbers, at, count, lanes, flat):
         add_four(flat, FOUR * np.uint64(numbers[at + k]), -fx, -fy, one, 0.0)
 
 
-def load_boundaries(numbers, at, count, walls, lanes, flat, on, loads):
+def load_boundaries(numbers, at, count, walls, boundary, lanes, flat, on, loads):
     """Add the forces of a block to constituents, and sum up those on boundaries.
 
-    on, loads: Boundaries.force and Boundaries.contact_forces; walls: how many there are.
+    on, loads: Boundaries.force and Boundaries.contact_forces; walls: how many there are; boundary:
+    of each target.
     """
     for q in range(count):
         k = np.uint64(q)
-        b = np.int64(numbers[at + TARGET + k])
+        b = boundary[np.uint64(numbers[at + TARGET + k])]
         fx, fy, nx, ny = lanes[k + FORCE_X], lanes[k + FORCE_Y], lanes[k + NX], lanes[k + NY]
         one = two = 0.0
         if TURNS:

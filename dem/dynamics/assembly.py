@@ -322,14 +322,21 @@ def sections_of(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
 
 
 def faces_of(scene: Scene) -> Faces:
-    """Faces of the polygons of a scene."""
-    r = len(scene.walls) + len(scene.solids) + len(scene.held)
-    first, radius, rows = np.zeros(r + 1, np.int64), np.zeros(r), [np.empty((0, 5))]
-    for b, solid in enumerate(scene.solids, len(scene.walls)):
-        if isinstance(solid.outline, Polygon):
-            radius[b], first[b + 1] = solid.outline.radius, len(solid.outline.faces)
-            rows.append(solid.outline.faces)
-    return Faces(np.cumsum(first), np.concatenate(rows), radius)
+    """Faces of the polygons of a scene, and what else contacts aim at."""
+    none, outlines = np.empty((0, 5)), [None] * len(scene.walls)
+    outlines += [solid.outline for solid in scene.solids]
+    chains = [line.chains if isinstance(line, Polygon) else [none] for line in outlines]
+    radius = [line.radius if isinstance(line, Polygon) else 0.0 for line in outlines]
+    count = np.array([len(rows) for rows in chains], np.int64)
+    boundary = np.repeat(np.arange(len(count)), count)
+    rows = [none, *(row for rows in chains for row in rows)]
+    return Faces(
+        boundary=boundary,
+        first=np.cumsum([len(row) for row in rows]),
+        row=np.concatenate(rows),
+        radius=np.array(radius, float)[boundary],
+        has_ends=count[boundary] > 1,
+    )
 
 
 def outlines_of(scene: Scene, sections: np.ndarray):
@@ -389,7 +396,7 @@ def assemble(
 ) -> System:
     """The arrays of a scene, its kernels and what makes its lists; no list is made yet. task: see
     System."""
-    n, c = scene.granules, len(table.radius)
+    n, c, faces = scene.granules, len(table.radius), faces_of(scene)
     moving, (sections, sizes) = boundaries(scene), sections_of(scene)
     inverse_mass, inverse_inertia = mobilities(scene)
     solids, of_granules, of_solids = outlines_of(scene, sections)
@@ -410,8 +417,8 @@ def assemble(
         radius=table.bounding,
         held=table.held,
         largest=float(table.bounding.max()),
-        sections=sections,
-        sizes=sizes,
+        sections=sections[faces.boundary],
+        sizes=sizes[faces.boundary],
         outlines=of_granules,
         others=of_solids,
         period=(x or 0.0, y or 0.0),
@@ -445,7 +452,7 @@ def assemble(
         ),
         contacts=new_contacts(0, columns.all // BLOCK, patches),
         boundaries=moving,
-        faces=faces_of(scene),
+        faces=faces,
         held=held_groups(scene, bodies[:n], moving.motion),
         patches=new_patches(0, patches),
         gravity=np.array(scene.gravity or (0.0, 0.0), float),

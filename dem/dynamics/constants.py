@@ -117,7 +117,7 @@ def fill_constants(world, bed):
                     turned = inverse_mass[g] / radius[i] ** 2 + inverse_mass[h] / radius[j] ** 2
                     square, kind = 1.0 / turned if turned > 0.0 else 0.0, 0
                 else:
-                    b = np.int64(numbers[at + TARGET + k])
+                    b = world.faces.boundary[np.int64(numbers[at + TARGET + k])]
                     second, m = inverse_masses_driven(world.boundaries, b), mass[i]
                     radii, kind = (radius[i], bed.solid_radius[b]), 1 if section == WALLS else 2
                     row = bed.laws[bed.laws.shape[1] + b, bed.species[g]]

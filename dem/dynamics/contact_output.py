@@ -87,7 +87,7 @@ def _columns(system, names, begin, end, rows):
     touching = np.arange(BLOCK) < contacts.count[begin:end, None]
     touching &= rows[:, GAP] > -world.law.range
     numbers = contacts.numbers.reshape(-1, 3, BLOCK)[begin:end].astype(np.int64)
-    constituent, body, target = (numbers[:, k][touching] for k in range(3))
+    constituent, body = (numbers[:, k][touching] for k in range(2))
     section = np.searchsorted(contacts.first[1:], np.arange(begin, end), side="right")
     section = np.broadcast_to(section[:, None], touching.shape)[touching]
     table = contacts.table.reshape(-1, columns.all // BLOCK, BLOCK)[begin:end]
@@ -99,7 +99,8 @@ def _columns(system, names, begin, end, rows):
     solids, is_pair = len(world.boundaries.reference) - walls, section == PAIRS
     granule, other = owner[constituent], owner[np.where(is_pair, body, 0)]
     first, centre = world.bodies[granule, :2], motion[constituent, :2]
-    boundary = -1 - target + np.where(section == WALLS, -solids, walls)
+    boundary = len(motion) - len(world.boundaries.motion) - 1 - body
+    boundary += np.where(section == WALLS, -solids, walls)
     overlap, nx, ny, n1, t1, fx, fy, elastic = (
         rows[:, row][touching]
         for row in (GAP, ALONG_X, ALONG_Y, ARM_N1, ARM_T1, PUSH_X, PUSH_Y, ELASTIC)

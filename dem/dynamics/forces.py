@@ -38,30 +38,14 @@ def find_block(world, section, block, pair, lanes):
     at, base = NUMBERS * np.uint64(block), COLUMNS * np.uint64(block)
     motion, turned = constituents.motion.reshape(-1), constituents.orientation.reshape(-1)
     shape, planes = world.shape, world.boundaries.planes
+    more = constituents.first.shape[0] - 1 - constituents.reference.shape[0]
     gather(motion, turned, numbers, table, at, base, count, pair, lanes)
     if section == WALLS:
         find_walls(shape, planes, numbers, at, table, base, count, pair, lanes)
     elif WITH_OUTLINES and section == OUTLINES:
-        granules, bodies = constituents.first.shape[0] - 1, constituents.reference.shape[0]
-        find_outlines(
-            world.outlines, turned, granules, bodies, numbers, at, table, base, count, pair, lanes
-        )
+        find_outlines(world.outlines, turned, more, contacts, block, pair, lanes)
     elif WITH_POLYGONS and section == POLYGONS:
-        granules, bodies = constituents.first.shape[0] - 1, constituents.reference.shape[0]
-        find_polygons(
-            shape,
-            world.faces,
-            turned,
-            granules,
-            bodies,
-            numbers,
-            at,
-            table,
-            base,
-            count,
-            pair,
-            lanes,
-        )
+        find_polygons(shape, world.faces, turned, more, contacts, block, pair, lanes)
     else:
         find_pairs(shape, table, base, count, pair, lanes)
 
@@ -109,7 +93,7 @@ def boundary_forces(world, dt, pair, lanes):
     """Add the forces of walls and solids, and those on all boundaries."""
     contacts, boundaries = world.contacts, world.boundaries
     force, loads, walls = boundaries.force, boundaries.contact_forces, boundaries.planes.shape[0]
-    flat = world.constituents.force.reshape(-1)
+    flat, boundary = world.constituents.force.reshape(-1), world.faces.boundary
     clear(force, 0, force.shape[0])
     clear(loads, 0, loads.shape[0])
     for section in range(WALLS, POLYGONS + 1):
@@ -117,7 +101,7 @@ def boundary_forces(world, dt, pair, lanes):
             find_block(world, section, block, pair, lanes)
             respond_block(world, block, dt, pair, lanes)
             at, count = NUMBERS * np.uint64(block), contacts.count[block]
-            load_boundaries(contacts.numbers, at, count, walls, lanes, flat, force, loads)
+            load_boundaries(contacts.numbers, at, count, walls, boundary, lanes, flat, force, loads)
     sum_held_forces(world.constituents, world.held, force, loads)
 
 

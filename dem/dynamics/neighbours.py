@@ -64,7 +64,7 @@ class Near(NamedTuple):
         The partners of constituent i are partner[first[i]] to partner[first[i + 1]].
     partner : ndarray of shape (room,)
         Constituents with a higher index, ascending.
-    constituent, boundary : ndarray of shape (room,)
+    constituent, target : ndarray of shape (room,)
         Contacts with boundaries, section by section.
     of_section : ndarray of shape (SECTIONS + 1,)
         The contacts of section s with boundaries are of_section[s] to of_section[s + 1].
@@ -73,7 +73,7 @@ class Near(NamedTuple):
     first: np.ndarray
     partner: np.ndarray
     constituent: np.ndarray
-    boundary: np.ndarray
+    target: np.ndarray
     of_section: np.ndarray
 
 
@@ -213,19 +213,19 @@ def find_near_pairs(motion, owner, bodies, skin, grid, near):
     return count
 
 
-def distance_from(faces, b, c, s, x, y):
-    """Distance (m) from boundary b, a polygon at an angle of cosine c and sine s, to a point x, y (m)
-    from its position; inside it is zero."""
+def distance_from(faces, t, c, s, x, y):
+    """Distance (m) from target t, faces at an angle of cosine c and sine s, to a point x, y (m) from
+    their position; inside a whole polygon it is zero."""
     px, py = c * x + s * y, c * y - s * x
-    nearest, inside = np.inf, True
-    for f in range(faces.first[b], faces.first[b + 1]):
+    nearest, inside = np.inf, not faces.has_ends[t]
+    for f in range(faces.first[t], faces.first[t + 1]):
         dx, dy = px - faces.row[f, 0], py - faces.row[f, 1]
         nx, ny, length = faces.row[f, 2], faces.row[f, 3], faces.row[f, 4]
         along, above = dy * nx - dx * ny, dx * nx + dy * ny
         inside = inside and above < 0.0
         beside = max(-along, along - length, 0.0)
         nearest = min(nearest, np.sqrt(beside * beside + above * above))
-    return 0.0 if inside else max(nearest - faces.radius[b], 0.0)
+    return 0.0 if inside else max(nearest - faces.radius[t], 0.0)
 
 
 def find_near_boundaries(world, bodies, skin, near):
@@ -237,21 +237,22 @@ def find_near_boundaries(world, bodies, skin, near):
     for section in range(WALLS, SECTIONS):
         for i in range(radius.shape[0]):
             x, y = motion[i, X], motion[i, Y]
-            for b in range(sections.shape[0]):
-                if sections[b] != section:
+            for t in range(sections.shape[0]):
+                if sections[t] != section:
                     continue
+                b = faces.boundary[t]
                 dx, dy = nearest(period[0], x - moving[b, X]), nearest(period[1], y - moving[b, Y])
                 if section == WALLS:
                     is_near = x * planes[b, 0] + y * planes[b, 1] + radius[i] + skin > planes[b, 2]
                 elif section == POLYGONS:
                     angle = boundaries.angle[b]
                     c, s = np.cos(angle), np.sin(angle)
-                    is_near = distance_from(faces, b, c, s, dx, dy) < radius[i] + skin
+                    is_near = distance_from(faces, t, c, s, dx, dy) < radius[i] + skin
                 else:
-                    reach = radius[i] + sizes[b] + skin
+                    reach = radius[i] + sizes[t] + skin
                     is_near = dx * dx + dy * dy < reach * reach
                 if is_near:
-                    near.constituent[count], near.boundary[count] = i, b
+                    near.constituent[count], near.target[count] = i, t
                     count += 1
         near.of_section[section + 1] = count
 
@@ -286,7 +287,7 @@ def add_contact(world, bodies, contacts, cursor, section, i, row, target):
             x, y = image(bodies.period[0], dx), image(bodies.period[1], dy)
         table[p + columns.shift], table[p + columns.shift + BLOCK] = x, y
         dx, dy = dx + x, dy + y
-    old = find_old(world.contacts, columns.all, cursor, section, i, row)
+    old = find_old(world.contacts, columns.all, cursor, section, i, row, target)
     for c in range(columns.history, columns.all, BLOCK):
         table[p + c] = world.contacts.table[old + c] if old >= 0 else 0.0
     if columns.normal >= 0:
@@ -307,22 +308,23 @@ def end_block(cursor):
     return cursor[2]
 
 
-def find_old(old, stride, cursor, section, i, row):
+def find_old(old, stride, cursor, section, i, row, target):
     """Where the table of the old list has a contact, -1 where it has not.
 
     stride: numbers of a block. It looks from where the cursor is, because both lists are in
     ascending order.
     """
     block, lane = cursor[0], cursor[1]
+    column, sought = (PARTNER, row) if section == PAIRS else (TARGET, target)
     while block < old.first[section + 1]:
         if lane >= old.count[block]:
             block, lane = block + 1, 0
             continue
         at = 3 * BLOCK * block + lane
-        one, two = old.numbers[at], old.numbers[at + BLOCK]
-        if one > i or (one == i and two >= row):
+        one, two = old.numbers[at], old.numbers[at + np.int64(column)]
+        if one > i or (one == i and two >= sought):
             cursor[0], cursor[1] = block, lane
-            if one == i and two == row:
+            if one == i and two == sought:
                 return block * stride + lane
             return -1
         lane += 1
@@ -364,9 +366,10 @@ def fill(world, bodies, near, contacts, patches, cursor):
     for section in range(WALLS, SECTIONS):
         cursor[0], cursor[1] = world.contacts.first[section], 0
         for q in range(near.of_section[section], near.of_section[section + 1]):
-            i, b = np.int64(near.constituent[q]), np.int64(near.boundary[q])
+            i, t = np.int64(near.constituent[q]), np.int64(near.target[q])
+            row = owner.shape[0] + world.faces.boundary[t]
             lowest[owner[i] // PATCH] = -1
-            add_contact(world, bodies, contacts, cursor, section, i, owner.shape[0] + b, b)
+            add_contact(world, bodies, contacts, cursor, section, i, row, t)
         contacts.first[section + 1] = end_block(cursor)
     return shared
 
@@ -469,8 +472,8 @@ class Bodies(NamedTuple):
         Bounding radius (m) of constituents, and which are held.
     largest : float
         Greatest of these radii (m).
-    sections, sizes : ndarray of shape (w + k,)
-        Section of each wall and solid, and radius (m) of the circle that holds it.
+    sections, sizes : ndarray of shape (t,)
+        Section of each target (dem.dynamics.world.Faces), and radius (m) of the circle that holds it.
     outlines, others : ndarray of shape (c + r, s)
         Numbers of all outlines, and of those that solids and granules have in terms of the solids'.
     period : tuple of float
@@ -529,7 +532,7 @@ class Lists:
             first=np.zeros(c + 1, np.int64),
             partner=np.empty((ROOM + 1) * c + ROOM, np.uint32),
             constituent=np.empty(beside, np.uint32),
-            boundary=np.empty(beside, np.uint32),
+            target=np.empty(beside, np.uint32),
             of_section=np.zeros(SECTIONS + 1, np.int64),
         )
         self.grid = Grid(*(np.empty(size, np.int64) for size in (c, c, cells, cells)))

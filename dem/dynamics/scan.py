@@ -238,7 +238,7 @@ def scan_blocks(world, bed, begin, geometry, bounds, result):
                         dx, dy = dx + table[p + SHIFT_X], dy + table[p + SHIFT_Y]
                     x, y = n1 * nx - t1 * ny - dx, n1 * ny + t1 * nx - dy
                     normal_arm, tangent_arm = x * ny - y * nx, x * nx + y * ny
-                b = np.int64(numbers[at + TARGET + k])
+                b = world.faces.boundary[np.int64(numbers[at + TARGET + k])]
                 two = boundary_of(world, bed, b, normal_arm, tangent_arm)
             radius_there = row[CURVED, lane]
             add_contact(world.law, table, p, bounds, least, overlap, nx, ny, radius_there, one, two)

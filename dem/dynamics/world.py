@@ -81,7 +81,7 @@ class Contacts(NamedTuple):
     ----------
     numbers : ndarray of uint32
         Constituent, body and target of each contact, block by block. Of a pair the target is the row
-        of Constituents.force for the force on the partner; of others the boundary.
+        of Constituents.force for the force on the partner; of others see Faces.
     table : ndarray of float
         The columns, block by block.
     count : ndarray of shape (blocks,)
@@ -154,21 +154,28 @@ class Boundaries(NamedTuple):
 
 
 class Faces(NamedTuple):
-    """Outlines of the boundaries that are polygons.
+    """What contacts with walls and solids aim at, t targets: a chain of faces of a polygon, or all of
+    another boundary.
 
     Attributes
     ----------
-    first : ndarray of shape (r + 1,)
-        The faces of boundary b are rows first[b] to first[b + 1].
+    boundary : ndarray of shape (t,)
+        The boundary of each target, ascending; the walls come first.
+    first : ndarray of shape (t + 1,)
+        The faces of a target are rows first[t] to first[t + 1].
     row : ndarray of shape (faces, 5)
         Where a face begins (m), its outward normal, its length (m), in the frame of the solid.
-    radius : ndarray of shape (r,)
+    radius : ndarray of shape (t,)
         Radius of the rounded corners (m).
+    has_ends : ndarray of shape (t,)
+        Whether another chain goes on where this one ends, see dem.outlines.chains.
     """
 
+    boundary: np.ndarray
     first: np.ndarray
     row: np.ndarray
     radius: np.ndarray
+    has_ends: np.ndarray
 
 
 class Held(NamedTuple):

@@ -58,6 +58,9 @@ CALLS = {
     "two or more corners of a convex polygon, anticlockwise": lambda: dem.Polygon(
         [[0, 0], [2e-3, 0], [1e-3, 0.2e-3], [1e-3, 2e-3]], 1e-4
     ),
+    "its pieces must have one radius, not 0.0001 and 0.0002 m": lambda: dem.Solid(
+        [dem.plate(4e-3, 2e-4), dem.plate(4e-3, 4e-4)], (0, 0)
+    ),
     "has a radius of 0.0001 m; it must be more than 0.0002 m": beside(
         (0, 0), outline=dem.plate(4e-3, 0.2e-3)
     ),
