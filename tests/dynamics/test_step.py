@@ -84,8 +84,10 @@ def test_a_solid_is_where_its_velocity_takes_it():
 
 
 def resting(small):
-    """A small bed around a cylinder at rest."""
-    return small.scene(solids=replace(small.cylinder, velocity=(0.0, 0.0))), small.state
+    """A small bed of light and heavy granules around a cylinder at rest."""
+    cylinder, light = replace(small.cylinder, velocity=(0.0, 0.0)), dem.Material(density=30.0)
+    both, turns = (light, dem.Material()), np.arange(60) % 2
+    return small.scene(solids=cylinder, material=both, species=turns), small.state
 
 
 @pytest.mark.parametrize(
