@@ -4,20 +4,13 @@ import pytest
 from bad_input import KINDS, make_good, spoil
 from hypothesis import settings
 from nightly import cluster, faults
-from nightly.mutants import MUTANTS, PROJECT, notices, notices_patch
+from nightly.mutants import FAULTS, notices
 from store_states import Sweeps
 
-PATCHES = sorted((PROJECT / "tests" / "faults").glob("*.patch"))
 
-
-@pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: f"{mutant.file} {mutant.right}")
-def test_a_quick_test_notices_a_fault_of_the_code(mutant):
-    assert notices(mutant)
-
-
-@pytest.mark.parametrize("patch", PATCHES, ids=lambda patch: patch.stem)
-def test_a_quick_test_notices_a_small_fault(patch):
-    assert notices_patch(patch)
+@pytest.mark.parametrize("fault", FAULTS, ids=str)
+def test_a_quick_test_notices_a_fault_of_the_code(fault):
+    assert notices(fault)
 
 
 @pytest.fixture(scope="module")
