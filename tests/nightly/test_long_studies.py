@@ -2,7 +2,7 @@
 
 import pytest
 from project import needs_study
-from small_studies import assert_the_rest_works_without, assert_works_in_its_smallest_form
+from small_studies import assert_works_in_its_smallest_form
 
 import studies
 from dem.sweep.config import load
@@ -12,11 +12,6 @@ if "verification" in studies.NAMES:
     from studies.verification import broken_laws, results
 
     CASES, LAWS = sorted(results.CASES), broken_laws.LAWS
-
-
-@pytest.mark.parametrize("name", studies.NAMES)
-def test_a_study_can_be_removed(copy, tmp_path, name):
-    assert_the_rest_works_without(copy, tmp_path / "copy", [name])
 
 
 @needs_study("benchmark")

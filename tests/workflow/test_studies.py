@@ -13,7 +13,7 @@ from studies.catalogue import figures, reported
 @pytest.mark.parametrize("names", [studies.NAMES, studies.NAMES[::2], studies.NAMES[1::2]])
 @posix
 def test_studies_can_be_removed(copy, tmp_path, names):
-    """All, or every other one; each alone is removed at night."""
+    """All, or every other one."""
     assert_the_rest_works_without(copy, tmp_path / "copy", names)
 
 
