@@ -1,11 +1,17 @@
 """What a night finds out: faults of the code that no quick test notices, and sweeps that are disturbed, and what chance finds."""
 
+import re
+import subprocess
+import sys
+import venv
+
 import pytest
 from bad_input import KINDS, make_good, spoil
 from hypothesis import settings
 from nightly import cluster, faults
-from nightly.mutants import FAULTS, notices
+from nightly.mutants import FAULTS, PROJECT, notices
 from store_states import Sweeps
+from workflows import environment
 
 
 @pytest.mark.parametrize("fault", FAULTS, ids=str)
@@ -26,6 +32,29 @@ def checkout(tmp_path_factory):
 @pytest.mark.parametrize("fault", faults.FAULTS)
 def test_a_disturbed_sweep_goes_on_to_the_same_bits(checkout, fault):
     faults.FAULTS[fault](checkout)
+
+
+def ask(python, *words, **more):
+    """Run a module in the project, which must succeed."""
+    given = environment(PROJECT) | more
+    subprocess.run([python, "-m", *words], cwd=PROJECT, env=given, check=True)
+
+
+def test_no_index_of_a_kernel_is_out_of_its_array():
+    ask(sys.executable, "pytest", "-n0", "tests/dynamics/test_twin.py", NUMBA_BOUNDSCHECK="1")
+
+
+NUMBA = re.search('"(numba>=.*?)"', (PROJECT / "pyproject.toml").read_text())[1]
+
+
+@pytest.mark.parametrize("numba", [NUMBA.replace(">", "="), NUMBA])
+def test_the_quick_part_passes_with_the_oldest_and_the_newest_numba(tmp_path, numba):
+    """Beside all else of the lock, but for what Numba chooses."""
+    venv.create(tmp_path, with_pip=True)
+    python = tmp_path / "bin/python"
+    ask(python, "setup.install", "tests/requirements.txt")
+    ask(python, "pip", "install", "-U", numba)
+    ask(python, "pytest", "-m", "quick")
 
 
 def test_a_dask_cluster_without_the_files_of_the_client_gives_the_same_values():
