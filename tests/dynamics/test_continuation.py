@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from mechanics import assert_bits_are_the_same, assert_threads_change_no_bit, crowd, seen
 from project import posix
-from scenes import LEDGERS, SCENES, scene_of
+from scenes import FREE, LEDGERS, SCENES, scene_of
 
 import dem
 
@@ -132,10 +132,15 @@ def test_a_run_goes_on_with_the_same_bits(bed, way):
     assert_bits_are_the_same(undisturbed(bed), seen(way(maker(bed)), LASTS / 8))
 
 
+HELD = dem.Held(np.arange(0, 33**2, 3), FREE)
+DENSE = crowd(lambda radius: dem.Disc(1.2 * radius), 33, walls=None, solids=None, held=[HELD])
+
+
 @pytest.mark.quick
-@pytest.mark.parametrize("bed", [crowd(), crowd(side=33)], ids=["crowd", "few more than a patch"])
+@pytest.mark.parametrize("bed", [crowd(), crowd(side=33), DENSE], ids=["many", "few", "dense"])
 def test_the_number_of_threads_changes_no_bit(bed):
-    """Also where one thread has hardly anything to do, and no boundary near. Other granules are asked at night."""
+    """Also where one thread has hardly anything to do, and no boundary near; and where many granules of a group feel
+    those of the other thread. Other granules are asked at night."""
     assert_threads_change_no_bit(*bed)
 
 
