@@ -56,15 +56,15 @@ class Small(NamedTuple):
 
 
 @cache
-def make_small_bed(kind, seed=1, fraction=0.84, aspect_ratio=None):
+def make_small_bed(kind, fraction=0.84):
     sweep = load(CONFIG / "smoke.yaml").changed({"packing.fraction": fraction}, "c1")
     section = section_of(kind)
-    diameters = sample_diameters(section, sweep.packing.size_spread, seed)
+    diameters = sample_diameters(section, sweep.packing.size_spread, 1)
     height = height_of_box(sweep, diameters)
-    shape = shapes.KINDS[kind].shape.of_size(diameters, aspect_ratio or section.form)
+    shape = shapes.KINDS[kind].shape.of_size(diameters, section.form)
     axis = 0.5 * sweep.box_width, sweep.cylinder.start * height
     cylinder = dem.Cylinder(sweep.cylinder.diameter, axis, (0.0, sweep.cylinder.velocity))
-    return Small(diameters, shape, cylinder, dem.pack(shape, 8e-3, height, cylinder, seed))
+    return Small(diameters, shape, cylinder, dem.pack(shape, 8e-3, height, cylinder, 1))
 
 
 PRESSURE, HIGH = 60e6, 150e6  # Pa

@@ -14,7 +14,7 @@ from pictures import assert_not_blank
 from project import CONFIG
 from typer.testing import CliRunner
 
-from dem.figures.catalogue import FIGURES, draw, possible
+from dem.figures.catalogue import draw
 from dem.sweep.config import load, parse
 from dem.sweep.state import SweepState
 from dem.sweep.workers import Workers
@@ -71,19 +71,12 @@ def assert_shown_and_drawn(study: str, path: Path) -> None:
         assert_not_blank(draw(name, path, path.parent, figures())[1])
 
 
-def make_sweep(folder: Path, beds: bool = False, **values) -> SweepState:
-    """A sweep of config/smoke.yaml with other values, made in `folder`/results, with its figures.
-
-    beds: whether the figures of snapshots.nc are drawn too.
-    """
+def make_sweep(folder: Path, **values) -> None:
+    """A sweep of config/smoke.yaml with other values, made in `folder`/results, with the figures of its drag."""
     with chdir(folder):
         work = SweepState(parse({"extends": str(SMOKE), "results": "results", **values}))
         work.make(Workers())
-        for name in possible(work.block("drag")) if beds else ():
-            if FIGURES[name].file == "snapshots":
-                draw(name, Path("results/snapshots.nc"), Path("results/figures"))
         draw("all", Path("results/drag.nc"), Path("results/figures"))
-    return work
 
 
 def smoke(**changes):
