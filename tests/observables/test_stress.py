@@ -154,15 +154,17 @@ def test_a_gas_has_the_stress_of_its_motion_and_no_fabric():
     assert not empty.contact.any() and np.isnan(empty.coordination_number).all()
 
 
-def test_frames_know_no_tangential_forces():
-    """They are NaN with friction, and known to be zero without."""
+def test_frames_know_the_overlaps_of_their_time_and_no_tangential_forces():
+    """These are NaN with friction, and known to be zero without."""
     start = dem.State([[0.0, 0.0], [1.99e-3, 0.0]])
     for around, known in ((ROUGH, False), ({}, True)):
-        scene = dem.Scene(dem.Disc([1e-3, 1e-3]), **around)
-        contacts = dem.simulate(scene, start, 1e-9).contacts()
-        assert len(contacts.force) == 1 and np.isfinite(contacts.force).all()
-        assert np.isfinite(contacts.total_force).all() == known
-        assert (contacts.tangential_force == 0.0).all() == known
+        result = dem.simulate(dem.Scene(dem.Disc([1e-3, 1e-3]), **around), start, 1e-7, frames=3)
+        for frame, x in enumerate(result.position[..., 0]):
+            contacts = result.contacts(frame)
+            assert_allclose(contacts.overlap, [2e-3 - np.ptp(x)])
+            assert np.isfinite(contacts.force).all()
+            assert np.isfinite(contacts.total_force).all() == known
+            assert (contacts.tangential_force == 0.0).all() == known
 
 
 def test_the_edges_of_bins_close_a_wedge():
