@@ -13,7 +13,6 @@ from pathlib import Path
 
 import pytest
 from project import CONFIG, FILES, LAW, PRODUCT, PRODUCTS, SHAPE, posix
-from sweeps import contents
 from workflows import environment
 
 import dem
@@ -192,10 +191,10 @@ def test_an_edited_shape_is_one_sentence_and_nothing_is_written(file):
     assert first_run(file).kind.shape is first
 
 
-RAISED = "raise dem.InputError('bulge is 1.0; it must lie in 0 to 0.12.')"
-BAD_SHAPES = {  # by name of a class: what is put for what is there, and the end of the sentence that names shape and class
+BULGING = "raise dem.InputError('bulge is 1.0; it must lie in 0 to 0.12.')\n        unit = cls"
+BAD_SHAPES = {  # by name of a class: what is put for what is there, and what the sentence says after shape and class
     "Undecorated": ("@smooth(support)\n", "", "Undecorated is no shape; decorate it with smooth"),
-    "Bulging": ("unit = cls", f"{RAISED}\n        unit = cls", "bulge is 1.0;"),
+    "Bulging": ("unit = cls", BULGING, "bulge is 1.0;"),
     "Larger": ("(0.5 *", "(0.5005 *", "Larger.of_size gives a granule of "),
 }
 
@@ -208,10 +207,8 @@ def test_what_is_wrong_with_granules_is_said_before_any_bed_is_packed(file, wron
     text = SHAPE.replace(old, new).replace("Pebble", wrong)
     sweep = OF_PEBBLES.replace("Pebble", wrong)
     write(file.parent, sweep=sweep, pebbles=f"import dem\n{text}")
-    with pytest.raises(dem.InputError) as error:
+    with pytest.raises(dem.InputError, match=rf"^shapes\.p \(pebbles\.{wrong}\): .*{words}"):
         dem.run_experiment(next(dem.load_sweep(file)))
-    assert str(error.value).startswith(f"shapes.p (pebbles.{wrong}): ")
-    assert words in str(error.value)
 
 
 WRONG = {  # what is put instead of the result: why the run failed
@@ -220,7 +217,6 @@ WRONG = {  # what is put instead of the result: why the run failed
     "failing()": "helping.py, line 2: KeyError: 'a'",
     "'four'": "the variable product is 'four'; it must be a number.",
     "1} and {'other': 1": "the variable other must be both in VARIABLES and in what product.py gives.",
-    "1, 'other': set()": "the variable other must be both in VARIABLES and in what product.py gives.",
 }
 
 
@@ -230,8 +226,7 @@ def test_an_error_in_an_experiment_of_ones_own_fails_its_run_only(file):
     start = "from helping import failing\n" + PRODUCT.partition("    return")[0].rstrip()
     given = [*WRONG, "7"]
     lines = [
-        f"    if replicate.seed == {k}: return {{'product': {what}}}"
-        for k, what in enumerate(given)
+        f"    if replicate.seed == {k}: return {{'product': {x}}}" for k, x in enumerate(given)
     ]
     text = "\n".join([start, *lines, ""])
     sweep = PRODUCTS.replace("[1, 2, 3]", f"0 to {len(WRONG)}").replace("0.5", "0.95")
@@ -239,11 +234,8 @@ def test_an_error_in_an_experiment_of_ones_own_fails_its_run_only(file):
     data = dem.run_sweep(file)
     *failed, whole = data["failure"].values.ravel()
     assert all(failed) and not whole and data["product"].values.ravel()[-1] == 7
-    rows = [contents(path) for path in Path("results/store/batches").glob("*.nc")]
-    reasons = {int(row["seed"][0]): str(row["failure_reason"][0]) for row in rows}
-    first = start.count("\n") + 2
-    for k, reason in enumerate(WRONG.values()):
-        assert reasons[k].startswith(reason.replace("LINE", str(first + k))), reasons[k]
+    for line, reason in enumerate(WRONG.values(), start.count("\n") + 2):
+        assert reason.replace("LINE", str(line)) in data["failure"].comment
 
 
 OBSERVABLE = """
@@ -292,7 +284,7 @@ def test_an_observable_gives_lists_of_any_length(file):
         dem.run_experiment(values | {"record": {"observables": ["drag", "near3.py"]}})
     result = dem.run_experiment(values | {"record": {"observables": ["drag", "near900.py"]}})
     assert (result["contact_force"].count("contact") == result["contact_number"]).all()
-    assert len({*result["contact_number"].values.tolist()}) > 1
+    assert result["contact_number"].std() > 0
 
 
 @quick
