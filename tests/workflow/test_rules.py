@@ -1,6 +1,5 @@
 """What the rules say of their jobs, without a job: the code that one depends on, and the cores that it takes."""
 
-import ast
 import os
 import sys
 from functools import cache
@@ -8,13 +7,14 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
+from grimp import build_graph
 from project import ROOT, needs_study, posix
 from snakemake.api import SnakemakeApi
 from snakemake.iocontainers import Wildcards
 from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
 
 from dem.base.source_hash import run_codes
-from studies import FOLDERS, package_of
+from studies import package_of
 from studies.catalogue import figures, reported
 
 pytestmark = [posix, pytest.mark.quick, needs_study("claims", "benchmark")]
@@ -45,54 +45,46 @@ def code(rule, **wildcards):
     return set(rule.params.code(Wildcards(fromdict=wildcards)))
 
 
-@cache
-def named(file: Path):
-    """The files of the project that a file imports."""
-    names = set()
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            names |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
-    places = [ROOT.joinpath(*name.split(".")) for name in names]
-    paths = {path for place in places for path in (place.with_suffix(".py"), place / "__init__.py")}
-    return set(filter(Path.is_file, paths))
+def file(module):
+    return ROOT / f"{module.replace('.', '/')}.py"
 
 
 # Rooms that make the numbers of pages and pictures; the rooms below make runs, or read, check and write.
-ROOMS = [
-    ROOT / room for room in ("dem/analysis", "dem/base/statistics.py", "dem/figures", "studies")
-]
-LISTS = "catalogue.py", "__init__.py", "__main__.py"  # of what there is
+ROOMS = "dem.analysis", "dem.base.statistics", "dem.figures", "studies"
+LISTS = ".catalogue", ".__main__"  # of what there is
 
 
-def needed(file: Path):
-    """A file of these rooms, and all of them that it imports, directly or not."""
-    found, queue = set(), [file]
-    while queue:
-        path = queue.pop()
-        if path not in found and any(path.is_relative_to(room) for room in ROOMS):
-            found.add(path)
-            queue += named(path)
-    return {path for path in found if path.name not in LISTS}
+@cache
+def imports():
+    """What the modules of these rooms import of each other."""
+    graph = build_graph("dem", "studies", cache_dir=None)
+    for module in graph.modules:
+        if file(module).is_file() and (not module.startswith(ROOMS) or module.endswith(LISTS)):
+            graph.remove_module(module)
+    return graph
+
+
+def needed(module):
+    """The files of a module and of all that it imports of these rooms, directly or not."""
+    return {*filter(Path.is_file, map(file, {module} | imports().find_upstream_modules(module)))}
 
 
 @pytest.mark.parametrize("name", figures())
 def test_a_figure_depends_on_all_that_makes_its_numbers(rules, name):
     """On each file of these rooms that its own imports, and on no other figure."""
-    file = ROOT / f"{figures()[name].module.replace('.', '/')}.py"
+    module = figures()[name].module
     files = code(rules["figure"], figure=name, folder="results")
-    assert needed(file) <= files
-    drawn = {ROOT / f"{figure.module.replace('.', '/')}.py" for figure in figures().values()}
-    assert files & drawn <= needed(file) | {ROOT / "dem/figures/sweep.py"}
+    assert needed(module) <= files
+    drawn = {file(figure.module) for figure in figures().values()}
+    assert files & drawn <= needed(module) | {file("dem.figures.sweep")}
 
 
 @pytest.mark.parametrize("study", reported())
 def test_results_and_table_of_a_study_depend_on_all_that_makes_their_numbers(rules, study):
     """What a study measures by itself depends on the code of runs too."""
-    for rule, name in ("results", "results.py"), ("table", "findings.py"):
+    for rule, name in ("results", "results"), ("table", "findings"):
         files, runs = code(rules[rule], study=study), set(run_codes())
-        assert needed(FOLDERS[study] / name) <= files
+        assert needed(f"{package_of(study)}.{name}") <= files
         assert runs <= files if rule == "results" and measures(study) else runs.isdisjoint(files)
 
 
