@@ -149,22 +149,16 @@ class Sweeps(RuleBasedStateMachine):
         order(fails=self.fails(), **({"left": when} if in_run else {}))
         self.left = {} if in_run else {end: when}
         try:
-            jobs = [
-                [
-                    (work, b.id)
-                    for b in work.batches("drag")
-                    if not work.store.file_of(b.id).exists()
-                ]
+            missing = [
+                [b.id for b in work.batches("drag") if not self.store.file_of(b.id).exists()]
                 for work in at_work
             ]
             for work in at_work:
                 work.begin("drag")
-            for job in chain(*zip_longest(*jobs)):
-                if job:
-                    work, batch = job
-                    make(work.store, batch)
-            for name, work in zip(names, at_work, strict=True):
-                combine_block(work, "drag", "drag", Path(f"results/{name}/drag.nc"))
+            for batch in filter(None, chain(*zip_longest(*missing))):
+                make(self.store, batch)
+            for work in at_work:
+                combine_block(work, "drag", "drag", *work.combined("drag"))
         except (Killed, OSError) as error:
             assert self.left.get(end) == 0, error
         except KeyboardInterrupt:
@@ -173,8 +167,8 @@ class Sweeps(RuleBasedStateMachine):
             (path,) = [file for file in self.damaged if str(file) in str(error)]
             path.unlink(missing_ok=True)
         else:
-            for name, work in zip(names, at_work, strict=True):
-                failed = self.check(work, Path(f"results/{name}/drag.nc"))
+            for work in at_work:
+                failed = self.check(work, *work.combined("drag"))
                 assert not (sound and again and failed)
         self.left = {}
 
@@ -206,9 +200,7 @@ class Sweeps(RuleBasedStateMachine):
     def check(self, work, path, there=None):
         """A combined file has all runs of its sweep, each with what it gave; there: those of a partial file. Returns
         whether some failed."""
-        with xr.open_dataset(path) as dataset:
-            dataset.load()
-        force = self.forces()
+        dataset, force = xr.load_dataset(path), self.forces()
         for (case, seed), run in work.block("drag").runs.items():
             row = dataset.isel(case=case, seed=seed)
             missing = there is not None and run.id not in there
