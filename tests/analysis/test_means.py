@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose
 from pictures import text_of
 from project import ROOT
 from typer.testing import CliRunner
@@ -72,15 +73,15 @@ def test_means_are_of_the_runs_that_did_not_fail_wherever_they_are_shown(saved, 
     for name in ("means.csv", "means.nc"):
         write_means(means(path), tmp_path / name)
     table = pd.read_csv(tmp_path / "means.csv")
-    np.testing.assert_allclose(table["drag (N)"], np.nanmean(drag, 1))
+    assert_allclose(table["drag (N)"], np.nanmean(drag, 1))
     half = [mean_interval(row).half for row in drag]
-    np.testing.assert_allclose(table["drag_half_interval (N)"], half)
+    assert_allclose(table["drag_half_interval (N)"], half)
     assert table["drag_runs"].tolist() == [3, 3, 4] and table["lift_runs"].tolist() == [2, 1, 2]
     assert table["friction_granule"].tolist() == [0.1, 0.2, 0.3] and "point" not in table
     with dem.open_results(tmp_path / "means.nc") as result:
         for name in ("drag", "drag_half_interval"):
             assert result[name].dims == ("point",) and result[name].attrs["units"] == "N"
-            np.testing.assert_allclose(result[name], table[f"{name} (N)"])
+            assert_allclose(result[name], table[f"{name} (N)"])
     text = printed(path, "--of", "drag")
     shown = *table["drag (N)"], *table["drag_half_interval (N)"]
     assert all(f"{value:.5g}" in text for value in shown)
@@ -97,7 +98,7 @@ def test_two_sweeps_are_compared_where_both_have_a_point(saved):
     ratios = [ratio_interval(*pair) for pair in zip(second, first, strict=True)]
     expected = [np.nanmean(first, 1), np.nanmean(second, 1), *np.transpose(ratios)]
     for name, values in zip((*PAIR, *RATIO), expected, strict=True):
-        np.testing.assert_allclose(result[name], values)
+        assert_allclose(result[name], values)
     text = printed(*paths)
     assert all(f"{ratio:.5g}" in text for ratio in result["ratio"].values)
 
@@ -108,8 +109,8 @@ def test_runs_that_both_files_have_count_for_the_first_alone(saved):
     two["run_id"] = two["run_id"].where(two["seed"] > 1, one["run_id"])  # two seeds are of both
     paths = saved(one, two, one)
     result = compared(*paths[:2], "drag")
-    np.testing.assert_allclose(result["first"], np.nanmean(drag_of(one), 1))
-    np.testing.assert_allclose(result["second"], np.nanmean(drag_of(two)[:, 2:], 1))
+    assert_allclose(result["first"], np.nanmean(drag_of(one), 1))
+    assert_allclose(result["second"], np.nanmean(drag_of(two)[:, 2:], 1))
     assert compared(*paths[::2], "drag")["ratio"].isnull().all()
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from project import ROOT, needs_study
 from synthetic import DENSITY, NUMBERS, PRESSURE, sheared
 
@@ -25,9 +26,9 @@ def test_curves_tell_places_apart():
             ("1", [0.3, 0.5], [0.075, 0.125], 2.0),
         ):
             number, *others = curves[(place,)]
-            np.testing.assert_allclose(number, 0.9 * NUMBERS / slower)
+            assert_allclose(number, 0.9 * NUMBERS / slower)
             values = np.array(others)[..., 0]
-            np.testing.assert_allclose(values, [friction, middle, [0.8] * 2, [1.0] * 2, [0.9] * 2])
+            assert_allclose(values, [friction, middle, [0.8] * 2, [1.0] * 2, [0.9] * 2])
 
 
 def test_an_interval_is_that_of_the_means_of_runs():
@@ -36,10 +37,10 @@ def test_an_interval_is_that_of_the_means_of_runs():
     failed = runs.where(runs["seed"] != 2)
     means = failed["shear_fraction"].values[0].mean(-1)
     expected = [mean_interval(sample) for sample in means]
-    np.testing.assert_allclose(rheology(failed)[()].fraction, expected)
+    assert_allclose(rheology(failed)[()].fraction, expected)
     for one in (runs.isel(seed=[0]), runs.isel(seed=0)):
         mean, low, high = rheology(one)[()].friction.T
-        np.testing.assert_allclose(mean, [0.3, 0.4], rtol=0.02)
+        assert_allclose(mean, [0.3, 0.4], rtol=0.02)
         assert np.isnan([low, high]).all()
 
 
@@ -52,8 +53,8 @@ def test_numbers_are_of_the_pressure_and_density_that_the_runs_have(name, usual,
     runs = sheared([[0.1, 0.2], [0.3, 0.5]], noise=0.0)
     curves = rheology(runs.assign_coords({name: ("friction", [usual, 4.0 * usual])}))
     rates = np.array([curve.rate[:, 0] for curve in curves.values()])
-    np.testing.assert_allclose(rates, [[0.9, 0.9], [rate, rate]])
-    np.testing.assert_allclose(curves[("1",)].pressure[:, 0], share)
+    assert_allclose(rates, [[0.9, 0.9], [rate, rate]])
+    assert_allclose(curves[("1",)].pressure[:, 0], share)
 
 
 @needs_study("shear")

@@ -51,11 +51,10 @@ def change(before, after):
 def cases():
     """The released file of the paper's sweep, with runs of other means; one run failed. Then the means (seed,)
     within the window of each case."""
-    with xr.open_dataset(ROOT / "docs/data/drag.nc") as data:
-        data = data[["drag", "run_id", "displacement_bounds", "time_step"]].load()
+    data = xr.load_dataset(ROOT / "docs/data/drag.nc")
     level = np.random.default_rng(1).uniform(0.5, 2.0, (11, 5))
     level[-3, 1] = np.nan  # one of d12
-    data["drag"] = data["drag"] * xr.DataArray(level, dims=("case", "seed"))
+    data["drag"] *= xr.DataArray(level, dims=("case", "seed"))
     runs = data["drag"].sel(displacement=slice(1e-3, 5e-3)).mean("displacement", skipna=False)
     runs = dict(zip(data["case"].values, runs.values, strict=True))
     return data.assign_attrs(window_start=1e-3, window_stop=5e-3), runs
@@ -165,8 +164,7 @@ def test_beds_are_drawn_where_the_file_has_them(name):
     """At the start, halfway and at the end; shaded are those ahead of the cylinder, or every second layer of
     eight, where granules began."""
     colors, names = BEDS[name]
-    with xr.open_dataset(ROOT / "docs/data/snapshots.nc") as data:
-        data = data.load()
+    data = xr.load_dataset(ROOT / "docs/data/snapshots.nc")
     figure, data = plot(name, data), data.isel(seed=0, snapshot=[0, 30, 60])
     panels, words = iter(figure.axes), words_shown(figure)
     for case in names:
@@ -194,8 +192,7 @@ def test_beds_are_drawn_where_the_file_has_them(name):
 
 def test_a_picture_says_where_outlines_are_not_those_of_the_granules():
     """No reader of results runs the file of a shape of one's own, so that its granules are drawn as discs."""
-    with xr.open_dataset(ROOT / "docs/data/snapshots.nc") as beds:
-        beds = beds.sel(case=["c1", "c2"]).load()
+    beds = xr.load_dataset(ROOT / "docs/data/snapshots.nc").sel(case=["c1", "c2"])
     beds["kind"] = "case", np.array(["pebbles.Pebble", "disc"], object)
     words = words_shown(plot("figure09", beds))
     assert "c1: pebbles.Pebble" in words and words.count(", drawn as discs of equal area") == 1

@@ -43,9 +43,8 @@ def test_a_run_is_found_by_its_values(tmp_path):
     run, values = open_run(file, words)
     assert (run.label, run.seed) == ("d1", 1)
     assert (run.configuration.friction.granule, run.configuration.box_width) == (0.3, 10e-3)
-    with xr.open_dataset(file) as data:
-        point = {"shape": "d1", "friction_granule": 0.3, "box": "wide", "seed": 1}
-        assert_array_equal(values["drag"], data["drag"].sel(point))
+    point = {"shape": "d1", "friction_granule": 0.3, "box": "wide", "seed": 1}
+    assert_array_equal(values["drag"], xr.load_dataset(file)["drag"].sel(point))
     by_label = ["shape=d1", "friction_granule=0.3", "box_width=0.01"]
     found = set()
     for path in (file, *file.parent.glob("store/batches/*.nc")):
@@ -61,15 +60,15 @@ def test_a_motion_is_what_was_recorded(watched, case):
     """Snapshots and drag. The file of all beds holds the first seed, and gaps where a case has fewer
     granules than another."""
     motion = motion_of(watched, case)
-    with xr.open_dataset(watched / "snapshots.nc") as beds:
-        assert beds["seed"].values.tolist() == [1] and beds.sizes["granule"] == 60
-        one = beds.sel(case=case, seed=1).dropna("granule", subset=["granule_diameter"])
-        assert one.sizes["granule"] == (50 if case == "c1" else 60)
-        assert_array_equal(motion.position, np.stack([one["granule_x"], one["granule_y"]], axis=-1))
-        assert_array_equal(motion.angle, one["granule_angle"])
-        assert_array_equal(motion.diameters, one["granule_diameter"])
-    with xr.open_dataset(watched / "drag.nc") as data:
-        assert_array_equal(motion.drag, data["drag"].sel(case=case, seed=1))
+    beds = xr.load_dataset(watched / "snapshots.nc")
+    assert beds["seed"].values.tolist() == [1] and beds.sizes["granule"] == 60
+    one = beds.sel(case=case, seed=1).dropna("granule", subset=["granule_diameter"])
+    assert one.sizes["granule"] == (50 if case == "c1" else 60)
+    assert_array_equal(motion.position, np.stack([one["granule_x"], one["granule_y"]], axis=-1))
+    assert_array_equal(motion.angle, one["granule_angle"])
+    assert_array_equal(motion.diameters, one["granule_diameter"])
+    drag = xr.load_dataset(watched / "drag.nc")["drag"]
+    assert_array_equal(motion.drag, drag.sel(case=case, seed=1))
     assert motion.nearest(0.61e-3) == 6
     assert_allclose(motion.displacement, np.linspace(0.0, 1.2e-3, 13))
 

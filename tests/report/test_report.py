@@ -29,8 +29,7 @@ TITLE = "a page of <b>one run</b>"
 def page(tmp_path_factory):
     """The report of the paper's file; of its runs one failed, one was never asked for."""
     folder = tmp_path_factory.mktemp("report")
-    with xr.open_dataset(ROOT / "docs/data/drag.nc") as data:
-        data = data.load()
+    data = xr.load_dataset(ROOT / "docs/data/drag.nc")
     data["drag"] *= xr.DataArray(np.linspace(0.5, 2.0, 55).reshape(11, 5), dims=("case", "seed"))
     data["max_overlap"] *= xr.DataArray(np.linspace(1.0, 3.0, 600), dims="displacement")
     for name in ("drag", "max_overlap"):
@@ -52,8 +51,7 @@ def test_every_column_of_a_table_is_that_of_the_file(page):
     """In the report and in the terminal: means are means, and the greatest overlap is the greatest."""
     (table,) = pd.read_html(io.StringIO(page.read_text()), index_col=0)
     lines = text_of(summary(page.parent / "drag.nc")).splitlines()
-    with xr.open_dataset(page.parent / "drag.nc") as data:
-        data = data.load()
+    data = xr.load_dataset(page.parent / "drag.nc")
     window = data["drag"].sel(displacement=slice(1e-3, 5e-3))
     for case in data["case"].values:
         runs = window.sel(case=case).dropna("seed").values

@@ -81,15 +81,15 @@ def test_an_experiment_in_a_file_of_ones_own_is_swept(tmp_path):
         (folder / name).write_text(FILES[name])
     run("-m", "dem", "sweep", "mine/rest.yaml", cwd=tmp_path)
     data = tmp_path / "results/rest/rest.nc"
-    with xr.open_dataset(data) as dataset:
-        sizes = {"shape": 2, "rest_margin": 2, "seed": 2, "layer": 3}
-        assert dict(dataset["rest_granules"].sizes) == sizes
-        assert (dataset["rest_granules"].sum("layer") == dataset["granules"]).all()
-        assert dataset["layer"].values == pytest.approx([1 / 6, 1 / 2, 5 / 6])
-        # at rest each contact between granules is one of the list, and walls have the others
-        listed = dataset["rest_force"].count("contact")
-        most = 0.5 * dataset["rest_contacts"] * dataset["granules"]
-        assert (listed.sel(rest_margin=0.0) >= most).all()
+    dataset = xr.load_dataset(data)
+    sizes = {"shape": 2, "rest_margin": 2, "seed": 2, "layer": 3}
+    assert dataset["rest_granules"].sizes == sizes
+    assert (dataset["rest_granules"].sum("layer") == dataset["granules"]).all()
+    assert dataset["layer"].values == pytest.approx([1 / 6, 1 / 2, 5 / 6])
+    # at rest each contact between granules is one of the list, and walls have the others
+    listed = dataset["rest_force"].count("contact")
+    most = 0.5 * dataset["rest_contacts"] * dataset["granules"]
+    assert (listed.sel(rest_margin=0.0) >= most).all()
     draw("sweep", data, data.parent / "figures", of="rest_force")
     build(data, tmp_path / "page.html")
     assert "rest_granules" in (tmp_path / "page.html").read_text()
