@@ -125,13 +125,9 @@ def test_a_sweep_is_shown_with_names_and_units(tmp_path):
     make_sweep(tmp_path, sweep={"shape": ["c1", "d1"], "point": point})
     folder = tmp_path / "results"
     build(folder / "drag.nc", folder / "report.html")
-    body = (folder / "report.html").read_text()
-    assert 'id="sweep"' in body
+    assert 'id="sweep"' in (folder / "report.html").read_text()
     with dem.open_results(folder / "drag.nc") as data:
-        means = data["drag"].sel(displacement=slice(4e-4, 1e-3)).mean("displacement").values
         panels, runs = plot(data).axes, {run[:12] for run in data["run_id"].values.flat}
-    (table,) = pd.read_html(io.StringIO(body))
-    assert sorted(table["mean (N)"]) == pytest.approx(np.sort(means, axis=None), rel=1e-3)
     assert {" ".join(axes.get_xlabel().split()): axes.get_xscale() for axes in panels} == {
         "Friction between granules (1)": "linear",
         "Radius of ellipses in Hertz's law": "linear",
