@@ -30,10 +30,8 @@ WINDOW = {"window_start": 0.5e-3, "window_stop": 5.5e-3}
 
 def drawn(means, runs=40, scatter=0.12, seed=0):
     """Runs by case and seed whose true mean drags (N) are given by label; c12 are discs of ten times the density."""
-    rng, density = (
-        np.random.default_rng(seed),
-        [3.9e4 if case == "c12" else 3.9e3 for case in means],
-    )
+    rng = np.random.default_rng(seed)
+    density = [3.9e4 if case == "c12" else 3.9e3 for case in means]
     drag = [mean * rng.normal(1.0, scatter, runs) for mean in means.values()]
     shapes = ["c1" if case == "c12" else case for case in means]
     coords = {"case": list(means), "seed": np.arange(runs)}
