@@ -1,22 +1,15 @@
 """Files of a user: what a run is known by, and files that change, or fail, while a process lives."""
 
-import os
 import shutil
-import signal
-import subprocess
-import sys
-import time
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import nullcontext, suppress
+from contextlib import nullcontext
 from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
-from project import CONFIG, FILES, LAW, PRODUCT, PRODUCTS, SHAPE, posix
-from workflows import environment
+from project import CONFIG, FILES, LAW, PRODUCT, PRODUCTS, SHAPE
 
 import dem
-from dem.base.source_hash import ROOT
 from dem.experiment.config import of_values
 from dem.sweep.config import load, parse
 from dem.sweep.state import SweepState
@@ -315,27 +308,3 @@ def test_a_plan_finds_shapes_that_were_moved_since(tmp_path):
         assert replicate.configuration.beside == str(tmp_path / name)
         shutil.rmtree(tmp_path / name)
     assert len([*(tmp_path / "store").rglob(f"{chunk.id}.*")]) == 1
-
-
-@posix
-def test_workers_end_with_the_process_that_started_them(tmp_path):
-    """However it ends, also while they compile: they would keep memory, and a pipe that somebody reads."""
-    write(tmp_path, sweep=OF_DISCS.replace("seed: 1", "seed: 1 to 400"))
-    with subprocess.Popen(
-        [sys.executable, "-m", "dem", "sweep", "sweep.yaml", "-j2"],
-        cwd=tmp_path,
-        env=environment(ROOT) | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")},
-        start_new_session=True,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-    ) as process:
-        try:
-            ended = time.monotonic() + 120.0
-            while not any((tmp_path / "results/store/runs").rglob("*.lock")):
-                assert process.poll() is None and time.monotonic() < ended
-                time.sleep(0.05)
-            process.kill()
-            process.communicate(timeout=30.0)  # until nobody has the pipe
-        finally:
-            with suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)

@@ -215,3 +215,15 @@ def test_a_stopped_sweep_keeps_what_is_finished_and_says_how_to_go_on(folder, nu
     match = re.fullmatch(sentence, output.splitlines()[-1])
     assert match and int(match[1]) > 0 and "Traceback" not in output, output
     assert not list(folder.rglob("*.part"))
+
+
+@posix
+def test_workers_end_with_the_process_that_started_them(folder, monkeypatch):
+    """However it ends, also while they compile: they would keep memory, and a pipe that somebody reads."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(folder))
+    Path("long.yaml").write_text(
+        f"extends: {SMOKE}\nresults: results/long\nsweep: {{case: c1, seed: 1 to 400}}\n"
+    )
+    with started(lambda: [*folder.rglob("runs/**/*.lock")], "sweep", "long.yaml", "-j2") as process:
+        process.kill()
+        process.communicate(timeout=30.0)  # until nobody has the pipe
