@@ -53,10 +53,9 @@ def saved(tmp_path):
     """Writes files and returns their paths."""
 
     def write(*datasets):
-        paths = [tmp_path / f"{number}.nc" for number in range(len(datasets))]
-        for made, path in zip(datasets, paths, strict=True):
-            made.to_netcdf(path)
-        return paths
+        for number, made in enumerate(datasets):
+            made.to_netcdf(tmp_path / f"{number}.nc")
+        return sorted(tmp_path.glob("*.nc"))
 
     return write
 

@@ -6,10 +6,10 @@ import os
 import shutil
 from pathlib import Path
 
-import netCDF4
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 import yaml
 from pictures import text_of
 from sweeps import SMOKE, drawn, of_file, varied
@@ -66,8 +66,7 @@ def combined(sweep, block="drag"):
     """The file of a block, all runs made."""
     work = SweepState(sweep)
     work.make(Workers())
-    with dem.open_results(work.combined(block)[0]) as dataset:
-        return dataset.load()
+    return xr.load_dataset(work.combined(block)[0])
 
 
 # What can vary
@@ -223,14 +222,14 @@ def test_each_number_that_varies_is_a_label_of_its_runs():
     paths = base.block("drag").first.configuration.entries.keys() - {"cylinder.stroke"}
     absent = {"cylinder.spin": 40.0, "cylinder.direction": 1.5, "cylinder.angle": 0.2}
     numbers = {path: base.at(path) for path in paths if isinstance(base.at(path), float)}
-    for path, value in (numbers | absent).items():
-        new = absent.get(path, 1.02 * value if value else 0.1)
+    changed = {path: 1.02 * value or 0.1 for path, value in numbers.items()}
+    for path, new in (changed | absent).items():
         block = small(C1 | {"p": {"a": {path: new}, "b": {}}}).block("drag")
         assert [run.at(path) for run in block.runs.values()] == [new, base.at(path)]
         name = path.split(".")[-1] if "shapes" in path else path.replace(".", "_")
         _, dims, values = block.labels()[name]
         assert "p" in dims, path
-        np.testing.assert_array_equal(values.ravel(), [new, np.nan if path in absent else value])
+        np.testing.assert_array_equal(values.ravel(), [new, numbers.get(path, np.nan)])
 
 
 ECHO = """
@@ -355,9 +354,7 @@ def test_prune_removes_what_no_sweep_needs(made):
 def test_prune_keeps_runs_that_a_combined_file_names(made):
     """Without its configuration; their beds are not needed then."""
     work, files, _ = made
-    with netCDF4.Dataset("results/small/drag.nc", "w") as file:
-        file.createDimension("seed", 2)
-        file.createVariable("run_id", str, "seed")[:] = np.array(ids(work.sweep), object)
+    xr.Dataset({"run_id": ("seed", ids(work.sweep))}).to_netcdf("results/small/drag.nc")
     Path("results/small/config.yaml").unlink()
     assert prune(work.store)
     beds = {*map(work.store.file_of_bed, work.replicates())}

@@ -50,7 +50,6 @@ HARMLESS = [
 ]
 # (file, what is added, or put for what is there): rules whose jobs run, and the number of jobs of some of them
 EDITS = {
-    "one figure": ("dem/figures/figure13.py", LINE, {"figure"}, {"figure": 1}),
     "sentences of the claims": ("studies/claims/sentences.py", LINE, {"table", "figure"}, {}),
     "a kernel": ("dem/contacts/response.py", LINE, {"batch"} | RESULTS, {}),
     "one more seed": (
