@@ -10,12 +10,12 @@ import xarray as xr
 from numpy.testing import assert_allclose
 from pictures import boxes_shown, intervals_shown, places_shown, words_shown
 from project import ROOT
-from scipy import stats
 from sweeps import dataset_of
 from synthetic import DENSITY, VELOCITY, drags, drawn, jammed, sheared
 
 from dem.analysis.onset import limits
 from dem.analysis.velocity import rates
+from dem.base.statistics import mean_interval
 
 quick = pytest.mark.quick
 
@@ -24,27 +24,21 @@ def plot(name, data):
     return import_module(f"dem.figures.{name}").plot(data)
 
 
-def mean_of(runs):
-    """Mean and half its interval by Student's t, of runs (seed, ...) that there are."""
-    runs = runs[np.isfinite(runs).all(axis=tuple(range(1, runs.ndim)))]
-    return runs.mean(axis=0), stats.t.ppf(0.975, len(runs) - 1) * stats.sem(runs)
-
-
 def row(x, runs):
     """An error bar: x, value, low, high."""
-    mean, half = mean_of(runs)
-    return [x, mean, mean - half, mean + half]
+    return [x, *mean_interval(runs)]
 
 
 def newtons(runs):
-    return "{:.0f} ± {:.0f} N".format(*mean_of(runs))
+    mean = mean_interval(runs)
+    return f"{mean.value:.0f} ± {mean.half:.0f} N"
 
 
 def change(before, after):
     """Of runs in pairs, over the mean of those before, in words."""
     pairs = np.isfinite(before + after)
-    share = 100.0 * (after - before)[pairs] / before[pairs].mean()
-    return "{:+.1f} ± {:.1f} %".format(*mean_of(share))
+    mean = mean_interval(100.0 * (after - before)[pairs] / before[pairs].mean())
+    return f"{mean.value:+.1f} ± {mean.half:.1f} %"
 
 
 @cache
@@ -84,9 +78,10 @@ def test_curves_are_running_means_with_their_intervals(name):
     near, first = np.abs(x[:, None] - x) < 1e-4 + 1e-6, None
     panels = figure.axes if name == "figure07" else 2 * figure.axes[:1]
     for axes, case in zip(panels, shown, strict=True):
-        mean, half = mean_of(data["drag"].sel(case=case).values @ near / near.sum(axis=0))
+        near_by = data["drag"].sel(case=case).values @ near / near.sum(axis=0)
+        mean, *ends = np.transpose([*map(mean_interval, near_by.T)])
         first = mean if first is None else first
-        for curve in (mean, mean - half, mean + half, first):
+        for curve in (mean, *ends, first):
             away = np.abs(places_shown(axes)[:, None] - np.column_stack([1e3 * x, curve])[::60])
             assert (away < [1e-6, 1e-6 * curve.max()]).all(axis=2).any(axis=0).all()
         if name == "figure07":

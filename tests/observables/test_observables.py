@@ -55,9 +55,8 @@ def recorded(name):
 
 
 def pairs(contacts):
-    real = contacts.partner >= 0
-    ends = zip(contacts.granule[real], contacts.partner[real], strict=True)
-    return {tuple(sorted(map(int, end))) for end in ends}
+    ends = np.stack([contacts.granule, contacts.partner], axis=1)
+    return {*map(frozenset, ends[contacts.partner >= 0].tolist())}
 
 
 @cache
@@ -124,18 +123,14 @@ def expected(name):
     # over the lag, from the snapshot two before: 0.6 mm, nearest to 0.5 mm
     non_affine, fluctuation, lost = np.full((3, SNAPSHOTS), np.nan)
     for k in range(2, SNAPSHOTS):
-        around, old, moved = (
-            near(position[k - 2], 2.5),
-            apart(position[k - 2]),
-            position[k] - position[k - 2],
-        )
-        missed, away = [], []
+        around, old = near(position[k - 2], 2.5), apart(position[k - 2])
+        moved, missed, away = position[k] - position[k - 2], [], []
         for i, others in enumerate(around):
             away.append(moved[i] - moved[others].mean(axis=0))
             if others.sum() >= 3:
                 new = old[i, others] + moved[others] - moved[i]
-                affine, *_ = np.linalg.lstsq(old[i, others], new, rcond=None)
-                missed.append(((new - old[i, others] @ affine) ** 2).sum(axis=1).mean())
+                _, squares, *_ = np.linalg.lstsq(old[i, others], new, rcond=None)
+                missed.append(squares.sum() / len(new))
         non_affine[k] = np.mean(missed) / DIAMETER**2
         fluctuation[k] = np.hypot(*np.transpose(away)).mean() / (WAY[k] - WAY[k - 2])
         lost[k] = len(touching[k - 2] - touching[k]) / len(touching[k - 2])
