@@ -3,7 +3,6 @@
 import os
 import shlex
 import shutil
-import subprocess
 import sys
 
 # Tests run side by side. Threads of OpenBLAS would spin while they wait for each other.
@@ -14,7 +13,7 @@ import pytest
 from beds import KINDS, make_small_bed
 from filelock import FileLock
 from project import ROOT
-from workflows import environment, snakemake
+from workflows import completed, run
 
 pytest_plugins = ["kinds"]
 
@@ -119,8 +118,7 @@ def checkout(copy, tmp_path_factory):
     shared, making = root / "checkout", root / "making"
     with FileLock(root / "checkout.lock"):
         if not shared.exists():
-            run = snakemake(shutil.copytree(copy, making, dirs_exist_ok=True), "-j2")
-            assert run.returncode == 0, run.stdout + run.stderr
+            completed(shutil.copytree(copy, making, dirs_exist_ok=True), "-j2")
             making.rename(shared)
     return shutil.copytree(shared, tmp_path_factory.mktemp("run") / "copy", symlinks=True)
 
@@ -130,11 +128,9 @@ def checkout_with_claims(checkout):
     """The same after the study of claims too, whose runs `dem sweep` makes, in fewer processes."""
     if not (checkout / "studies/claims").is_dir():
         pytest.skip("needs the study claims")
-    words = [sys.executable, "-m", "dem", "sweep", "studies/claims/smoke.yaml", "-j2"]
-    sweep = subprocess.run(words, cwd=checkout, env=environment(checkout), capture_output=True)
-    assert sweep.returncode == 0, sweep.stderr
-    run = snakemake(checkout, "claims", "-j2")
-    assert run.returncode == 0, run.stdout + run.stderr
+    words = "-m", "dem", "sweep", "studies/claims/smoke.yaml", "-j2"
+    run(*words, cwd=checkout, path=[checkout])
+    completed(checkout, "claims", "-j2")
     return checkout
 
 

@@ -1,12 +1,10 @@
 """Studies beside the library: each works in its smallest form, and the rest without it."""
 
 import shutil
-import subprocess
-import sys
 
 from project import CONFIG, ROOT
 from sweeps import assert_shown_and_drawn, of_file
-from workflows import snakemake
+from workflows import completed, run
 
 import studies
 from studies.common.results import write_results
@@ -19,11 +17,9 @@ def assert_the_rest_works_without(copy, folder, names):
         shutil.rmtree(folder / studies.FOLDERS[name].relative_to(ROOT), ignore_errors=True)
     if names == studies.NAMES:
         shutil.rmtree(folder / "studies")
-    run = snakemake(folder, "-n")
-    assert run.returncode == 0, run.stdout + run.stderr
+    completed(folder, "-n")
     if names != studies.NAMES:
-        command = [sys.executable, "-m", "studies", "--help"]
-        assert subprocess.run(command, cwd=folder, capture_output=True).returncode == 0
+        run("-m", "studies", "--help", cwd=folder)
 
 
 def assert_works_in_its_smallest_form(name, folder):

@@ -78,11 +78,17 @@ def edited(folder, changes):
         yield
 
 
-def planned(folder, *arguments, configfile=SMOKE):
+def completed(folder, *arguments, **options) -> str:
+    """What Snakemake says, which ends well."""
+    run = snakemake(folder, *arguments, **options)
+    assert run.returncode == 0, run.stdout + run.stderr
+    return run.stdout + run.stderr
+
+
+def planned(folder, *arguments, **options):
     """Number of jobs of each rule that a dry run announces."""
-    run = snakemake(folder, *arguments, "-n", configfile=configfile)
-    assert run.returncode == 0, run.stderr
-    table = re.search(r"\njob +count\n-+ +-+\n(.*?)\ntotal", run.stdout + run.stderr, re.S)
+    text = completed(folder, *arguments, "-n", **options)
+    table = re.search(r"\njob +count\n-+ +-+\n(.*?)\ntotal", text, re.S)
     return {} if table is None else {k: int(n) for k, n in re.findall(r"(\w+) +(\d+)", table[1])}
 
 

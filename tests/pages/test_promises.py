@@ -214,8 +214,7 @@ def test_every_target_can_be_planned(copy):
     shown = [without(words[1:], options) for words in SHOWN if words[0] == "snakemake"]
     shown = {word for words in shown for word in words if not word.startswith("-")}
     assert len(targets) > 8 and shown <= targets
-    run = workflows.snakemake(copy, *sorted(targets), "-n", configfile=None)
-    assert run.returncode == 0, run.stdout + run.stderr
+    workflows.completed(copy, *sorted(targets), "-n", configfile=None)
 
 
 CONFIGURED = [words for words in SHOWN if words[0] == "snakemake" and "--configfile" in words]

@@ -14,7 +14,7 @@ from pictures import assert_not_blank
 from project import FILES, PAGE, SHAPE, SHORT_LINE, posix
 from refusals.user_files import TELLING
 from sweeps import contents, differing
-from workflows import run, snakemake
+from workflows import completed, run
 
 from dem.base.source_hash import ROOT
 from dem.figures.catalogue import draw
@@ -109,14 +109,13 @@ def test_a_shape_in_a_file_of_ones_own_is_swept_by_the_workflow(swept, copy, tmp
     shutil.copytree(copy, tmp_path, dirs_exist_ok=True)
     write(tmp_path / "mine")
     targets = "all", "results/pebbles/rotation.nc"
-    process = snakemake(tmp_path, *targets, "-c2", configfile="mine/sweep.yaml")
-    assert process.returncode == 0, process.stderr
+    completed(tmp_path, *targets, "-c2", configfile="mine/sweep.yaml")
     for name in ("drag.nc", "rotation.nc"):
         files = (folder / "results/pebbles" / name for folder in (swept, tmp_path))
         assert differing(*map(contents, files)) == []
     shutil.move(tmp_path / "mine", tmp_path / "elsewhere")
-    rerun = snakemake(tmp_path, *targets, "-n", configfile="elsewhere/sweep.yaml")
-    assert "Nothing to be done" in rerun.stdout + rerun.stderr
+    rerun = completed(tmp_path, *targets, "-n", configfile="elsewhere/sweep.yaml")
+    assert "Nothing to be done" in rerun
 
 
 PACKAGED = """

@@ -8,7 +8,7 @@ import shutil
 
 import pytest
 from project import needs_study, posix
-from workflows import SMOKE, edited, planned, snakemake
+from workflows import SMOKE, completed, edited, planned, snakemake
 
 pytestmark = [posix, needs_study("accuracy", "stability", "claims", "benchmark")]
 TARGETS = ("all", "accuracy", "stability", "claims", "benchmark")
@@ -26,8 +26,7 @@ def project(checkout_with_claims, tmp_path_factory):
         if not path.exists():
             path.parent.mkdir(parents=True, exist_ok=True)
             path.touch()
-    run = snakemake(folder, *TARGETS, "-c2", "--forceall", "--touch")
-    assert run.returncode == 0, run.stderr
+    completed(folder, *TARGETS, "-c2", "--forceall", "--touch")
     return folder
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from pictures import assert_alone, assert_not_blank
 from project import posix
 from sweeps import contents, differing
-from workflows import SMOKE, edited, environment, planned, snakemake
+from workflows import SMOKE, completed, edited, environment, planned, snakemake
 
 import dem
 from dem.figures.catalogue import FIGURES
@@ -50,8 +50,7 @@ def test_reports_say_what_each_figure_shows_and_open_without_a_network(checkout,
     results, which links it."""
     results = checkout / "results/smoke"
     for arguments in (("-j1", "--report", str(results / "provenance.html")), ("-j2", "report")):
-        run = snakemake(checkout, *arguments)
-        assert run.returncode == 0, run.stdout + run.stderr
+        completed(checkout, *arguments)
     page = (results / "provenance.html").read_text()
     drawn = FIGURES.keys() & {path.stem for path in (results / "figures").glob("*.svg")}
     assert len(drawn) >= 6
@@ -94,8 +93,7 @@ def test_what_is_there_is_planned_drawn_and_taken_and_not_made(checkout):
     assert complaints <= {"Specify a conda environment or container for each rule.:"}, output
     (checkout / "config/again.yaml").write_text(REORDERED)
     batches = stamps((checkout / "results/store/batches").iterdir())
-    run = snakemake(checkout, "results/again/drag.nc", "-j2", configfile="config/again.yaml")
-    assert run.returncode == 0, run.stderr
+    completed(checkout, "results/again/drag.nc", "-j2", configfile="config/again.yaml")
     assert batches == stamps((checkout / "results/store/batches").iterdir())
     assert planned(checkout) == {}
     one, two = (contents(checkout / f"results/{name}/drag.nc") for name in ("smoke", "again"))
@@ -125,8 +123,8 @@ def test_what_is_asked_for_is_made_again_with_the_same_bits(checkout, tmp_path):
     assert run.returncode == 0, run.stdout + run.stderr
     targets = [str(path.relative_to(folder)) for path in combined]
     assert planned(folder, *targets) == {"combine": 2}
-    run = snakemake(folder, "-j1", *targets)
-    assert run.returncode == 0 and times == stamps(others), run.stderr
+    completed(folder, "-j1", *targets)
+    assert times == stamps(others)
     for path, values in zip((batch, *combined), original, strict=True):
         assert differing(contents(path), values) == []
     for name in ("dem/contacts/response.py", "dem/figures/style.py"):
@@ -137,8 +135,7 @@ def test_what_is_asked_for_is_made_again_with_the_same_bits(checkout, tmp_path):
     assert planned(folder, *REDRAW) == {"figure": len(figures) // 2, "figures": 1}
     (folder / "sitecustomize.py").write_text("open('started', 'w')")  # Python begins with it
     # the dry run names them all; to draw a few of them, as if they were all, is enough
-    run = snakemake(folder, "-j2", "--batch", "figures=1/8", *REDRAW)
-    assert run.returncode == 0, run.stdout + run.stderr
+    completed(folder, "-j2", "--batch", "figures=1/8", *REDRAW)
     new = stamps((results / "figures").iterdir())
     assert 2 <= sum(new[path] > at for path, at in figures.items()) < len(figures)
     assert data == stamps(results.rglob("*.nc")) and not (folder / "started").exists()
@@ -173,8 +170,7 @@ def test_a_workflow_goes_on_after_a_kill_and_a_damaged_batch(checkout):
     os.killpg(victim.pid, signal.SIGKILL)
     victim.wait()
     assert not result.exists() and list(runs.rglob("*.npz"))
-    run = snakemake(checkout, target, "-j2", **words)
-    assert run.returncode == 0, run.stderr
+    completed(checkout, target, "-j2", **words)
     assert not list(runs.rglob("*.npz"))
     dataset = contents(result)
     for point, run in list(load(file).block("drag").runs.items())[::3]:
@@ -187,8 +183,8 @@ def test_a_workflow_goes_on_after_a_kill_and_a_damaged_batch(checkout):
     run = snakemake(checkout, target, "-j2", "--forcerun", "combine", **words)
     assert run.returncode == 1 and "its content cannot be used" in run.stderr
     batch.write_bytes(content)
-    run = snakemake(checkout, target, "-j2", **words)
-    assert run.returncode == 0 and planned(checkout, target, **words) == {}, run.stderr
+    completed(checkout, target, "-j2", **words)
+    assert planned(checkout, target, **words) == {}
 
 
 def test_a_wrong_configuration_writes_nothing(copy):
@@ -226,8 +222,7 @@ def test_a_workflow_uses_two_sweeps_as_modules(checkout, tmp_path):
     """From another working folder, with Snakemake's own defaults; nothing is made twice."""
     (tmp_path / "Snakefile").write_text(MODULES.format(checkout))
     for words in "steps (100%) done", "Nothing to be done":
-        run = snakemake(tmp_path, "-j2", configfile=None, sources=checkout)
-        assert run.returncode == 0 and words in run.stdout + run.stderr, run.stdout + run.stderr
+        assert words in completed(tmp_path, "-j2", configfile=None, sources=checkout)
     one, whole = (
         contents(path / "drag.nc")
         for path in (tmp_path / "a/results/one", checkout / "results/smoke")
