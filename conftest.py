@@ -39,7 +39,10 @@ LONGEST = shlex.split(
 
 
 # Parameters of quick tests that take long, by a part of the name of the test.
-SLOW = shlex.split("superellipse- [superellipse] page_on_stress jam_with close_one[ellipse [e3]")
+SLOW = shlex.split(
+    "superellipse- [superellipse] page_on_stress jam_with close_one[ellipse [e3] "
+    "[figure09] [figure10] [figure12] paraview[d1] imports[observable] imports[shape] imports[law]"
+)
 
 
 def pytest_ignore_collect(collection_path, config):

@@ -2,13 +2,12 @@
 
 import ast
 import re
-import subprocess
-import sys
 
 import pytest
 from importlinter.cli import EXIT_STATUS_SUCCESS, lint_imports
+from workflows import run
 
-from dem.base.source_hash import PACKAGE
+from dem.base.source_hash import PACKAGE, ROOT
 
 
 def test_a_room_imports_only_from_below(monkeypatch, request):
@@ -106,5 +105,4 @@ dem.Scene(dem.Disc([1e-3]), law=dem.Hertz(), solids=dem.Cylinder(diameter=1e-3, 
 dem.check_shape(dem.Ellipse.of_size([1e-3], 1.5)), dem.check_law(dem.Linear())
 print("numba" in sys.modules)
 """
-    words = [sys.executable, "-c", ask]
-    assert subprocess.run(words, check=True, capture_output=True, text=True).stdout == "False\n"
+    assert run("-c", ask, cwd=ROOT) == "False\n"

@@ -74,7 +74,8 @@ IMPORTED = (
 )
 
 
-@pytest.mark.parametrize("kind", [pytest.param("experiment", marks=quick), *list(KINDS)[1:]])
+@quick
+@pytest.mark.parametrize("kind", KINDS)
 def test_a_run_is_known_by_each_file_that_its_own_imports(tmp_path, kind):
     """In any form, directly or not, and by no other, nor by the folder, comments and docstrings."""
     name, text, sweep = KINDS[kind]

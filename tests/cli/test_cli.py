@@ -3,8 +3,6 @@
 import json
 import operator
 import re
-import subprocess
-import sys
 import time
 from functools import reduce
 from pathlib import Path
@@ -18,6 +16,7 @@ from project import CONFIG, PRODUCT, PRODUCTS, ROOT, changed_file, posix
 from sweeps import contents, differing, simulate
 from typer.main import get_command
 from typer.testing import CliRunner
+from workflows import run
 
 import dem
 from dem.cli.app import app
@@ -167,8 +166,6 @@ def test_a_sweep_ends_with_the_file_of_its_runs_and_what_to_do_next(tmp_path, mo
     ["dem sweep config/paper.yaml -n", pytest.param("snakemake -n -d {}", marks=posix)],
 )
 def test_a_plan_waits_for_neither_kernels_nor_datasets(tmp_path, command):
-    words = [sys.executable, "-X", "importtime", "-m", *command.format(tmp_path).split()]
-    process = subprocess.run(words, cwd=ROOT, text=True, capture_output=True)
-    assert process.returncode == 0, process.stderr[-1000:]
-    loaded = {line.rpartition("|")[2].strip() for line in process.stderr.splitlines()}
+    text = run("-X", "importtime", "-m", *command.format(tmp_path).split(), cwd=ROOT)
+    loaded = {line.rpartition("|")[2].strip() for line in text.splitlines()}
     assert "dem.sweep.state" in loaded and not loaded & {"numba", "xarray", "pandas", "scipy"}

@@ -152,9 +152,8 @@ BEDS = {
 }
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param("figure11", marks=quick), *sorted({*BEDS} - {"figure11"})]
-)
+@quick
+@pytest.mark.parametrize("name", BEDS)
 def test_beds_are_drawn_where_the_file_has_them(name):
     """At the start, halfway and at the end; shaded are those ahead of the cylinder, or every second layer of
     eight, where granules began."""

@@ -1,8 +1,5 @@
 """Figures, films and files of a user's own result."""
 
-import os
-import subprocess
-import sys
 from functools import cache
 from itertools import pairwise
 
@@ -14,6 +11,7 @@ from matplotlib.path import Path as Outline
 from numpy.testing import assert_allclose
 from PIL import Image
 from project import ROOT
+from workflows import run
 
 import dem
 from dem.figures import bed, film
@@ -194,13 +192,12 @@ save(dem.plot.forces(result), folder / "forces")
 
 def test_no_matplotlibrc_and_no_date_changes_a_byte(tmp_path):
     """Of figures, pictures and films. A PDF has its letters as TrueType, which journals ask for."""
-    (tmp_path / "matplotlibrc").write_text(MATPLOTLIBRC)
     written = []
-    for rc in ({}, {"MATPLOTLIBRC": str(tmp_path / "matplotlibrc")}):
+    for rc in "", MATPLOTLIBRC:
+        (tmp_path / "matplotlibrc").write_text(rc)
         folder = tmp_path / f"figures{len(rc)}"
         folder.mkdir()
-        words = [sys.executable, "-c", DRAWS, ROOT, folder]
-        subprocess.run(words, env=os.environ | rc, check=True)
+        run("-c", DRAWS, ROOT, folder, cwd=tmp_path)
         written.append({path.name: path.read_bytes() for path in folder.iterdir()})
     plain, other = written
     assert len(plain) == 8 and [name for name in plain if plain[name] != other.get(name)] == []

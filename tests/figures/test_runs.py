@@ -94,7 +94,8 @@ def test_a_picture_shows_a_snapshot_with_its_drag_and_says_which_run_it_is(watch
     assert_allclose(mark.get_xdata(), 0.7)
 
 
-@pytest.mark.parametrize("case", [pytest.param("c1", marks=pytest.mark.quick), "d1"])
+@pytest.mark.quick
+@pytest.mark.parametrize("case", ["c1", "d1"])
 def test_export_for_paraview(watched, tmp_path, case):
     """Polygons with the area of their granule, two a dumbbell; a file a snapshot, and one that lists them."""
     motion, parts = motion_of(watched, case), {"c1": 1, "d1": 2}[case]
