@@ -78,3 +78,12 @@ def changed_file(file, changes):
             group = group.setdefault(key, {})
         group[last] = value
     return values
+
+
+def write(folder: Path, **files: str) -> Path:
+    """Modules in a folder by their names, and a sweep beside them, whose file it returns."""
+    for name, text in files.items():
+        path = folder / ("sweep.yaml" if name == "sweep" else f"{name.replace('.', '/')}.py")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return folder / "sweep.yaml"

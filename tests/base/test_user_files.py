@@ -7,7 +7,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
-from project import CONFIG, FILES, LAW, PRODUCT, PRODUCTS, SHAPE
+from project import CONFIG, FILES, LAW, PRODUCT, PRODUCTS, SHAPE, write
 
 import dem
 from dem.experiment.config import of_values
@@ -16,15 +16,6 @@ from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 
 quick = pytest.mark.quick
-
-
-def write(folder: Path, **files: str) -> Path:
-    """Modules in a folder by their names, and a sweep beside them, whose file it returns."""
-    for name, text in files.items():
-        path = folder / ("sweep.yaml" if name == "sweep" else f"{name.replace('.', '/')}.py")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-    return folder / "sweep.yaml"
 
 
 def first_run(file: Path):
@@ -218,9 +209,9 @@ WRONG = {  # what is put instead of the result: why the run failed
 def test_an_error_in_an_experiment_of_ones_own_fails_its_run_only(file):
     """With the line of the file that is wrong."""
     start = "from helping import failing\n" + PRODUCT.partition("    return")[0].rstrip()
-    given = [*WRONG, "7"]
     lines = [
-        f"    if replicate.seed == {k}: return {{'product': {x}}}" for k, x in enumerate(given)
+        f"    if replicate.seed == {k}: return {{'product': {x}}}"
+        for k, x in enumerate([*WRONG, "7"])
     ]
     text = "\n".join([start, *lines, ""])
     sweep = PRODUCTS.replace("[1, 2, 3]", f"0 to {len(WRONG)}").replace("0.5", "0.95")

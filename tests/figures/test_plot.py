@@ -35,22 +35,18 @@ def result_of(name):
     return dem.simulate(dem.Scene(dem.Disc(RADIUS), SOFT, **SCENES[name]), STATE, 1e-4, frames=3)
 
 
-def verts(collection):
-    return [path.vertices for path in collection.get_paths()]
-
-
 @pytest.mark.parametrize(("frame", "time"), [(2, "66.6667 µs"), (-1, "100 µs")])
 def test_a_disc_is_drawn_at_its_place_with_its_radius(frame, time):
     """In mm, and the cylinder where its velocity has brought it by then; all frames and the corner of the wedge
     are in view."""
     result = result_of("both")
     axes = dem.plot.bed(result, frame=frame, color="layer").axes[0]
-    for i, outline in enumerate(verts(axes.collections[0])):
-        offset = outline - 1e3 * result.position[frame, i]
+    for i, outline in enumerate(axes.collections[0].get_paths()):
+        offset = outline.vertices - 1e3 * result.position[frame, i]
         assert_allclose(np.hypot(*offset.T), 1e3 * RADIUS[i], rtol=1e-9)
-    (ring,) = verts(axes.collections[2])
+    (ring,) = axes.collections[2].get_paths()
     center = [3.0, 6.0] + 1e3 * result.time[frame] * np.array([1.0, 2.0])
-    assert_allclose(np.hypot(*(ring - center).T), 0.5, rtol=1e-9)
+    assert_allclose(np.hypot(*(ring.vertices - center).T), 0.5, rtol=1e-9)
     assert (axes.get_xlabel(), axes.get_title(loc="left")) == ("x (mm)", f"t = {time}")
     low, high = 1e-3 * np.transpose([axes.get_xlim(), axes.get_ylim()])
     for place, reach in (

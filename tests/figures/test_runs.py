@@ -98,14 +98,14 @@ def test_a_picture_shows_a_snapshot_with_its_drag_and_says_which_run_it_is(watch
 @pytest.mark.parametrize("case", ["c1", "d1"])
 def test_export_for_paraview(watched, tmp_path, case):
     """Polygons with the area of their granule, two a dumbbell; a file a snapshot, and one that lists them."""
-    motion, parts = motion_of(watched, case), {"c1": 1, "d1": 2}[case]
+    motion, parts = motion_of(watched, case), 1 + (case == "d1")
     export(motion, tmp_path / "bed.pvd")
     snapshots, granules = motion.angle.shape
     listed = re.findall(r'timestep="(.*?)" file="(.*?)"', (tmp_path / "bed.pvd").read_text())
     assert_allclose([float(time) for time, _ in listed], motion.displacement, rtol=1e-6)
     files = [name for _, name in listed]
     assert sorted(files) == sorted(path.name for path in tmp_path.glob("*.vtu"))
-    assert len(set(files)) == snapshots
+    assert len(files) == snapshots
     for k in (0, 5, snapshots - 1):
         mesh = meshio.read(tmp_path / files[k])
         contacts, place = motion.contacts(k), motion.position[k]

@@ -400,7 +400,6 @@ def test_a_sweep_says_where_a_new_store_begins(folder, monkeypatch):
     new = f"{folder}/results/store: this store of runs is new"
     for words, number, said in (
         ("store", 2, "there is no store"),
-        ("store --prune", 2, "there is no store"),
         ("sweep small.yaml --dry-run", 0, new),
     ):
         result = CliRunner().invoke(app, words.split())

@@ -5,13 +5,12 @@ The recipes of docs/howto/shape.md and docs/howto/experiment.md, followed to the
 
 import re
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 from pictures import assert_not_blank
-from project import FILES, PAGE, SHAPE, SHORT_LINE, posix
+from project import FILES, PAGE, SHAPE, SHORT_LINE, posix, write
 from refusals.user_files import TELLING
 from sweeps import contents, differing
 from workflows import completed, run
@@ -25,19 +24,15 @@ SWEEP = SWEEP.replace("seed: 1 to 5", "seed: [1, 2]") + "batch: 1\n"  # fewer ru
 SWEEP += "record: {observables: [drag, snapshots, rotation.py]}\n"
 
 
-def write(folder: Path) -> None:
-    """A folder with a shape, an observable and a sweep of them."""
-    folder.mkdir()
-    (folder / "pebbles.py").write_text(SHAPE)
-    (folder / "rotation.py").write_text(FILES["rotation.py"])
-    (folder / "sweep.yaml").write_text(SWEEP)
+# A shape, an observable and a sweep of them.
+MINE = {"pebbles": SHAPE, "rotation": FILES["rotation.py"], "sweep": SWEEP}
 
 
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory):
     """A folder where the sweep of the page was made, in one process: two would both compile."""
     folder = tmp_path_factory.mktemp("swept")
-    write(folder / "mine")
+    write(folder / "mine", **MINE)
     run("-m", "dem", "sweep", "mine/sweep.yaml", "-j1", cwd=folder)
     return folder
 
@@ -63,7 +58,7 @@ def test_a_shape_in_a_file_of_ones_own_is_swept_and_compiled_once(swept, tmp_pat
     picture = "draw", "results/pebbles/drag.nc", "seed=1", "-o", "true.png", "--shapes", "mine"
     run("-m", "dem", *picture, cwd=swept)
     assert_not_blank(swept / "true.png")
-    write(tmp_path / "copy")
+    write(tmp_path / "copy", **MINE)
     imported = f"from pebbles import Pebble\n{ASK}"
     (answer,) = {
         run("-c", ASK, "mine/sweep.yaml", cwd=swept),
@@ -76,10 +71,8 @@ def test_a_shape_in_a_file_of_ones_own_is_swept_and_compiled_once(swept, tmp_pat
 def test_an_experiment_in_a_file_of_ones_own_is_swept(tmp_path):
     """As the page has it; it is known by its code and not by its folder, and read by all but who makes runs."""
     folder = tmp_path / "mine"
-    folder.mkdir()
-    for name in ("rest.py", "rest.yaml"):
-        (folder / name).write_text(FILES[name])
-    run("-m", "dem", "sweep", "mine/rest.yaml", cwd=tmp_path)
+    write(folder, rest=FILES["rest.py"], sweep=FILES["rest.yaml"])
+    run("-m", "dem", "sweep", "mine/sweep.yaml", cwd=tmp_path)
     data = tmp_path / "results/rest/rest.nc"
     dataset = xr.load_dataset(data)
     sizes = {"shape": 2, "rest_margin": 2, "seed": 2, "layer": 3}
@@ -94,7 +87,7 @@ def test_an_experiment_in_a_file_of_ones_own_is_swept(tmp_path):
     build(data, tmp_path / "page.html")
     assert "rest_granules" in (tmp_path / "page.html").read_text()
     folder = folder.rename(tmp_path / "moved")
-    dry = "-m", "dem", "sweep", "moved/rest.yaml", "-n"
+    dry = "-m", "dem", "sweep", "moved/sweep.yaml", "-n"
     assert "8 finished" in run(*dry, cwd=tmp_path)
     edited = FILES["rest.py"].replace("bed.pressure", "2.0 * bed.pressure")
     (folder / "rest.py").write_text(TELLING + edited)
@@ -107,7 +100,7 @@ def test_an_experiment_in_a_file_of_ones_own_is_swept(tmp_path):
 def test_a_shape_in_a_file_of_ones_own_is_swept_by_the_workflow(swept, copy, tmp_path):
     """The runs are those of `dem sweep`, and so are their combined files."""
     shutil.copytree(copy, tmp_path, dirs_exist_ok=True)
-    write(tmp_path / "mine")
+    write(tmp_path / "mine", **MINE)
     targets = "all", "results/pebbles/rotation.nc"
     completed(tmp_path, *targets, "-c2", configfile="mine/sweep.yaml")
     for name in ("drag.nc", "rotation.nc"):

@@ -21,8 +21,8 @@ def project(checkout_with_claims, tmp_path_factory):
     folder = tmp_path_factory.mktemp("made") / "copy"
     shutil.copytree(checkout_with_claims, folder, symlinks=True)
     lines = snakemake(folder, *TARGETS, "-c2", "--summary").stdout.splitlines()[1:]
-    for name in (line.partition("\t")[0] for line in lines):
-        path = folder / name
+    for line in lines:
+        path = folder / line.partition("\t")[0]
         if not path.exists():
             path.parent.mkdir(parents=True, exist_ok=True)
             path.touch()
