@@ -10,6 +10,7 @@ import functools
 import gc
 import multiprocessing
 import os
+import signal
 import sys
 import threading
 import time
@@ -18,6 +19,7 @@ import warnings
 from collections.abc import Callable
 from contextlib import contextmanager, suppress
 from dis import get_instructions
+from pathlib import Path
 from types import CellType, FunctionType
 from typing import Any
 
@@ -32,6 +34,8 @@ from dem.jit.intrinsics import INTRINSICS
 # reassoc stays off: a sum has one order, so a seed has one result.
 # Nothing counts references: kernels take arrays, and return numbers only.
 OPTIONS = {"error_model": "numpy", "fastmath": {"contract", "arcp", "nsz"}, "_nrt": False}
+PATIENCE = 20.0  # s without processor time, after which a process that compiles is given up
+ONE_AT_A_TIME = threading.RLock()  # of threads that compile, so that no other holds a lock of Numba
 NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
@@ -142,7 +146,7 @@ class Kernel:
 
     def compile(self, signature):
         """Have the function for some types of arguments, from disk if it is there."""
-        with compiling(), cache.folder_of(self.binding, signature) as keeps:
+        with ONE_AT_A_TIME, compiling(), cache.folder_of(self.binding, signature) as keeps:
             if not keeps.has_code:
                 _say_compiling()
                 if keeps.usable:
@@ -167,10 +171,11 @@ def compile_apart(function, signature) -> None:
     Where LLVM compiles, it has machine code of each part beside that of the whole kernel, and calls
     the former, of which some sums round otherwise. This process then reads the code from disk as all
     later ones do, so that the first run of a kind has the same bits. If the other process fails, this
-    one compiles.
+    one compiles; also if it stands still, because it waits for a lock that another thread of this one
+    held, which it lacks.
     """
-    if not sys.platform.startswith("linux") or threading.active_count() > 1:
-        return  # another thread may hold a lock, which the other process would wait for
+    if not sys.platform.startswith("linux"):
+        return
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # of threads
         child = os.fork()
@@ -178,7 +183,14 @@ def compile_apart(function, signature) -> None:
         with suppress(BaseException):
             new_dispatcher(function, True).compile(signature)
         os._exit(0)
-    os.waitpid(child, 0)
+    spent, since = "", time.monotonic()
+    while os.waitpid(child, os.WNOHANG) == (0, 0):
+        time.sleep(0.02)
+        now = Path(f"/proc/{child}/stat").read_text().rpartition(")")[2].split()[11:13]
+        if now != spent:
+            spent, since = now, time.monotonic()
+        elif time.monotonic() - since > PATIENCE:
+            os.kill(child, signal.SIGKILL)
 
 
 @contextmanager
