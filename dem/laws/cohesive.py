@@ -44,7 +44,7 @@ class Cohesive(NamedTuple):
 
     >>> import dem
     >>> law = dem.Cohesive(pull_off=3e-3, range=5e-6)
-    >>> scene = dem.Scene(dem.Disc([0.5e-3, 0.5e-3]), law=law)
+    >>> scene = dem.Scene(dem.Disc([0.5e-3, 0.5e-3]), friction=dem.Friction(), law=law)
     >>> apart = dem.Simulation(scene, dem.State([[0, 0], [1.002e-3, 0]]))
     >>> print(f"{1e3 * apart.contacts().force[0]:.2f} mN")
     -1.80 mN

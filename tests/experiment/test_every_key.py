@@ -37,7 +37,7 @@ SCENES = {
     "discs": {"cylinder.material": SOFT, "cylinder.spin": 50.0, "cylinder.direction": 0.3, "second": SECOND,
               "gravity": 9.81, "walls": WALLS, "rolling": ROLLING, "packing.fraction": 0.77, "packing.friction": 0.2},
     "pressed": {"packing.fraction": None, "packing.pressure": 3e7, "periodic": "x"},
-    "settled": {"packing.preparation": "settled", "packing.fraction": 0.5, "gravity": 1e3, "material.young_modulus": 2e9,
+    "settled": {"packing.preparation": "settled", "packing.fraction": 0.5, "packing.friction": 0.2, "gravity": 1e3, "material.young_modulus": 2e9,
                 "contact": {"law": "cohesive", "pull_off": 1e-3, "range": 1e-6}},
     "ellipses": {"shapes": {"x": DISC | {"kind": "ellipse", "aspect_ratio": 1.4}}},
     "materials": {"shapes": {"x": {"granules": 20, "mixture": {"y": 0.5, "z": 0.5}}, "z": DISC | {"diameter": 7e-4},
