@@ -18,6 +18,7 @@ from dem.contacts.layout import (
     FALL,
     FX,
     FY,
+    ONE,
     TAU,
     VX,
     VY,
@@ -106,9 +107,10 @@ def collect(force, constituents, low, high):
         constituents.place,
         constituents.force,
     )
-    for g in range(low, high):
+    for number in range(low, high):
+        g = np.uint64(number)
         c, s, fx, fy, torque = orientation[g, 0], orientation[g, 1], 0.0, 0.0, 0.0
-        for row in range(first[g], first[g + 1]):
+        for row in range(first[g], first[g + ONE]):
             i = np.uint64(row)
             x, y, px, py = centre[i, 0], centre[i, 1], parts[i, FX], parts[i, FY]
             fx += px
@@ -125,14 +127,18 @@ def place(motion, constituents, low, high):
         constituents.place,
         constituents.motion,
     )
-    for g in range(low, high):
+    for number in range(low, high):
+        g = np.uint64(number)
         c, s, spin, change = orientation[g, 0], orientation[g, 1], motion[g, W], motion[g, DW]
-        for row in range(first[g], first[g + 1]):
+        # once a granule: for the compiler, what is stored below could change them
+        gx, gy, vx, vy = motion[g, X], motion[g, Y], motion[g, VX], motion[g, VY]
+        dvx, dvy = motion[g, DVX], motion[g, DVY]
+        for row in range(first[g], first[g + ONE]):
             i = np.uint64(row)
             x, y = c * centre[i, 0] - s * centre[i, 1], s * centre[i, 0] + c * centre[i, 1]
-            parts[i, X], parts[i, Y] = motion[g, X] + x, motion[g, Y] + y
-            parts[i, VX], parts[i, VY] = motion[g, VX] - spin * y, motion[g, VY] + spin * x
-            parts[i, DVX], parts[i, DVY] = motion[g, DVX] - change * y, motion[g, DVY] + change * x
+            parts[i, X], parts[i, Y] = gx + x, gy + y
+            parts[i, VX], parts[i, VY] = vx - spin * y, vy + spin * x
+            parts[i, DVX], parts[i, DVY] = dvx - change * y, dvy + change * x
             parts[i, W], parts[i, DW] = spin, change
 
 
