@@ -1,18 +1,23 @@
 """Laws of contacts: what holds under each, and what a new one must answer."""
 
 import re
+from collections import defaultdict
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 from collisions import APART, ELASTIC, compliance, stated_force
 from numpy.testing import assert_allclose
-from refusals.laws import cone
+from refusals.laws import CONE, cone
 from workflows import run
 
 import dem
 from dem.base.source_hash import ROOT
+from dem.dynamics.kinds import kernels
+from dem.dynamics.step import work
 from dem.laws import LAWS as NAMES
+from dem.laws.protocol import answer
 
 STICKY = dem.Cohesive(pull_off=2e-2, range=2e-6)
 LAWS = {name: getattr(dem, law)() for name, law in NAMES.items() if law != "Cohesive"}
@@ -221,6 +226,24 @@ def test_a_column_stands_by_cohesion_and_spreads_without():
 @pytest.mark.parametrize("law", [*LAWS.values(), STICKY, cone()], ids=str)
 def test_check_law_accepts_what_keeps_its_promises(law):
     dem.check_law(law)
+
+
+class Scaled(NamedTuple):
+    """A law with a number of its own."""
+
+    factor: float
+    modulus = dem.Hertz.modulus
+
+
+answer(Scaled, *CONE.values())
+
+
+@pytest.mark.quick
+def test_no_kernel_takes_a_number_for_the_integer_that_it_was_compiled_for():
+    """It would cut off what is behind the point, without a word."""
+    disc = dem.Disc([SMALL])
+    one, two = (kernels(work, defaultdict(bool), disc, disc, Scaled(f))[2:] for f in (1, 1.5))
+    assert not set(one) & set(two)
 
 
 OF_THE_PAGE = """
