@@ -175,6 +175,15 @@ def test_a_disc_hangs_where_the_pull_off_force_exceeds_its_weight():
 
 
 @pytest.mark.quick
+def test_discs_attract_across_gaps_wider_than_the_skin_of_the_lists():
+    scene = dem.Scene(
+        dem.Disc(2 * [SMALL]), ELASTIC, dem.Friction(), law=STICKY._replace(range=SMALL)
+    )
+    run = dem.Simulation(scene, dem.State([[0.0, 0.0], [2.5 * SMALL, 0.0]]))
+    assert_allclose(run.contacts().force, [-0.5 * STICKY.pull_off])
+
+
+@pytest.mark.quick
 def test_discs_that_cling_part_at_the_speed_of_their_bond():
     """The bond has the energy F_0 (d / 2 + 3/5 delta_0), where the overlap delta_0 is that at rest."""
     scene = dem.Scene(dem.Disc(2 * [SMALL]), ELASTIC, dem.Friction(), law=STICKY)
@@ -199,8 +208,8 @@ def test_cohesion_adds_to_the_force_that_friction_bears():
     run = dem.Simulation(scene, dem.State([[0.0, SMALL]], [[0.0, 0.0]], None, [1e3]))
     run.advance(1e-3)
     now = run.contacts()
-    assert_allclose(now.force, 0.0, atol=1e-3 * STICKY.pull_off)
-    assert_allclose(now.tangential_force, 0.3 * STICKY.pull_off, rtol=1e-3)
+    assert_allclose(now.force, [0.0], atol=1e-3 * STICKY.pull_off)
+    assert_allclose(now.tangential_force, [0.3 * STICKY.pull_off], rtol=1e-3)
     impulse = run.state.velocity[0, 0] * scene.mass[0]
     assert_allclose(impulse, -0.3 * STICKY.pull_off * run.time, rtol=3e-2)
 
