@@ -50,12 +50,12 @@ from dem.contacts.layout import (
     Y2,
     one_size,
 )
-from dem.jit.intrinsics import widest_vectors
-from dem.shapes.protocol import find_contact, refine_normal, support
+from dem.jit.intrinsics import apart, widest_vectors
+from dem.shapes.protocol import ContactGeometry, find_contact, refine_normal, support
 
 # What a kernel has: dem.dynamics.kinds
 FRICTION = DAMPING = TURNS = LEVERS = GUESSES = ORIENTED = ROLLING = PERIODIC = LOCAL = True
-COLUMNS = SHIFT_X = SHIFT_Y = SIZES = SECOND = NORMAL_X = NORMAL_Y = np.uint64(0)
+STRIDE = SHIFT_X = SHIFT_Y = SIZES = SECOND = NORMAL_X = NORMAL_Y = np.uint64(0)
 sizes_at = outline_sizes_at = one_size
 find_outline, refine_outline = find_contact, refine_normal
 
@@ -75,6 +75,7 @@ def gather(motion, orientation, numbers, table, at, base, count, pair, lanes):
     motion, orientation: rows of all bodies, one after the other; at, base: where the block begins
     in numbers and table.
     """
+    apart()
     widest_vectors()
     for q in range(count):
         k = np.uint64(q)
@@ -174,6 +175,7 @@ def along_tangent(gx, gy, w1, w2, nx, ny, n1, n2):
 
 def find_pairs(shape, table, base, count, pair, lanes):
     """Geometry of contacts with granules and with round solids."""
+    apart()
     widest_vectors()
     for q in range(count):
         k = np.uint64(q)
@@ -198,6 +200,7 @@ def is_any_unconverged(lanes, count):
 
 def refine_pairs(shape, table, base, count, pair, lanes):
     """Geometry again, where the last normal was too far off."""
+    apart()
     for q in range(count):
         k = np.uint64(q)
         if lanes[k + UNCONVERGED] != 0.0:
@@ -211,6 +214,7 @@ def refine_pairs(shape, table, base, count, pair, lanes):
 
 def find_walls(shape, planes, numbers, at, table, base, count, pair, lanes):
     """Geometry of contacts with walls; planes (w, 3): normal, and offset (m)."""
+    apart()
     widest_vectors()
     for q in range(count):
         k = np.uint64(q)
@@ -224,7 +228,8 @@ def find_walls(shape, planes, numbers, at, table, base, count, pair, lanes):
         reach, t1, radius = support(shape, outline_of_first(lanes, table, k, p), nx, ny)
         height = pair[group + X1] * nx + pair[group + Y1] * ny
         overlap = reach + height - lanes[k + MEAN_ROOT]
-        geometry = overlap, nx, ny, reach - 0.5 * overlap, t1, 0.0, 0.0, radius
+        middle = reach - 0.5 * overlap
+        geometry = ContactGeometry(overlap, nx, ny, middle, t1, 0.0, 0.0, radius)
         store(pair, lanes, k, table, p, geometry)
 
 
@@ -240,8 +245,9 @@ def find_outlines(outlines, orientation, more, contacts, block, pair, lanes):
 
     The sizes of the block are in terms of the solid.
     """
+    apart()
     numbers, table, count = contacts.numbers, contacts.table, contacts.count[block]
-    at, base = NUMBERS * np.uint64(block), COLUMNS * np.uint64(block)
+    at, base = NUMBERS * np.uint64(block), STRIDE * np.uint64(block)
     for q in range(count):
         k = np.uint64(q)
         p, c, s = base + k, 1.0, 0.0
@@ -260,8 +266,9 @@ def find_outlines(outlines, orientation, more, contacts, block, pair, lanes):
 
 def find_polygons(shape, faces, orientation, more, contacts, block, pair, lanes):
     """Geometry of contacts with polygons, one by one."""
+    apart()
     numbers, table, count = contacts.numbers, contacts.table, contacts.count[block]
-    at, base = NUMBERS * np.uint64(block), COLUMNS * np.uint64(block)
+    at, base = NUMBERS * np.uint64(block), STRIDE * np.uint64(block)
     for q in range(count):
         k = np.uint64(q)
         p, t = base + k, np.int64(numbers[at + TARGET + k])
@@ -309,7 +316,7 @@ def polygon_contact(shape, faces, t, turned, one, corner, dx, dy, guess):
             overlap = -h  # the next chain has this contact, or the granule is behind the face
     rx, ry = n1 * nx - t1 * ny - dx, n1 * ny + t1 * nx - dy  # from the origin of the polygon
     n2, t2 = -(rx * nx + ry * ny), ry * nx - rx * ny
-    return overlap, nx, ny, n1, t1, n2, t2, rho
+    return ContactGeometry(overlap, nx, ny, n1, t1, n2, t2, rho)
 
 
 def nearest_face(shape, faces, t, turned, one, dx, dy):

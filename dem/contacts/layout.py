@@ -15,6 +15,8 @@ only dashpots see it, and a contact copies half a row. Rows of force: force (N) 
 centre (N m).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 BLOCK = 64  # contacts; what they need fits well into the first-level cache
@@ -57,44 +59,110 @@ COLUMN = np.uint64(BLOCK)  # from one column of a list to the next
 POWER_DAMPED, POWER_SPRINGS, POWER_ROLLING, ACCOUNTS, WORK, FALL, PEAK = 0, 1, 2, 3, 6, 7, 8
 
 
-def columns(flags: dict[str, bool], sizes: int) -> dict[str, np.uint64]:
-    """Where each column of a block begins, by the name that kernels have for it.
+class Layout(NamedTuple):
+    """Where each column of a block begins, -1 of one that a scene lacks; and what else rows and
+    columns hold. What a step needs of it is constants of its kernel, by the same names in capitals.
 
-    flags: what a scene has (dem.dynamics.kinds); sizes: numbers of the outline of one body. What a
-    scene lacks has no column. History comes last.
-
-    * STIFFNESS: the constant K of the law; the modulus that K follows from where R* is found at the
-      contact
-    * LENGTH: second constant (m) of the law
-    * DASHPOT: alpha sqrt(m* K); alpha sqrt(m*) where R* is that at the contact
-    * COEFFICIENT, FRICTION_STIFFNESS, FRICTION_DASHPOT: Coulomb's mu; tangential stiffness over K times
-      the measure of the law; tangential over normal damping, sqrt(k_t / k_n)
-    * ARM, ROLLING_DASHPOT: mu_r R_r (m), and the constant of its dashpot over the root of the
-      law
-    * MASS_X, MASS_Y, MASS_TURN: m/m* for a normal along x and along y, where a driven boundary
-      yields, and what a squared lever (m2) about one that turns adds to it; the dashpot is then that
-      of the mass m
-    * SHIFT_X, SHIFT_Y: whole periods (m) from body 2 to its image beside body 1
-    * SIZES: outlines of both bodies without cosine and sine
-    * TANGENTIAL_FORCE (N), MEASURE, ROLLING_MOMENT (N m): springs, and the measure of the law in the
-      last step
-    * NORMAL_X, NORMAL_Y: normal in the last step, of bodies that are not round
+    Attributes
+    ----------
+    stiffness : int
+        The constant K of the law; the modulus that K follows from where it is `local`.
+    length : int
+        Second constant (m) of the law.
+    dashpot : int
+        alpha sqrt(m* K); alpha sqrt(m*) where it is `local`.
+    coefficient, friction_stiffness, friction_dashpot : int
+        Coulomb's mu; tangential stiffness over K times the measure of the law; tangential over normal
+        damping, sqrt(k_t / k_n).
+    arm, rolling_dashpot : int
+        mu_r R_r (m), and the constant of its dashpot over the root of the law.
+    mass_x, mass_y, mass_turn : int
+        m/m* for a normal along x and along y, where a driven boundary yields, and what a squared lever
+        (m2) about one that turns adds to it; the dashpot is then that of the mass m.
+    shift_x, shift_y : int
+        Whole periods (m) from body 2 to its image beside body 1.
+    sizes : int
+        Outlines of both bodies without cosine and sine.
+    tangential_force, measure, rolling_moment : int
+        Springs (N, N m), and the measure of the law in the last step.
+    normal_x, normal_y : int
+        Normal in the last step, of bodies that are not round.
+    history : int
+        From here on, what contacts remember.
+    second : int
+        From the sizes of body 1 on to those of body 2.
+    stride : int
+        From a block to the next.
+    size_count, outline_size_count : int
+        How many sizes granules have, and solids that are like granules.
+    local : bool
+        Whether R* is found at each contact.
+    full : bool
+        Whether rows of motion have velocities of full steps.
     """
-    present = {"STIFFNESS": 1, "LENGTH": flags["LONG"], "DASHPOT": flags["DAMPING"]}
-    for name in ("COEFFICIENT", "FRICTION_STIFFNESS", "FRICTION_DASHPOT"):
-        present[name] = flags["FRICTION"]
-    present |= dict.fromkeys(("ARM", "ROLLING_DASHPOT"), flags["ROLLING"])
-    present |= dict.fromkeys(("MASS_X", "MASS_Y", "MASS_TURN"), flags["YIELDS"])
-    present |= dict.fromkeys(("SHIFT_X", "SHIFT_Y"), flags["PERIODIC"])
-    present |= {"SIZES": 2 * sizes, "HISTORY": 0}
-    present |= dict.fromkeys(("TANGENTIAL_FORCE", "MEASURE"), flags["FRICTION"])
-    present |= {"ROLLING_MOMENT": flags["ROLLING"]}
-    present |= dict.fromkeys(("NORMAL_X", "NORMAL_Y"), flags["GUESSES"])
-    names, at = {}, 0
-    for name, count in present.items():
-        names[name] = np.uint64(at * BLOCK)
-        at += int(count)
-    return names | {"COLUMNS": np.uint64(at * BLOCK), "SECOND": np.uint64(sizes * BLOCK)}
+
+    stiffness: int
+    length: int
+    dashpot: int
+    coefficient: int
+    friction_stiffness: int
+    friction_dashpot: int
+    arm: int
+    rolling_dashpot: int
+    mass_x: int
+    mass_y: int
+    mass_turn: int
+    shift_x: int
+    shift_y: int
+    sizes: int
+    tangential_force: int
+    measure: int
+    rolling_moment: int
+    normal_x: int
+    normal_y: int
+    history: int
+    second: int
+    stride: int
+    size_count: int
+    outline_size_count: int
+    local: bool
+    full: bool
+
+    @property
+    def constants(self) -> dict[str, np.uint64]:
+        """The places of columns, as step kernels name them."""
+        places = self._asdict().items()
+        return {name.upper(): np.uint64(at) for name, at in places if type(at) is int and at >= 0}
+
+
+def layout_of(flags: dict[str, bool], sizes: int, outline_sizes: int) -> Layout:
+    """The layout of a scene with some flags (dem.dynamics.kinds); sizes, outline_sizes: how many
+    numbers the outlines of granules, and of solids that are like granules, have."""
+    friction, rolling, yields = flags["FRICTION"], flags["ROLLING"], flags["YIELDS"]
+    most = max(sizes, outline_sizes if flags["WITH_OUTLINES"] else 0)
+    present = {"stiffness": 1, "length": flags["LONG"], "dashpot": flags["DAMPING"]}
+    present |= dict.fromkeys(("coefficient", "friction_stiffness", "friction_dashpot"), friction)
+    present |= dict.fromkeys(("arm", "rolling_dashpot"), rolling)
+    present |= dict.fromkeys(("mass_x", "mass_y", "mass_turn"), yields)
+    present |= dict.fromkeys(("shift_x", "shift_y"), flags["PERIODIC"])
+    present |= {"sizes": 2 * most}
+    remembered = dict.fromkeys(("tangential_force", "measure"), friction)
+    remembered |= {"rolling_moment": rolling}
+    remembered |= dict.fromkeys(("normal_x", "normal_y"), flags["GUESSES"])
+    places, at = {}, 0
+    for name, count in (present | remembered).items():
+        places[name] = at if count else -1
+        at += BLOCK * int(count)
+    return Layout(
+        **places,
+        history=BLOCK * sum(map(int, present.values())),
+        second=BLOCK * most,
+        stride=at,
+        size_count=sizes,
+        outline_size_count=outline_sizes,
+        local=flags["LOCAL"],
+        full=flags["FULL"],
+    )
 
 
 def aligned(*shape: int) -> np.ndarray:

@@ -39,7 +39,7 @@ from dem.contacts.layout import (
     V_NORMAL,
     V_TANGENT,
 )
-from dem.jit.intrinsics import add_four, widest_vectors
+from dem.jit.intrinsics import add_four, apart, widest_vectors
 from dem.laws.protocol import attraction, force, mean_root, measure, root, slope, stiffness
 
 # What a kernel has: dem.dynamics.kinds
@@ -64,6 +64,7 @@ def length_of(table, p):
 def average_roots(law, table, base, count, dt, lanes):
     """The mean over the step of the root of the law, for the dashpots of the few contacts that are
     near touch, one by one; NO_MEAN of all others."""
+    apart()
     widest_vectors()
     near = 0
     for q in range(count):
@@ -80,19 +81,12 @@ def average_roots(law, table, base, count, dt, lanes):
                 lanes[k + MEAN_ROOT] = mean
 
 
-def dashpot_of(table, p, nx, ny, lever, constant):
-    """alpha sqrt(m* K) of contact p, with the effective mass m* along its normal.
-
-    lever (m): of the normal about the centre of body 2; constant: K.
-    """
-    dashpot = table[p + DASHPOT]
-    if YIELDS:
-        ratio = table[p + MASS_X] * nx * nx + table[p + MASS_Y] * ny * ny
-        ratio += table[p + MASS_TURN] * lever * lever
-        dashpot = dashpot / math.sqrt(ratio if ratio > 0.0 else 1.0)
-    if LOCAL:
-        dashpot = math.sqrt(constant) * dashpot
-    return dashpot
+def yielding(dashpot, mass_x, mass_y, mass_turn, nx, ny, lever):
+    """alpha sqrt(m* K) of a contact whose dashpot is that of the mass m, with the effective mass m*
+    along its normal; lever (m): of the normal about the centre of body 2."""
+    ratio = mass_x * nx * nx + mass_y * ny * ny
+    ratio += mass_turn * lever * lever
+    return dashpot / math.sqrt(ratio if ratio > 0.0 else 1.0)
 
 
 def rolling_stiffness(law, arm, constant):
@@ -111,6 +105,7 @@ def respond(law, table, base, count, dt, lanes):
     dashpot, so that friction does no positive work. The cap is that of what pushes: attraction
     takes nothing from it.
     """
+    apart()
     widest_vectors()
     if DAMPING:
         average_roots(law, table, base, count, dt, lanes)
@@ -131,8 +126,13 @@ def respond(law, table, base, count, dt, lanes):
             rate = lanes[k + V_NORMAL]
             if TURNS:
                 rate = rate + lanes[k + DV_NORMAL]
-            lever = lanes[k + T2] if LEVERS else 0.0
-            dashpot = dashpot_of(table, p, nx, ny, lever, constant)
+            dashpot = table[p + DASHPOT]
+            if YIELDS:
+                lever, mass = lanes[k + T2] if LEVERS else 0.0, table[p + MASS_X]
+                turn = table[p + MASS_TURN]
+                dashpot = yielding(dashpot, mass, table[p + MASS_Y], turn, nx, ny, lever)
+            if LOCAL:
+                dashpot = math.sqrt(constant) * dashpot
             normal = max(elastic + dashpot * mean * -rate, 0.0)
             damped = -(normal - elastic) * rate
         along = normal - attraction(law, lanes[k + OVERLAP], length_of(table, p))
@@ -208,6 +208,7 @@ def accumulate(numbers, at, count, lanes, flat):
     flat: rows of force, one after the other. To keep the sum of one constituent in registers from
     pair to pair takes longer: each pair must choose which sum it adds to.
     """
+    apart()
     for q in range(count):
         k = np.uint64(q)
         fx, fy = lanes[k + FORCE_X], lanes[k + FORCE_Y]
@@ -224,6 +225,7 @@ def load_boundaries(numbers, at, count, walls, boundary, lanes, flat, on, loads)
     on, loads: Boundaries.force and Boundaries.contact_forces; walls: how many there are; boundary:
     of each target.
     """
+    apart()
     for q in range(count):
         k = np.uint64(q)
         b = boundary[np.uint64(numbers[at + TARGET + k])]

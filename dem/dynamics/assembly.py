@@ -11,11 +11,10 @@ from dem.contacts.force_law import (
     effective_modulus,
     effective_shear_modulus,
 )
-from dem.contacts.layout import BLOCK, PEAK, VX, VY, W, X, Y, aligned
-from dem.dynamics.kinds import columns_of, of_positions
+from dem.contacts.layout import BLOCK, PEAK, VX, VY, W, X, Y, aligned, layout_of
 from dem.dynamics.measures import fastest, steps_alone, usual_overlap
 from dem.dynamics.neighbours import Bodies, Lists, new_contacts, new_patches
-from dem.dynamics.step import work
+from dem.dynamics.step import advance
 from dem.dynamics.system import System
 from dem.dynamics.world import (
     ALPHA,
@@ -392,7 +391,7 @@ def flags_of(scene: Scene, table: GranuleTable, moving: Boundaries, sections, so
 
 
 def assemble(
-    scene: Scene, state: State, table: GranuleTable, ledger: bool = False, task=work
+    scene: Scene, state: State, table: GranuleTable, ledger: bool = False, task=advance
 ) -> System:
     """The arrays of a scene, its kernels and what makes its lists; no list is made yet. task: see
     System."""
@@ -402,8 +401,7 @@ def assemble(
     solids, of_granules, of_solids = outlines_of(scene, sections)
     flags = flags_of(scene, table, moving, sections, solids)
     flags |= {"FULL": flags["DAMPING"] and not flags["TURNS"], "LEDGER": ledger}
-    where = columns_of(flags, scene.shape, solids)
-    columns = of_positions(flags, where, of_granules.shape[1], of_solids.shape[1])
+    layout = layout_of(flags, of_granules.shape[1], of_solids.shape[1])
     r, alone = len(moving.motion), is_alone(scene.shape)
     motion, force = aligned(c + r, 8), aligned(c + r, 4)
     bodies, pushed = (motion, force) if alone else (aligned(n, 8), aligned(n, 4))
@@ -422,8 +420,7 @@ def assemble(
         outlines=of_granules,
         others=of_solids,
         period=(x or 0.0, y or 0.0),
-        columns=columns,
-        full=flags["FULL"],
+        layout=layout,
         rotates=flags["ROTATES"],
         composed=flags["COMPOSED"],
     )
@@ -450,7 +447,7 @@ def assemble(
             owner=owner,
             place=np.zeros((c, 2)) if alone else np.ascontiguousarray(scene.shape.places),
         ),
-        contacts=new_contacts(0, columns.all // BLOCK, patches),
+        contacts=new_contacts(0, layout.stride // BLOCK, patches),
         boundaries=moving,
         faces=faces,
         held=held_groups(scene, bodies[:n], moving.motion),

@@ -5,10 +5,11 @@ import math
 import numpy as np
 
 from dem.contacts.force_law import effective_radius
-from dem.contacts.layout import BLOCK, NUMBERS, TARGET
+from dem.contacts.layout import NUMBERS, PARTNER, TARGET
 from dem.contacts.response import rolling_stiffness
 from dem.dynamics.world import (
     ALPHA,
+    FRICTION,
     INVERSE_MASS,
     MODULUS,
     PAIRS,
@@ -16,15 +17,14 @@ from dem.dynamics.world import (
     SHARE,
     WALLS,
 )
-from dem.dynamics.world import (
-    FRICTION as FRICTION_COLUMNS,
-)
+from dem.jit.intrinsics import apart
 from dem.laws.protocol import length, stiffness
 
-# What a kernel has: dem.dynamics.kinds
-FRICTION = DAMPING = ROLLING = LOCAL = LONG = YIELDS = True
-STIFFNESS = LENGTH = DASHPOT = COEFFICIENT = FRICTION_STIFFNESS = FRICTION_DASHPOT = np.uint64(0)
-ARM = ROLLING_DASHPOT = MASS_X = MASS_Y = MASS_TURN = COLUMNS = np.uint64(0)
+
+def put(table, p, column, value):
+    """Write a column of contact p, unless the scene lacks it."""
+    if column >= 0:
+        table[p + column] = value
 
 
 def inverse_masses_driven(boundaries, b):
@@ -54,7 +54,7 @@ def effective_mass(held, mass, i, j):
     return mass[i] * mass[j] / (mass[i] + mass[j])
 
 
-def set_constants(law, table, p, row, radii, mass, inverse_masses):
+def set_constants(law, layout, table, p, row, radii, mass, inverse_masses):
     """Constants of contact p from its row of GranuleTable.laws, the radii of both bodies (m; zero of
     a flat one) and its effective mass m* (kg).
 
@@ -62,54 +62,55 @@ def set_constants(law, table, p, row, radii, mass, inverse_masses):
     """
     one, two = radii
     radius = effective_radius(one, two)
-    constant = stiffness(law, row[MODULUS], radius)
-    table[p + STIFFNESS] = row[MODULUS] if LOCAL else constant
-    if LONG:
-        other = two if two > 0.0 else one
-        table[p + LENGTH] = length(law, row[SHARE], one, other, radius)
-    if DAMPING:
-        table[p + DASHPOT] = row[ALPHA] * math.sqrt(mass if LOCAL else mass * constant)
-    if FRICTION:
-        table[p + COEFFICIENT] = row[FRICTION_COLUMNS]
-        table[p + FRICTION_STIFFNESS] = row[FRICTION_COLUMNS + 1]
-        table[p + FRICTION_DASHPOT] = row[FRICTION_COLUMNS + 2]
-    if YIELDS:
-        first, second = inverse_masses
-        table[p + MASS_TURN] = mass * second[2]
-        # where neither body yields or turns, the mass is m* itself
-        both = first[0] + second[0]
-        table[p + MASS_X] = mass * both if both + second[2] > 0.0 else 1.0
-        both = first[1] + second[1]
-        table[p + MASS_Y] = mass * both if both + second[2] > 0.0 else 1.0
+    constant, other = stiffness(law, row[MODULUS], radius), two if two > 0.0 else one
+    put(table, p, layout.stiffness, row[MODULUS] if layout.local else constant)
+    put(table, p, layout.length, length(law, row[SHARE], one, other, radius))
+    put(
+        table,
+        p,
+        layout.dashpot,
+        row[ALPHA] * math.sqrt(mass if layout.local else mass * constant),
+    )
+    put(table, p, layout.coefficient, row[FRICTION])
+    put(table, p, layout.friction_stiffness, row[FRICTION + 1])
+    put(table, p, layout.friction_dashpot, row[FRICTION + 2])
+    first, second = inverse_masses
+    put(table, p, layout.mass_turn, mass * second[2])
+    # where neither body yields or turns, the mass is m* itself
+    both = first[0] + second[0]
+    put(table, p, layout.mass_x, mass * both if both + second[2] > 0.0 else 1.0)
+    both = first[1] + second[1]
+    put(table, p, layout.mass_y, mass * both if both + second[2] > 0.0 else 1.0)
 
 
-def set_rolling(law, table, p, coefficient, ratio, radii, square):
+def set_rolling(law, layout, table, p, coefficient, ratio, radii, square):
     """Rolling resistance of contact p: its coefficient, the damping ratio, both radii (m).
 
     square: mass times radius squared (kg m2), of both bodies as of two springs in a row; 3/2 of it
     is I_r, about the contact.
     """
     arm = coefficient * effective_radius(radii[0], radii[1])
-    table[p + ARM] = arm
-    constant = rolling_stiffness(law, arm, table[p + STIFFNESS])
-    table[p + ROLLING_DASHPOT] = 2.0 * ratio * math.sqrt(1.5 * square * constant)
+    table[p + layout.arm] = arm
+    constant = rolling_stiffness(law, arm, table[p + layout.stiffness])
+    table[p + layout.rolling_dashpot] = 2.0 * ratio * math.sqrt(1.5 * square * constant)
 
 
-def fill_constants(world, bed):
+def fill_constants(world, bed, layout):
     """Constants of all contacts of the list of a bed (dem.dynamics.assembly.GranuleTable)."""
+    apart()
     contacts, owner, law = world.contacts, world.constituents.owner, world.law
     numbers, table, radius, mass = contacts.numbers, contacts.table, bed.radius, bed.mass
     inverse_mass = world.granules.inverse_mass
     for section in range(PAIRS, SECTIONS):
         for block in range(contacts.first[section], contacts.first[section + 1]):
-            at, base = NUMBERS * np.uint64(block), COLUMNS * np.uint64(block)
+            at, base = NUMBERS * np.uint64(block), layout.stride * block
             for lane in range(contacts.count[block]):
                 k = np.uint64(lane)
-                p, i = base + k, np.int64(numbers[at + k])
+                p, i = base + lane, np.int64(numbers[at + k])
                 g = owner[i]
                 first = inverse_masses_of(world, g)
                 if section == PAIRS:
-                    j = np.int64(numbers[at + np.uint64(BLOCK) + k])
+                    j = np.int64(numbers[at + PARTNER + k])
                     h = owner[j]
                     second, radii = inverse_masses_of(world, h), (radius[i], radius[j])
                     m = effective_mass(bed.held, mass, i, j)
@@ -122,6 +123,8 @@ def fill_constants(world, bed):
                     radii, kind = (radius[i], bed.solid_radius[b]), 1 if section == WALLS else 2
                     row = bed.laws[bed.laws.shape[1] + b, bed.species[g]]
                     square = mass[i] * radius[i] ** 2
-                set_constants(law, table, p, row, radii, m, (first, second))
-                if ROLLING:
-                    set_rolling(law, table, p, bed.rolling[kind], bed.rolling[3], radii, square)
+                inverse_masses = first, second
+                set_constants(law, layout, table, p, row, radii, m, inverse_masses)
+                if layout.arm >= 0:
+                    coefficient, ratio = bed.rolling[kind], bed.rolling[3]
+                    set_rolling(law, layout, table, p, coefficient, ratio, radii, square)

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.contacts.layout import BLOCK
+from dem.dynamics.forces import RESPOND
 from dem.dynamics.scan import ALONG_X, ALONG_Y, ARM_N1, ARM_T1, ELASTIC, GAP, PUSH_X, PUSH_Y
-from dem.dynamics.step import RESPOND
 from dem.dynamics.world import PAIRS, WALLS
 
 
@@ -82,7 +82,7 @@ def partner_words(world, contacts: ContactList, granule: int) -> str:
 
 def _columns(system, names, begin, end, rows):
     """Section and columns of ContactList for the touching contacts of some blocks."""
-    world, columns = system.world, system.kernels.columns
+    world, layout = system.world, system.kernels.layout
     contacts, owner, motion = world.contacts, world.constituents.owner, world.constituents.motion
     touching = np.arange(BLOCK) < contacts.count[begin:end, None]
     touching &= rows[:, GAP] > -world.law.range
@@ -90,7 +90,7 @@ def _columns(system, names, begin, end, rows):
     constituent, body = (numbers[:, k][touching] for k in range(2))
     section = np.searchsorted(contacts.first[1:], np.arange(begin, end), side="right")
     section = np.broadcast_to(section[:, None], touching.shape)[touching]
-    table = contacts.table.reshape(-1, columns.all // BLOCK, BLOCK)[begin:end]
+    table = contacts.table.reshape(-1, layout.stride // BLOCK, BLOCK)[begin:end]
 
     def column(at):
         return table[:, at // BLOCK][touching] if at >= 0 else np.zeros(len(constituent))
@@ -107,8 +107,7 @@ def _columns(system, names, begin, end, rows):
     )
     normal, tangent = np.column_stack([nx, ny]), np.column_stack([-ny, nx])
     point = centre + n1[:, None] * normal + t1[:, None] * tangent
-    shift, flags = columns.shift, system.kernels.flags
-    images = np.column_stack([column(shift), column(shift + BLOCK if shift >= 0 else -1)])
+    images = np.column_stack([column(layout.shift_x), column(layout.shift_y)])
     branch = np.where(is_pair[:, None], world.bodies[other, :2] + images, point) - first
     return (
         section,
@@ -119,9 +118,9 @@ def _columns(system, names, begin, end, rows):
         branch,
         overlap,
         elastic,
-        column(columns.history if flags["FRICTION"] else -1),
+        column(layout.tangential_force),
         np.column_stack([fx, fy]),
-        column(columns.history + 2 * BLOCK if flags["ROLLING"] else -1),
+        column(layout.rolling_moment),
     )
 
 

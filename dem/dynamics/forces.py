@@ -1,4 +1,8 @@
-"""Forces on all bodies for their present positions, block by block and patch by patch."""
+"""Forces on bodies for their present positions, block by block and patch by patch.
+
+The machine code of a function is made anew in each function between it and the kernel, before that of
+the kernel is: what is long stays few calls below it.
+"""
 
 import numpy as np
 
@@ -22,20 +26,22 @@ from dem.contacts.layout import (
     ZERO,
 )
 from dem.contacts.response import accumulate, add_losses, load_boundaries, respond
-from dem.dynamics.motion import collect, greater, place
+from dem.dynamics.motion import greater
 from dem.dynamics.world import OUTLINES, PAIRS, POLYGONS, WALLS, granules_of
-from dem.jit.intrinsics import prefetch
+from dem.jit.intrinsics import apart, prefetch
+
+FORCES, SHOW, RESPOND = range(3)  # what is asked of blocks of contacts
 
 # What a kernel has: dem.dynamics.kinds
 LEDGER = COMPOSED = WITH_OUTLINES = WITH_POLYGONS = True
-COLUMNS = np.uint64(0)
+STRIDE = np.uint64(0)
 
 
 def find_block(world, section, block, pair, lanes):
     """Geometry of the contacts of a block."""
     contacts, constituents = world.contacts, world.constituents
     numbers, table, count = contacts.numbers, contacts.table, contacts.count[block]
-    at, base = NUMBERS * np.uint64(block), COLUMNS * np.uint64(block)
+    at, base = NUMBERS * np.uint64(block), STRIDE * np.uint64(block)
     motion, turned = constituents.motion.reshape(-1), constituents.orientation.reshape(-1)
     shape, planes = world.shape, world.boundaries.planes
     more = constituents.first.shape[0] - 1 - constituents.reference.shape[0]
@@ -48,14 +54,6 @@ def find_block(world, section, block, pair, lanes):
         find_polygons(shape, world.faces, turned, more, contacts, block, pair, lanes)
     else:
         find_pairs(shape, table, base, count, pair, lanes)
-
-
-def respond_block(world, block, dt, pair, lanes):
-    """Forces of the contacts of a block."""
-    contacts, count = world.contacts, world.contacts.count[block]
-    respond(world.law, contacts.table, COLUMNS * np.uint64(block), count, dt, lanes)
-    if LEDGER:
-        add_losses(world.account, count, lanes)
 
 
 def ask_for_partners(contacts, motion, block):
@@ -72,42 +70,57 @@ def clear(table, low, high):
         flat[q] = 0.0
 
 
-def pair_forces(world, dt, patch, pair, lanes):
-    """Forces of the pairs of a patch, on its constituents and, for others, in the rows of
-    Patches."""
-    contacts, constituents = world.contacts, world.constituents
-    first, of_patch, force = constituents.first, contacts.of_patch, constituents.force
-    low, high = granules_of(first.shape[0] - 1, patch)
-    clear(force, first[low], first[high])
+def contact_forces(world, task, begin, end, dt, pair, lanes, rows):
+    """What is asked of the contacts of blocks begin to end.
+
+    FORCES: add their forces to constituents, for others in the rows of Patches, and to boundaries.
+    SHOW: copy their geometry, the first SEEN rows of the lanes, to rows (blocks, SEEN or more, BLOCK);
+    RESPOND: with the forces that follow from it.
+    """
+    apart()
+    contacts, constituents, boundaries = world.contacts, world.constituents, world.boundaries
+    numbers, force, walls = contacts.numbers, constituents.force, boundaries.planes.shape[0]
     flat, motion = force.reshape(-1), constituents.motion.reshape(-1)
-    for block in range(of_patch[patch], of_patch[patch + 1]):
-        find_block(world, PAIRS, block, pair, lanes)
-        if of_patch.shape[0] > 2 and block + 1 < of_patch[patch + 1]:
+    on, loads, boundary = boundaries.force, boundaries.contact_forces, world.faces.boundary
+    asks, section = contacts.of_patch.shape[0] > 2 and begin < contacts.first[WALLS], PAIRS
+    for block in range(begin, end):
+        while block >= contacts.first[section + 1]:
+            section += 1
+        find_block(world, section, block, pair, lanes)
+        if asks and block + 1 < end:
             ask_for_partners(contacts, motion, block + 1)
-        respond_block(world, block, dt, pair, lanes)
-        at = NUMBERS * np.uint64(block)
-        accumulate(contacts.numbers, at, contacts.count[block], lanes, flat)
+        at, count = NUMBERS * np.uint64(block), contacts.count[block]
+        if task != SHOW:
+            respond(world.law, contacts.table, STRIDE * np.uint64(block), count, dt, lanes)
+        if task == FORCES:
+            if LEDGER:
+                add_losses(world.account, count, lanes)
+            if section == PAIRS:
+                accumulate(numbers, at, count, lanes, flat)
+            else:
+                load_boundaries(numbers, at, count, walls, boundary, lanes, flat, on, loads)
+        else:
+            for row in range(SEEN):
+                for k in range(count):
+                    rows[block - begin, row, k] = lanes[row * (BLOCK + LINE) + k]
 
 
-def boundary_forces(world, dt, pair, lanes):
-    """Add the forces of walls and solids, and those on all boundaries."""
-    contacts, boundaries = world.contacts, world.boundaries
-    force, loads, walls = boundaries.force, boundaries.contact_forces, boundaries.planes.shape[0]
-    flat, boundary = world.constituents.force.reshape(-1), world.faces.boundary
-    clear(force, 0, force.shape[0])
-    clear(loads, 0, loads.shape[0])
-    for section in range(WALLS, POLYGONS + 1):
-        for block in range(contacts.first[section], contacts.first[section + 1]):
-            find_block(world, section, block, pair, lanes)
-            respond_block(world, block, dt, pair, lanes)
-            at, count = NUMBERS * np.uint64(block), contacts.count[block]
-            load_boundaries(contacts.numbers, at, count, walls, boundary, lanes, flat, force, loads)
-    sum_held_forces(world.constituents, world.held, force, loads)
+def clear_patch(constituents, patch):
+    """Zeros for the forces on the constituents of a patch."""
+    low, high = granules_of(constituents.first.shape[0] - 1, patch)
+    clear(constituents.force, constituents.first[low], constituents.first[high])
 
 
-def sum_held_forces(constituents, held, on, loads):
+def clear_boundaries(boundaries):
+    """Zeros for the forces on boundaries."""
+    clear(boundaries.force, 0, boundaries.force.shape[0])
+    clear(boundaries.contact_forces, 0, boundaries.contact_forces.shape[0])
+
+
+def sum_held_forces(constituents, held, boundaries):
     """Sum up what the contacts exert on each held group, in one order for any number of threads."""
     member, force, first = held.member, constituents.force, constituents.first
+    on, loads = boundaries.force, boundaries.contact_forces
     for q in range(member.shape[0]):
         b = held.group[member[q]]
         for row in range(first[member[q]], first[member[q] + 1]):
@@ -139,40 +152,3 @@ def integrate_account(account, kick):
         account[ACCOUNTS + kind] += kick * account[kind]
         account[kind] = 0.0
     account[PEAK] = greater(account[PEAK], abs(account[WORK] + account[FALL]))
-
-
-def all_forces(world, dt, pair, lanes):
-    """Forces on all bodies, and on granules with several constituents."""
-    granules, patches = world.granules.angle.shape[0], world.patches
-    if COMPOSED:
-        place(world.granules.motion, world.constituents, 0, granules)
-    if LEDGER:
-        integrate_account(world.account, 0.0)
-    for patch in range(patches.lowest.shape[0]):
-        pair_forces(world, dt, patch, pair, lanes)
-    for patch in range(patches.lowest.shape[0]):
-        add_forces_across_patches(world.constituents, patches, patch)
-    boundary_forces(world, dt, pair, lanes)
-    if COMPOSED:
-        collect(world.granules.force, world.constituents, 0, granules)
-
-
-def section_of(contacts, block):
-    """Section of a block of the list."""
-    section = PAIRS
-    while block >= contacts.first[section + 1]:
-        section += 1
-    return section
-
-
-def show(world, begin, end, responds, rows, pair, lanes):
-    """Copy the first SEEN rows of the lanes of blocks begin to end to rows (blocks, SEEN or more,
-    BLOCK); responds: with the forces that follow from them."""
-    for block in range(begin, end):
-        find_block(world, section_of(world.contacts, block), block, pair, lanes)
-        if responds:
-            base, count = COLUMNS * np.uint64(block), world.contacts.count[block]
-            respond(world.law, world.contacts.table, base, count, 0.0, lanes)
-        for row in range(SEEN):
-            for k in range(world.contacts.count[block]):
-                rows[block - begin, row, k] = lanes[row * (BLOCK + LINE) + k]

@@ -25,10 +25,8 @@ is absent is data instead: walls, round solids, gravity, paths, held granules, p
 
 from typing import NamedTuple
 
-from dem.contacts.layout import SIZES_AT, columns
-from dem.dynamics import constants, scan
-from dem.dynamics.neighbours import Columns
-from dem.dynamics.step import APART
+from dem.contacts.layout import SIZES_AT, Layout, layout_of
+from dem.dynamics import scan
 from dem.jit.kernel import Kernel, kernel
 from dem.shapes.protocol import ellipse_contact, find_contact, refine_normal
 
@@ -40,37 +38,18 @@ class Kernels(NamedTuple):
     ----------
     flags : dict of str to bool
         What the scene has.
-    columns : Columns
+    layout : Layout
         Where columns of the list are.
-    work, constants, scan : Kernel
-        dem.dynamics.step.work, and functions of dem.dynamics.constants and dem.dynamics.scan.
+    work : Kernel
+        What moves the bed, such as dem.dynamics.step.advance.
+    scan : Kernel
+        dem.dynamics.scan.scan, for all kinds of scenes of a law.
     """
 
     flags: dict[str, bool]
-    columns: Columns
+    layout: Layout
     work: Kernel
-    constants: Kernel
     scan: Kernel
-
-
-def columns_of(flags: dict[str, bool], shape, outlines) -> dict:
-    """Where the columns of blocks are (dem.contacts.layout)."""
-    sizes, others = shape.outlines.shape[1], outlines.outlines.shape[1]
-    return columns(flags, max(sizes, others if flags["WITH_OUTLINES"] else 0))
-
-
-def of_positions(flags: dict[str, bool], where, sizes: int, others: int) -> Columns:
-    """The columns that lists fill; sizes, others: numbers of outlines of granules and solids."""
-    return Columns(
-        all=int(where["COLUMNS"]),
-        history=int(where["HISTORY"]),
-        sizes=int(where["SIZES"]),
-        second=int(where["SECOND"]),
-        shift=int(where["SHIFT_X"]) if flags["PERIODIC"] else -1,
-        normal=int(where["NORMAL_X"]) if flags["GUESSES"] else -1,
-        numbers=sizes,
-        outline_numbers=others,
-    )
 
 
 def types_of(*tuples) -> tuple[type, ...]:
@@ -78,16 +57,15 @@ def types_of(*tuples) -> tuple[type, ...]:
     return tuple(type(value) for values in tuples for value in values)
 
 
-def bound(function, apart, flags: dict[str, bool], shape, outlines, law, **more) -> Kernel:
+def bound(function, flags: dict[str, bool], shape, outlines, law, **more) -> Kernel:
     """The kernel of a function for the contacts of a kind of scene."""
     sizes, others = shape.outlines.shape[1], outlines.outlines.shape[1]
     methods = [type(m) for s in (shape, outlines) for m in s if type(m) in ellipse_contact.answers]
     return kernel(
         function,
-        apart,
         (type(shape), type(outlines), type(law), *methods),
         **flags,
-        **columns_of(flags, shape, outlines),
+        **layout_of(flags, sizes, others).constants,
         sizes_at=SIZES_AT[sizes],
         outline_sizes_at=SIZES_AT[others],
         find_outline=find_contact.answers[type(outlines)],
@@ -97,16 +75,8 @@ def bound(function, apart, flags: dict[str, bool], shape, outlines, law, **more)
     )
 
 
-def kernels(task, flags: dict[str, bool], shape, outlines, law) -> Kernels:
+def kernels(task, flags: dict[str, bool], layout: Layout, shape, outlines, law) -> Kernels:
     """The kernels of scenes with some flags; outlines: solids that have the outline of a granule, or
     the granules."""
-    sizes, others = shape.outlines.shape[1], outlines.outlines.shape[1]
-    where = columns_of(flags, shape, outlines)
-    given, of_law = flags | where | {"TYPES": types_of(law)}, (type(law),)
-    return Kernels(
-        flags=flags,
-        columns=of_positions(flags, where, sizes, others),
-        work=bound(task, APART, flags, shape, outlines, law),
-        constants=kernel(constants.fill_constants, (), of_law, **given),
-        scan=kernel(scan.scan, scan.APART, of_law, **given),
-    )
+    of_law = kernel(scan.scan, (type(law),), TYPES=types_of(law))
+    return Kernels(flags, layout, bound(task, flags, shape, outlines, law), of_law)

@@ -10,36 +10,37 @@ import numpy as np
 from dem.contacts.layout import DVX, FX, FY, TAU, VX, VY, W
 from dem.dynamics.motion import greater
 from dem.dynamics.world import EXTERNAL_FORCE, INVERSE_MASS
+from dem.jit.intrinsics import apart
 from dem.laws.protocol import impact_overlap, length, measure, root, slope, stiffest
 
-# What a kernel has: dem.dynamics.kinds
-FULL = TURNS = True
 
-
-def velocity_later(world, i, c, later):
-    """Component c of the velocity of granule i after kicks of a time `later` (s)."""
+def velocity_later(world, full, i, c, later):
+    """Component c of the velocity of granule i after kicks of a time `later` (s); full: whether
+    rows of motion have velocities of full steps."""
     granules = world.granules
     velocity = granules.motion[i, VX + c]
-    if FULL:
+    if full:
         velocity = velocity - granules.motion[i, DVX + c]
     push = granules.inverse_mass[i] * granules.force[i, FX + c]
     return velocity + later * push + later * world.gravity[c]
 
 
-def kinetic(world, later, frame):
+def kinetic(world, full, later, frame):
     """Kinetic energy (J) of the granules that are free, and greatest speed (m/s) of all; NaN wins.
 
     later (s): kicks that velocities lack; frame: velocity (m/s) that is added to all for the
     energy.
     """
+    apart()
     total, fastest, granules = 0.0, 0.0, world.granules
     for i in range(granules.angle.shape[0]):
-        vx, vy = velocity_later(world, i, 0, later), velocity_later(world, i, 1, later)
+        vx = velocity_later(world, full, i, 0, later)
+        vy = velocity_later(world, full, i, 1, later)
         if granules.inverse_mass[i] > 0.0:
             squared = (vx + frame[0]) ** 2 + (vy + frame[1]) ** 2
             total += 0.5 * squared / granules.inverse_mass[i]
             inverse = granules.inverse_inertia[i]
-            if TURNS and inverse > 0.0:
+            if inverse > 0.0:
                 spin = granules.motion[i, W] + later * inverse * granules.force[i, TAU]
                 total += 0.5 * spin * spin / inverse
         fastest = greater(fastest, vx * vx + vy * vy)
@@ -48,6 +49,7 @@ def kinetic(world, later, frame):
 
 def fastest(boundaries):
     """Square of the greatest speed (m/s) that a surface has now, or will have on its path."""
+    apart()
     motion, waypoints, squared = boundaries.motion, boundaries.waypoints, 0.0
     for b in range(motion.shape[0]):
         along, spin = motion[b, VX] ** 2 + motion[b, VY] ** 2, abs(motion[b, W])
@@ -83,8 +85,7 @@ def greatest_acceleration(world, bed):
     force = granules.force
     for i in range(granules.angle.shape[0]):
         push = math.sqrt(force[i, FX] ** 2 + force[i, FY] ** 2) * granules.inverse_mass[i]
-        if TURNS:
-            push += abs(force[i, TAU]) * granules.inverse_inertia[i] * bed.arm[i]
+        push += abs(force[i, TAU]) * granules.inverse_inertia[i] * bed.arm[i]
         greatest = greater(greatest, push)
     return greatest
 

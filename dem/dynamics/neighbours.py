@@ -21,6 +21,7 @@ from dem.contacts.layout import (
     TARGET,
     VX,
     VY,
+    Layout,
     X,
     Y,
     aligned,
@@ -36,23 +37,10 @@ from dem.dynamics.world import (
     Contacts,
     Patches,
 )
+from dem.jit.intrinsics import apart
 from dem.jit.kernel import kernel
 
 ROOM = 8  # pairs a constituent that the first list has room for
-
-
-class Columns(NamedTuple):
-    """Where columns of a block begin that depend on positions alone (dem.contacts.layout), and how
-    many numbers the outlines of granules, and of solids that are like granules, have."""
-
-    all: int
-    history: int
-    sizes: int
-    second: int
-    shift: int
-    normal: int
-    numbers: int
-    outline_numbers: int
 
 
 class Near(NamedTuple):
@@ -138,6 +126,7 @@ def sort_into_cells(motion, grid, size, period):
 
     Cells never outnumber the constituents fourfold. Along a periodic side they make one period.
     """
+    apart()
     n, where, start = grid.where.shape[0], grid.where, grid.start
     left, bottom = motion[0, X], motion[0, Y]
     right, top = left, bottom
@@ -181,6 +170,7 @@ def find_near_pairs(motion, owner, bodies, skin, grid, near):
     Each pair is listed once, under its lower index. No two held ones make a pair. Stops where
     `near` has too little room, and returns more than it has.
     """
+    apart()
     radius, held, period = bodies.radius, bodies.held, bodies.period
     columns, rows = sort_into_cells(motion, grid, 2.0 * bodies.largest + skin, period)
     n, partner, count = radius.shape[0], near.partner, 0
@@ -230,6 +220,7 @@ def distance_from(faces, t, c, s, x, y):
 
 def find_near_boundaries(world, bodies, skin, near):
     """Constituents closer than skin (m) to boundaries."""
+    apart()
     boundaries, motion, faces = world.boundaries, world.constituents.motion, world.faces
     sections, sizes, radius, period = bodies.sections, bodies.sizes, bodies.radius, bodies.period
     moving, planes, count = boundaries.motion, boundaries.planes, 0
@@ -267,35 +258,37 @@ def add_contact(world, bodies, contacts, cursor, section, i, row, target):
     cursor: block and lane of the last contact that was found in the old list, and of the next of the
     new one.
     """
-    columns, motion, block, lane = bodies.columns, world.constituents.motion, cursor[2], cursor[3]
+    apart()
+    apart()
+    layout, motion, block, lane = bodies.layout, world.constituents.motion, cursor[2], cursor[3]
     at = NUMBERS * np.uint64(block) + np.uint64(lane)
     contacts.numbers[at + CONSTITUENT] = i
     contacts.numbers[at + PARTNER] = row
     contacts.numbers[at + TARGET] = target
     contacts.count[block] = lane + 1
-    table, p = contacts.table, columns.all * block + lane
-    sizes, count = bodies.outlines, columns.numbers
+    table, p = contacts.table, layout.stride * block + lane
+    sizes, count = bodies.outlines, layout.size_count
     if section == OUTLINES:
-        sizes, count = bodies.others, columns.outline_numbers
+        sizes, count = bodies.others, layout.outline_size_count
     for c in range(count):
-        table[p + columns.sizes + c * BLOCK] = sizes[i, c]
-        table[p + columns.sizes + columns.second + c * BLOCK] = sizes[row, c]
+        table[p + layout.sizes + c * BLOCK] = sizes[i, c]
+        table[p + layout.sizes + layout.second + c * BLOCK] = sizes[row, c]
     dx, dy = motion[row, X] - motion[i, X], motion[row, Y] - motion[i, Y]
-    if columns.shift >= 0:
+    if layout.shift_x >= 0:
         x, y = 0.0, 0.0
         if section != WALLS:
             x, y = image(bodies.period[0], dx), image(bodies.period[1], dy)
-        table[p + columns.shift], table[p + columns.shift + BLOCK] = x, y
+        table[p + layout.shift_x], table[p + layout.shift_y] = x, y
         dx, dy = dx + x, dy + y
-    old = find_old(world.contacts, columns.all, cursor, section, i, row, target)
-    for c in range(columns.history, columns.all, BLOCK):
+    old = find_old(world.contacts, layout.stride, cursor, section, i, row, target)
+    for c in range(layout.history, layout.stride, BLOCK):
         table[p + c] = world.contacts.table[old + c] if old >= 0 else 0.0
-    if columns.normal >= 0:
-        normal = p + columns.normal
-        if table[normal] == 0.0 and table[normal + BLOCK] == 0.0:  # along the line of centres
+    if layout.normal_x >= 0:
+        nx, ny = p + layout.normal_x, p + layout.normal_y
+        if table[nx] == 0.0 and table[ny] == 0.0:  # along the line of centres
             distance = np.sqrt(dx * dx + dy * dy)
-            table[normal] = dx / distance if distance > 0.0 else 1.0
-            table[normal + BLOCK] = dy / distance if distance > 0.0 else 0.0
+            table[nx] = dx / distance if distance > 0.0 else 1.0
+            table[ny] = dy / distance if distance > 0.0 else 0.0
     cursor[3] += 1
     if cursor[3] == BLOCK:
         end_block(cursor)
@@ -314,6 +307,7 @@ def find_old(old, stride, cursor, section, i, row, target):
     stride: numbers of a block. It looks from where the cursor is, because both lists are in
     ascending order.
     """
+    apart()
     block, lane = cursor[0], cursor[1]
     column, sought = (PARTNER, row) if section == PAIRS else (TARGET, target)
     while block < old.first[section + 1]:
@@ -334,6 +328,7 @@ def find_old(old, stride, cursor, section, i, row, target):
 
 def fill(world, bodies, near, contacts, patches, cursor):
     """Fill the blocks of a list. Returns the number of pairs of two patches."""
+    apart()
     owner, rows, lowest = (
         world.constituents.owner,
         world.constituents.motion.shape[0],
@@ -391,6 +386,7 @@ def blocks_needed(near, owner):
 def sort_incoming(patches, owner, shared):
     """Fill Patches.incoming and Patches.first: the rows of pairs of two patches, by the patch that
     they are for."""
+    apart()
     first = patches.first
     for c in range(first.shape[0]):
         first[c] = 0
@@ -409,6 +405,7 @@ def sort_incoming(patches, owner, shared):
 
 def set_reference(world, bodies):
     """Note the present places of all bodies; angles are turned exactly, and constituents follow."""
+    apart()
     granules, constituents, boundaries = world.granules, world.constituents, world.boundaries
     motion, reference, orientation = (
         constituents.motion,
@@ -430,7 +427,7 @@ def set_reference(world, bodies):
         orientation[n + b, 0], orientation[n + b, 1] = math.cos(angle), math.sin(angle)
         for k in range(8):
             motion[c + b, k] = moved[b, k]
-        if bodies.full:
+        if bodies.layout.full:
             motion[c + b, VX] += moved[b, DVX]
             motion[c + b, VY] += moved[b, DVY]
         if b < boundaries.reference.shape[0]:
@@ -478,9 +475,9 @@ class Bodies(NamedTuple):
         Numbers of all outlines, and of those that solids and granules have in terms of the solids'.
     period : tuple of float
         Period along x and y (m), zero where the scene does not repeat itself.
-    columns : Columns
+    layout : Layout
         Where numbers of contacts are.
-    full, rotates, composed : bool
+    rotates, composed : bool
         Flags of dem.dynamics.kinds.
     """
 
@@ -492,8 +489,7 @@ class Bodies(NamedTuple):
     outlines: np.ndarray
     others: np.ndarray
     period: tuple[float, float]
-    columns: Columns
-    full: bool
+    layout: Layout
     rotates: bool
     composed: bool
 
@@ -539,7 +535,7 @@ class Lists:
 
     def renewed(self, world, skin: float) -> tuple[Contacts, Patches, int]:
         """Contacts and Patches for the present positions, and the number of pairs of two patches."""
-        patches, room, columns = len(world.patches.lowest), 0, self.bodies.columns.all // BLOCK
+        patches, room, columns = len(world.patches.lowest), 0, self.bodies.layout.stride // BLOCK
         while True:
             contacts, shares = (
                 new_contacts(self.blocks, columns, patches),
@@ -556,17 +552,4 @@ class Lists:
                 return contacts, shares, shared
 
 
-RENEW = kernel(
-    renew,
-    apart={
-        "find_near_pairs",
-        "find_near_boundaries",
-        "sort_into_cells",
-        "set_reference",
-        "place",
-        "fill",
-        "find_old",
-        "add_contact",
-        "sort_incoming",
-    },
-)
+RENEW = kernel(renew)

@@ -28,8 +28,8 @@ import numpy as np
 
 from dem.contacts.force_law import TINY as LEAST
 from dem.contacts.layout import NUMBERS, PARTNER, TARGET, X, Y
-from dem.contacts.response import dashpot_of, length_of, rolling_stiffness
-from dem.dynamics.forces import section_of
+from dem.contacts.response import rolling_stiffness, yielding
+from dem.dynamics.constants import fill_constants
 from dem.dynamics.measures import (
     driven_acceleration,
     expected_speed,
@@ -40,6 +40,7 @@ from dem.dynamics.measures import (
 )
 from dem.dynamics.motion import greater
 from dem.dynamics.world import INVERSE_MASS, PAIRS, SECTIONS, WALLS
+from dem.jit.intrinsics import apart
 from dem.laws.protocol import (
     attraction,
     attraction_energy,
@@ -50,13 +51,6 @@ from dem.laws.protocol import (
     slope,
     stiffness,
 )
-
-# Functions that the kernel has once
-APART = frozenset({"kinetic", "fastest", "scan_blocks", "add_contact", "body_of", "shortest_steps"})
-# What a kernel has: dem.dynamics.kinds
-FRICTION = DAMPING = ROLLING = LOCAL = TURNS = PERIODIC = True
-STIFFNESS = FRICTION_STIFFNESS = FRICTION_DASHPOT = ARM = ROLLING_DASHPOT = np.uint64(0)
-SHIFT_X = SHIFT_Y = TANGENTIAL_FORCE = MEASURE = ROLLING_MOMENT = COLUMNS = np.uint64(0)
 
 # Columns of the rows of bounds (bodies, 12): xx, xy, yy, xr, yr, rr of stiffness (1/s2), then of
 # damping (1/s)
@@ -101,15 +95,15 @@ def body_of(world, bed, i, nx, ny, n, t):
 
     The contact is at n along the normal and t along the tangent from the centre of constituent i.
     """
+    apart()
     g = world.constituents.owner[i]
     motion, centre = world.granules.motion, world.constituents.motion
     x = centre[i, X] - motion[g, X] + n * nx - t * ny
     y = centre[i, Y] - motion[g, Y] + n * ny + t * nx
-    normal_arm, tangent_arm, spin, b = x * ny - y * nx, x * nx + y * ny, 0.0, world.held.group[g]
+    normal_arm, tangent_arm, b = x * ny - y * nx, x * nx + y * ny, world.held.group[g]
     if b >= 0:
         return boundary_of(world, bed, b, normal_arm, tangent_arm)
-    if TURNS:
-        spin = math.sqrt(world.granules.inverse_inertia[g])
+    spin = math.sqrt(world.granules.inverse_inertia[g])
     size = math.sqrt(world.granules.inverse_mass[g])
     return Body(g, size, spin, normal_arm, tangent_arm, bed.bend[g])
 
@@ -158,61 +152,82 @@ def add_pair(rows, one, two, k, c, ex, ey, size_1, turn_1, size_2, turn_2):
     factor_1, factor_2 = 1.0 + second / max(first, TINY), 1.0 + first / max(second, TINY)
     add_bound(rows, one.row, BOUND_STIFFNESS, factor_1 * k, ex, ey, size_1, turn_1)
     add_bound(rows, two.row, BOUND_STIFFNESS, factor_2 * k, ex, ey, size_2, turn_2)
-    if DAMPING:
-        add_bound(rows, one.row, BOUND_DAMPING, factor_1 * c, ex, ey, size_1, turn_1)
-        add_bound(rows, two.row, BOUND_DAMPING, factor_2 * c, ex, ey, size_2, turn_2)
+    add_bound(rows, one.row, BOUND_DAMPING, factor_1 * c, ex, ey, size_1, turn_1)
+    add_bound(rows, two.row, BOUND_DAMPING, factor_2 * c, ex, ey, size_2, turn_2)
 
 
-def constant_of(law, table, p, radius):
+def value_at(table, p, column):
+    """A column of contact p, zero where the scene lacks it."""
+    return table[p + column] if column >= 0 else 0.0
+
+
+def constant_of(law, layout, table, p, radius):
     """K of contact p; radius: R* (m) there, where the pair has none of its own."""
-    if LOCAL:
-        return stiffness(law, table[p + STIFFNESS], radius)
-    return table[p + STIFFNESS]
+    constant = table[p + layout.stiffness]
+    return stiffness(law, constant, radius) if layout.local else constant
 
 
-def add_contact(law, table, p, rows, least, overlap, nx, ny, radius, one, two):
+def dashpot_of(layout, table, p, nx, ny, lever, constant):
+    """alpha sqrt(m* K) of contact p, zero without damping."""
+    dashpot = value_at(table, p, layout.dashpot)
+    if layout.mass_x >= 0:
+        mass_x, mass_y = table[p + layout.mass_x], table[p + layout.mass_y]
+        dashpot = yielding(dashpot, mass_x, mass_y, table[p + layout.mass_turn], nx, ny, lever)
+    return math.sqrt(constant) * dashpot if layout.local else dashpot
+
+
+def add_contact(law, layout, table, p, rows, least, overlap, nx, ny, radius, one, two):
     """Stiffness and damping of contact p between two bodies.
 
     least (m): smallest overlap that a stiffness is computed for.
     """
-    held, constant = max(overlap, least), constant_of(law, table, p, radius)
-    measured, damping = measure(law, held, length_of(table, p)), 0.0
-    if DAMPING:
-        damping = dashpot_of(table, p, nx, ny, two.normal_arm, constant)
-        damping = damping * root(law, held, measured)
+    apart()
+    held, constant = max(overlap, least), constant_of(law, layout, table, p, radius)
+    measured = measure(law, held, value_at(table, p, layout.length))
+    damping = dashpot_of(layout, table, p, nx, ny, two.normal_arm, constant)
+    rooted = root(law, held, measured)
+    damping = damping * rooted
     k = slope(law, constant, measured)
     turn_1, turn_2 = one.normal_arm * one.spin, two.normal_arm * two.spin
     add_pair(rows, one, two, k, damping, nx, ny, one.size, turn_1, two.size, turn_2)
-    if FRICTION:
-        k_t, c_t = table[p + FRICTION_STIFFNESS] * constant * measured, 0.0
-        if DAMPING:
-            c_t = table[p + FRICTION_DASHPOT] * damping
+    if layout.friction_stiffness >= 0:
+        k_t = table[p + layout.friction_stiffness] * constant * measured
+        c_t = table[p + layout.friction_dashpot] * damping
         turn_1, turn_2 = one.tangent_arm * one.spin, two.tangent_arm * two.spin
         add_pair(rows, one, two, k_t, c_t, -ny, nx, one.size, turn_1, two.size, turn_2)
-    if ROLLING:
-        k_r = rolling_stiffness(law, table[p + ARM], constant) * measured
-        c_r = table[p + ROLLING_DASHPOT] * root(law, held, measured)
+    if layout.arm >= 0:
+        k_r = rolling_stiffness(law, table[p + layout.arm], constant) * measured
+        c_r = table[p + layout.rolling_dashpot] * rooted
         add_pair(rows, one, two, k_r, c_r, 0.0, 0.0, 0.0, one.spin, 0.0, two.spin)
     # what the force can add to the rotation
     rows[one.row, BOUND_STIFFNESS + 5] += k * max(overlap, 0.0) * one.bend
     rows[two.row, BOUND_STIFFNESS + 5] += k * max(overlap, 0.0) * two.bend
 
 
-def scan_blocks(world, bed, begin, geometry, bounds, result):
+def section_of(contacts, block):
+    """Section of a block of the list."""
+    section = PAIRS
+    while block >= contacts.first[section + 1]:
+        section += 1
+    return section
+
+
+def scan_blocks(world, bed, layout, begin, geometry, bounds, result):
     """Add what the contacts of blocks from `begin` on do to the rows of bounds, where there are any, and
     to a result: how many pairs touch, the greatest overlap over the smaller radius, and its
     constituent.
 
-    geometry: from dem.dynamics.forces.show. NaN is the greatest overlap.
+    geometry: from dem.dynamics.forces.block_forces. NaN is the greatest overlap.
     """
+    apart()
     contacts, motion, radius = world.contacts, world.constituents.motion, bed.radius
     numbers, table, least = contacts.numbers, contacts.table, result[LEAST_OVERLAP]
     for block in range(begin, begin + geometry.shape[0]):
         section = section_of(contacts, block)
-        at, base = NUMBERS * np.uint64(block), COLUMNS * np.uint64(block)
+        at, base = NUMBERS * np.uint64(block), layout.stride * block
         for lane in range(contacts.count[block]):
             k = np.uint64(lane)
-            p, i, j = base + k, np.int64(numbers[at + k]), np.int64(numbers[at + PARTNER + k])
+            p, i, j = base + lane, np.int64(numbers[at + k]), np.int64(numbers[at + PARTNER + k])
             row = geometry[block - begin]
             overlap, nx, ny = row[GAP, lane], row[ALONG_X, lane], row[ALONG_Y, lane]
             if not overlap <= 0.0:
@@ -225,8 +240,8 @@ def scan_blocks(world, bed, begin, geometry, bounds, result):
             if bounds.shape[0] == 0:
                 continue
             # the points are on the surfaces of both bodies, not in the middle of a gap
-            apart = 0.5 * min(overlap, 0.0)
-            n1, n2, t1 = row[ARM_N1, lane] + apart, row[ARM_N2, lane] + apart, row[ARM_T1, lane]
+            outside = 0.5 * min(overlap, 0.0)
+            n1, n2, t1 = row[ARM_N1, lane] + outside, row[ARM_N2, lane] + outside, row[ARM_T1, lane]
             one = body_of(world, bed, i, nx, ny, n1, t1)
             if section == PAIRS:
                 two = body_of(world, bed, j, nx, ny, -n2, row[ARM_T2, lane])
@@ -234,15 +249,15 @@ def scan_blocks(world, bed, begin, geometry, bounds, result):
                 normal_arm, tangent_arm = 0.0, 0.0
                 if section != WALLS:
                     dx, dy = motion[j, X] - motion[i, X], motion[j, Y] - motion[i, Y]
-                    if PERIODIC:
-                        dx, dy = dx + table[p + SHIFT_X], dy + table[p + SHIFT_Y]
+                    dx += value_at(table, p, layout.shift_x)
+                    dy += value_at(table, p, layout.shift_y)
                     x, y = n1 * nx - t1 * ny - dx, n1 * ny + t1 * nx - dy
                     normal_arm, tangent_arm = x * ny - y * nx, x * nx + y * ny
                 b = world.faces.boundary[np.int64(numbers[at + TARGET + k])]
                 two = boundary_of(world, bed, b, normal_arm, tangent_arm)
-            radius_there = row[CURVED, lane]
-            add_contact(world.law, table, p, bounds, least, overlap, nx, ny, radius_there, one, two)
-            pull = attraction(world.law, overlap, length_of(table, p)) / bed.bulk
+            law, curved, second = world.law, row[CURVED, lane], value_at(table, p, layout.length)
+            add_contact(law, layout, table, p, bounds, least, overlap, nx, ny, curved, one, two)
+            pull = attraction(law, overlap, second) / bed.bulk
             bounds[one.row, BOUND_STIFFNESS + 5] += pull * one.bend
             bounds[two.row, BOUND_STIFFNESS + 5] += pull * two.bend
 
@@ -257,6 +272,7 @@ def greatest_eigenvalue(rows, i, column):
 
 def shortest_steps(rows, fraction):
     """Critical step (s) of the bed, and that for a fraction: the least of all rows."""
+    apart()
     critical, chosen = math.inf, math.inf
     for i in range(rows.shape[0]):
         k = greatest_eigenvalue(rows, i, BOUND_STIFFNESS)
@@ -266,7 +282,7 @@ def shortest_steps(rows, fraction):
     return critical, chosen
 
 
-def add_energies(world, begin, geometry, result):
+def add_energies(world, layout, begin, geometry, result):
     """Add normal, tangential and rolling elastic energies (J) of blocks from `begin` on to a result,
     and write the normal forces (N) of the law to a row of the geometry.
 
@@ -274,25 +290,25 @@ def add_energies(world, begin, geometry, result):
     """
     contacts, table, law = world.contacts, world.contacts.table, world.law
     for k in range(geometry.shape[0]):
-        base, block = COLUMNS * np.uint64(begin + k), geometry[k]
+        base, block = layout.stride * (begin + k), geometry[k]
         for lane in range(contacts.count[begin + k]):
-            p, gap = base + np.uint64(lane), block[GAP, lane]
-            overlap, second = max(gap, 0.0), length_of(table, p)
-            constant = constant_of(law, table, p, block[CURVED, lane])
+            p, gap = base + lane, block[GAP, lane]
+            overlap, second = max(gap, 0.0), value_at(table, p, layout.length)
+            constant = constant_of(law, layout, table, p, block[CURVED, lane])
             measured = measure(law, overlap, second)
             push = force(law, constant, overlap, measured)
             block[ELASTIC, lane] = push - attraction(law, gap, second)
             result[0] += energy(law, constant, overlap, measured)
             result[0] += attraction_energy(law, gap, second)
-            if FRICTION:
-                stiff = table[p + FRICTION_STIFFNESS] * constant * table[p + MEASURE]
-                result[1] += 0.5 * table[p + TANGENTIAL_FORCE] ** 2 / max(stiff, LEAST)
-            if ROLLING:
-                stiff = rolling_stiffness(law, table[p + ARM], constant) * table[p + MEASURE]
-                result[2] += 0.5 * table[p + ROLLING_MOMENT] ** 2 / max(stiff, LEAST)
+            last = value_at(table, p, layout.measure)
+            stiff = value_at(table, p, layout.friction_stiffness) * constant * last
+            spring = value_at(table, p, layout.tangential_force)
+            result[1] += 0.5 * spring**2 / max(stiff, LEAST)
+            stiff = rolling_stiffness(law, value_at(table, p, layout.arm), constant) * last
+            result[2] += 0.5 * value_at(table, p, layout.rolling_moment) ** 2 / max(stiff, LEAST)
 
 
-SCAN, ENERGIES = range(2)  # what `scan` does
+CONSTANTS, SCAN, ENERGIES = range(3)  # what `scan` does
 
 
 class Moment(NamedTuple):
@@ -313,25 +329,28 @@ class Moment(NamedTuple):
     skin: float = 0.0
 
 
-def scan(world, bed, task, moment, begin, geometry, bounds, result):
-    """What is asked of the contacts of blocks from `begin` on, in one kernel.
+def scan(world, bed, layout, task, moment, begin, geometry, bounds, result):
+    """What is asked of the contacts of a list between steps, in one kernel for all scenes of a law.
 
-    SCAN: see `scan_blocks`; with the first block also the measures of dem.dynamics.measures, at a
-    Moment, and with the last one the critical step (s) and the one to take. ENERGIES: see
-    `add_energies`.
+    CONSTANTS: see dem.dynamics.constants. SCAN, of blocks from `begin` on: see `scan_blocks`; with the
+    first block also the measures of dem.dynamics.measures, at a Moment, and with the last one the
+    critical step (s) and the one to take. ENERGIES: see `add_energies`.
     """
+    if task == CONSTANTS:
+        fill_constants(world, bed, layout)
+        return
     if task == ENERGIES:
-        add_energies(world, begin, geometry, result)
+        add_energies(world, layout, begin, geometry, result)
         return
     skin, end = moment.skin, begin + geometry.shape[0]
     if begin == 0:
-        energy, fastest = kinetic(world, moment.later, moment.frame)
+        energy, fastest = kinetic(world, layout.full, moment.later, moment.frame)
         speed = expected_speed(world, skin, fastest)
         push = greater(driven_acceleration(world.boundaries), greatest_acceleration(world, bed))
         result[KINETIC], result[PUSH] = energy, push
         result[SPEED] = math.sqrt(speed * speed + 2.0 * skin * push)
         if result[LEAST_OVERLAP] == 0.0:
             result[LEAST_OVERLAP] = usual_overlap(world.law, bed, speed)
-    scan_blocks(world, bed, begin, geometry, bounds, result)
+    scan_blocks(world, bed, layout, begin, geometry, bounds, result)
     if bounds.shape[0] > 0 and end == world.contacts.first[SECTIONS]:
         result[CRITICAL], result[CHOSEN] = shortest_steps(bounds, bed.fraction)

@@ -9,51 +9,31 @@ import numpy as np
 
 from dem.contacts.layout import LANES, PAIR, aligned
 from dem.dynamics.forces import (
+    FORCES,
+    RESPOND,
+    SHOW,
     add_forces_across_patches,
-    all_forces,
-    boundary_forces,
+    clear_boundaries,
+    clear_patch,
+    contact_forces,
     integrate_account,
     knows_forces,
-    pair_forces,
-    show,
+    sum_held_forces,
 )
-from dem.dynamics.motion import boundaries_moved, drift, farthest_of, greater, move_boundaries
-from dem.dynamics.world import granules_of
+from dem.dynamics.motion import (
+    boundaries_moved,
+    collect,
+    drift,
+    farthest_of,
+    greater,
+    move_boundaries,
+    place,
+)
+from dem.dynamics.world import SECTIONS, WALLS, granules_of
 from dem.jit.intrinsics import barrier
 
-LEDGER = True
+LEDGER = COMPOSED = True
 LINE = 8  # numbers to a cache line: each thread writes into its own
-
-# Functions that a kernel has once; all others become part of them
-APART = frozenset(
-    [
-        "gather",
-        "find_pairs",
-        "refine_pairs",
-        "find_walls",
-        "find_outlines",
-        "find_polygons",
-        "average_roots",
-        "respond",
-        "accumulate",
-        "load_boundaries",
-        "drift",
-        "collect",
-        "place",
-        "move_held",
-        "move_boundaries",
-        "farthest_of",
-        "pair_forces",
-        "boundary_forces",
-        "all_forces",
-        "show",
-        "find_block",
-        "respond_block",
-        "kick",  # and what dem.packing.minimise has beside
-        "halt",
-        "move",
-    ]
-)
 
 
 class Place(NamedTuple):
@@ -124,8 +104,15 @@ def move_patch(world, kick, dt, patch, limit):
     return farthest_of(constituents.motion, constituents.reference, first[low], first[high], limit)
 
 
-def advance(world, kick, dt, steps, limit, place):
-    """Take up to `steps` steps of dt (s); stop when a constituent has moved farther than `limit` (m).
+STEPS, DRIFT = range(RESPOND + 1, RESPOND + 3)  # tasks beside FORCES, SHOW and RESPOND
+
+
+def advance(world, task, kick, dt, steps, limit, rows, thread):
+    """What a bed is asked for, in one kernel, so that its parts are compiled once.
+
+    STEPS: take up to `steps` steps of dt (s); stop when a constituent has moved farther than `limit`
+    (m). DRIFT: kick and move all bodies, without forces. FORCES: those of the present positions, over
+    a step dt. SHOW, RESPOND: see dem.dynamics.forces.contact_forces, of the blocks from `steps` on.
 
     kick (s): of the first step, what the step before has left of its own and half of this one. A
     kick of dt goes on as if there had been no call. Returns the number of steps done and the
@@ -136,79 +123,59 @@ def advance(world, kick, dt, steps, limit, place):
     other patches wait until all threads have done their pairs.
     """
     patches, boundaries, constituents = world.patches, world.boundaries, world.constituents
-    pair, lanes, count = place.pair, place.lanes, patches.lowest.shape[0]
-    begin, end = share_of(place, count)
-    squared, done, further = limit * limit, 0, 0.0
+    pair, lanes, blocks = thread.pair, thread.lanes, world.contacts.first
+    begin, end = share_of(thread, patches.lowest.shape[0])
+    squared, done, further, moved = limit * limit, 0, 0.0, 0.0
+    granules = world.granules.angle.shape[0]
+    if task in (SHOW, RESPOND):
+        contact_forces(world, task, steps, steps + rows.shape[0], 0.0, pair, lanes, rows)
+        return 0, 0.0
     while True:
         # Kick and drift: boundaries, then the patches that wait for them
-        if place.number == 0:
-            move_boundaries(boundaries, constituents, world.account, kick, dt)
-            walls, solids = boundaries_moved(boundaries)
-            further = greater(further, greater(walls, solids))
-        barrier(place.arrivals, place.size)
-        for patch in range(begin, end):
-            if done == 0 or not knows_forces(patches.lowest, patch, begin):
-                further = greater(further, move_patch(world, kick, dt, patch, squared))
-        if place.size > 1:  # all threads know the largest displacement
-            place.moved[LINE * place.number] = further
-            barrier(place.arrivals, place.size)
-            for member in range(place.size):
-                further = greater(further, place.moved[LINE * member])
+        if task != FORCES:
+            if thread.number == 0:
+                move_boundaries(boundaries, constituents, world.account, kick, dt)
+                walls, solids = boundaries_moved(boundaries)
+                further = greater(further, greater(walls, solids))
+            barrier(thread.arrivals, thread.size)
+            for patch in range(begin, end):
+                if done == 0 or not knows_forces(patches.lowest, patch, begin):
+                    further = greater(further, move_patch(world, kick, dt, patch, squared))
+            if thread.size > 1:  # all threads know the largest displacement
+                thread.moved[LINE * thread.number] = further
+                barrier(thread.arrivals, thread.size)
+                for member in range(thread.size):
+                    further = greater(further, thread.moved[LINE * member])
+            if task == DRIFT:
+                return 0, 0.0
+        elif COMPOSED:
+            place(world.granules.motion, constituents, 0, granules)
         moved = further
         done += 1
-        last = done == steps or not moved <= squared
+        last = done >= steps or not moved <= squared
         if LEDGER:
             integrate_account(world.account, kick)
         kick, further = dt, 0.0
         # Forces of pairs, and the next drift of patches that know all of theirs
         for patch in range(begin, end):
-            pair_forces(world, dt, patch, pair, lanes)
+            low, high = world.contacts.of_patch[patch], world.contacts.of_patch[patch + 1]
+            clear_patch(constituents, patch)
+            contact_forces(world, FORCES, low, high, dt, pair, lanes, rows)
             if knows_forces(patches.lowest, patch, begin):
                 add_forces_across_patches(constituents, patches, patch)
                 if not last:
                     further = greater(further, move_patch(world, kick, dt, patch, squared))
-        barrier(place.arrivals, place.size)
+        barrier(thread.arrivals, thread.size)
         # Forces of pairs of two patches, then of boundaries
         for patch in range(begin, end):
             if not knows_forces(patches.lowest, patch, begin):
                 add_forces_across_patches(constituents, patches, patch)
-        barrier(place.arrivals, place.size)
-        if place.number == 0:
-            boundary_forces(world, dt, pair, lanes)
+        barrier(thread.arrivals, thread.size)
+        if thread.number == 0:
+            clear_boundaries(boundaries)
+            contact_forces(world, FORCES, blocks[WALLS], blocks[SECTIONS], dt, pair, lanes, rows)
+            sum_held_forces(constituents, world.held, boundaries)
         if last:
+            if COMPOSED and task == FORCES:
+                collect(world.granules.force, constituents, 0, granules)
             return done, math.sqrt(moved)
-
-
-STEPS, DRIFT, FORCES, SHOW, RESPOND = range(5)  # what `work` does
-
-
-def work(world, task, kick, dt, steps, limit, rows, place):
-    """What a bed is asked for, in one kernel, so that its parts are compiled once.
-
-    STEPS: see `advance`. DRIFT: kick (s) and move (dt, s) all bodies, without forces. FORCES: those
-    of the present positions, over a step dt (s). SHOW: geometry of the contacts of blocks from `steps` on,
-    into rows (blocks, SEEN or more, BLOCK); RESPOND: with their forces.
-    """
-    if task == STEPS:
-        return advance(world, kick, dt, steps, limit, place)
-    if task == DRIFT:
-        granules = world.granules.angle.shape[0]
-        move_boundaries(world.boundaries, world.constituents, world.account, kick, dt)
-        drift(
-            world.granules,
-            world.constituents,
-            world.held,
-            world.boundaries.motion,
-            world.gravity,
-            world.account,
-            kick,
-            dt,
-            0,
-            granules,
-        )
-    elif task == FORCES:
-        all_forces(world, dt, place.pair, place.lanes)
-    else:
-        end = steps + rows.shape[0]
-        show(world, steps, end, task == RESPOND, rows, place.pair, place.lanes)
-    return 0, 0.0

@@ -8,10 +8,20 @@ import numpy as np
 
 from dem.contacts.layout import BLOCK, aligned
 from dem.dynamics.checkpoint import copied
+from dem.dynamics.forces import FORCES, RESPOND, SHOW
 from dem.dynamics.kinds import kernels
 from dem.dynamics.neighbours import Lists
-from dem.dynamics.scan import BOUNDS, ENERGIES, LEAST_OVERLAP, RESULT, ROWS, SCAN, Moment
-from dem.dynamics.step import DRIFT, FORCES, RESPOND, SHOW, STEPS, Threads, places, work
+from dem.dynamics.scan import (
+    BOUNDS,
+    CONSTANTS,
+    ENERGIES,
+    LEAST_OVERLAP,
+    RESULT,
+    ROWS,
+    SCAN,
+    Moment,
+)
+from dem.dynamics.step import DRIFT, STEPS, Threads, advance, places
 from dem.dynamics.world import World
 
 CHUNK = 1024  # blocks whose geometry is kept at a time
@@ -35,12 +45,15 @@ class System:
     lists : Lists
         Makes the lists of contacts.
     task : function
-        What moves it: dem.dynamics.step.work, or dem.packing.minimise.work.
+        What moves it: dem.dynamics.step.advance, or dem.packing.minimise.fire.
     """
 
-    def __init__(self, world: World, table: Any, flags: dict[str, bool], lists: Lists, task=work):
+    def __init__(
+        self, world: World, table: Any, flags: dict[str, bool], lists: Lists, task=advance
+    ):
         self.world, self.table, self.lists, self.task = world, table, lists, task
-        self.kernels = kernels(task, flags, world.shape, world.outlines, world.law)
+        given = world.shape, world.outlines, world.law
+        self.kernels = kernels(task, flags, lists.bodies.layout, *given)
         self.place = places(1)[0]
 
     def __reduce__(self):
@@ -70,7 +83,12 @@ class System:
         self.world = world._replace(
             granules=granules, constituents=constituents, contacts=contacts, patches=patches
         )
-        self.kernels.constants(without_shape(self.world), self.table)
+        self._scan(self.world, CONSTANTS, NOW, 0, NONE, NO_BOUNDS, np.zeros(RESULT))
+
+    def _scan(self, world, task, moment, begin, rows, bounds, result):
+        """See dem.dynamics.scan.scan."""
+        given = without_shape(world), self.table, self.kernels.layout
+        self.kernels.scan(*given, task, moment, begin, rows, bounds, result)
 
     def advance(self, kick, dt, steps, limit, threads: Threads | None = None):
         """See dem.dynamics.step.advance."""
@@ -103,21 +121,19 @@ class System:
             if task == RESPOND:  # springs as they are, at the present overlaps
                 self._put_springs_back(world, begin, end)
                 self.kernels.work(world, task, *given)
-                given = ENERGIES, NOW, begin, rows, NO_BOUNDS, np.zeros(RESULT)
-                self.kernels.scan(without_shape(world), self.table, *given)
+                self._scan(world, ENERGIES, NOW, begin, rows, NO_BOUNDS, np.zeros(RESULT))
             yield begin, end, rows
 
     def _put_springs_back(self, world, begin, end):
         """What contacts of some blocks remember but for the measure of the law."""
-        columns, flags = self.kernels.columns, self.kernels.flags
+        layout = self.kernels.layout
         blocks, saved = (
-            contacts.table.reshape(-1, columns.all)[begin:end, columns.history :]
+            contacts.table.reshape(-1, layout.stride)[begin:end]
             for contacts in (world.contacts, self.world.contacts)
         )
-        if flags["FRICTION"]:
-            blocks[:, :BLOCK] = saved[:, :BLOCK]
-        if flags["ROLLING"]:
-            blocks[:, 2 * BLOCK : 3 * BLOCK] = saved[:, 2 * BLOCK : 3 * BLOCK]
+        for column in (layout.tangential_force, layout.rolling_moment):
+            if column >= 0:
+                blocks[:, column : column + BLOCK] = saved[:, column : column + BLOCK]
 
     def scan(self, moment: Moment = NOW, steps: bool = True, least: float = 0.0) -> np.ndarray:
         """The result of a scan (dem.dynamics.scan).
@@ -128,17 +144,15 @@ class System:
         bodies = len(self.world.granules.angle) + len(self.world.boundaries.angle)
         bounds, result = np.zeros((bodies, BOUNDS)) if steps else NO_BOUNDS, np.zeros(RESULT)
         result[LEAST_OVERLAP] = least
-        bare = without_shape(self.world)
         for begin, _, rows in self.geometries():
-            self.kernels.scan(bare, self.table, SCAN, moment, begin, rows, bounds, result)
+            self._scan(self.world, SCAN, moment, begin, rows, bounds, result)
         return result
 
     def elastic(self) -> np.ndarray:
         """Elastic energies (J) of normal, tangential and rolling springs."""
-        energies, bare = np.zeros(RESULT), without_shape(self.world)
+        energies = np.zeros(RESULT)
         for begin, _, rows in self.geometries():
-            given = ENERGIES, NOW, begin, rows, NO_BOUNDS, energies
-            self.kernels.scan(bare, self.table, *given)
+            self._scan(self.world, ENERGIES, NOW, begin, rows, NO_BOUNDS, energies)
         return energies[:3]
 
     def later(self, pending_kick: float, ahead: float) -> "System":

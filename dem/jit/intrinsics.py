@@ -14,14 +14,14 @@ NUMBER = ir.IntType(32)
 INLINED = {"_nrt": False, "forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 SPINS = 2000  # checks of a barrier before a thread yields the processor
 
-INTRINSICS = set()  # functions that kernels take as they are
+INTRINSICS = {}  # functions that Python calls, and what kernels call in place of them
 
 
 def in_kernels(function):
     """Decorator of a function that returns what kernels call in place of another one."""
 
     def decorate(python):
-        INTRINSICS.add(python)
+        INTRINSICS[python] = python
         overload(python, jit_options=INLINED)(function)
         return python
 
@@ -34,14 +34,21 @@ def _pointer(context, builder, signature, arguments, kind):
     return builder.bitcast(builder.gep(data, [arguments[1]]), kind.as_pointer())
 
 
-@intrinsic
-def _widest_vectors(typing):
-    def generate(context, builder, signature, arguments):
-        # llvmlite's own `add` knows attributes of one word only
-        set.add(builder.function.attributes, '"prefer-vector-width"="512"')
-        return context.get_dummy_value()
+def attribute(change):
+    """An intrinsic that changes the attributes of the function that calls it.
 
-    return types.none(), generate
+    Kernels call it directly: through an overload with `inline="always"` Numba drops statements at
+    the end of some functions, without a word.
+    """
+
+    def typed(typing):
+        def generate(context, builder, signature, arguments):
+            change(builder.function.attributes)
+            return context.get_dummy_value()
+
+        return types.none(), generate
+
+    return intrinsic(typed)
 
 
 def widest_vectors():
@@ -49,8 +56,17 @@ def widest_vectors():
     processors of Intel that have both. A step of discs takes a tenth less."""
 
 
-INTRINSICS.add(widest_vectors)
-overload(widest_vectors, inline="always")(lambda: lambda: _widest_vectors())
+def apart():
+    """Have the function that calls this once in a kernel, and call it, where it is long or has several
+    callers. All others become part of their callers.
+
+    Numba compiles a function again for callers whose options differ; so options are the same for all.
+    """
+
+
+# llvmlite's own `add` knows attributes of one word only
+INTRINSICS[widest_vectors] = attribute(lambda have: set.add(have, '"prefer-vector-width"="512"'))
+INTRINSICS[apart] = attribute(lambda have: have.discard("alwaysinline"))
 
 
 @intrinsic

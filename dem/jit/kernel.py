@@ -50,8 +50,8 @@ class Binding:
         What else they load from their modules, or are given, by module and name.
     """
 
-    def __init__(self, given: dict[str, Any], classes: tuple[type, ...], apart: frozenset[str]):
-        self.given, self.classes, self.apart = given, classes, apart
+    def __init__(self, given: dict[str, Any], classes: tuple[type, ...]):
+        self.given, self.classes = given, classes
         self.copies: dict[FunctionType, FunctionType] = {}
         self.constants: dict[str, Any] = {}
 
@@ -86,14 +86,14 @@ class Binding:
         if hasattr(value, "answers"):
             answers = (value.answers[cls] for cls in self.classes if cls in value.answers)
             value, is_answer = next(answers, value.__wrapped__), True
-        if type(value) is not FunctionType or value in INTRINSICS:
+        is_function = type(value) is FunctionType
+        if not is_function or value in INTRINSICS:
             self.constants[f"{function.__module__}.{name}"] = value
-            return value
+            return INTRINSICS[value] if is_function and not numba.config.DISABLE_JIT else value
         if value in self.copies:
             return self.copies[value]
-        inlined = value.__name__ not in self.apart
         copy = self.copy(value, is_answer)
-        register_jitable(forceinline=inlined, **NO_WRAPPERS, **OPTIONS)(copy)
+        register_jitable(forceinline=True, **NO_WRAPPERS, **OPTIONS)(copy)
         return copy
 
 
@@ -118,8 +118,8 @@ class Kernel:
 
     compiling = 0.0
 
-    def __init__(self, function, given, classes, apart):
-        self.function, self.binding = function, Binding(given, classes, apart)
+    def __init__(self, function, given, classes):
+        self.function, self.binding = function, Binding(given, classes)
         self.run: Callable[..., Any] | None = None
         self.entry: Callable[..., Any] | None = None
 
@@ -208,26 +208,24 @@ def compiling():
         Kernel.compiling += time.process_time() - started
 
 
-def kernel(function, apart=(), classes=(), **constants) -> Kernel:
+def kernel(function, classes=(), **constants) -> Kernel:
     """The kernel of a function.
 
     Parameters
     ----------
     function : function
         What is called, with arrays, numbers and named tuples of them; it returns numbers.
-    apart : collection of str
-        Functions that are compiled once, and called; all others become part of their callers.
     classes : tuple of type
         Of shapes and laws, whose functions answer the questions of the kernel.
     **constants
         Names in capitals, and what they stand for.
     """
-    return _made(function, frozenset(apart), classes, tuple(sorted(constants.items())))
+    return _made(function, classes, tuple(sorted(constants.items())))
 
 
 @functools.cache
-def _made(function, apart, classes, constants):
-    return Kernel(function, dict(constants), classes, apart)
+def _made(function, classes, constants):
+    return Kernel(function, dict(constants), classes)
 
 
 def computing() -> float:

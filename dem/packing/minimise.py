@@ -29,20 +29,23 @@ from dem.dynamics.assembly import (
 from dem.dynamics.checkpoint import restored
 from dem.dynamics.contact_output import list_contacts
 from dem.dynamics.forces import (
+    FORCES,
+    RESPOND,
+    SHOW,
     add_forces_across_patches,
-    all_forces,
-    boundary_forces,
+    clear_boundaries,
+    clear_patch,
+    contact_forces,
     knows_forces,
-    pair_forces,
-    show,
+    sum_held_forces,
 )
 from dem.dynamics.motion import collect, farthest_of, greater, place, rotate
 from dem.dynamics.scan import CRITICAL, DEEP_CONSTITUENT, DEEPEST, TOUCHING
-from dem.dynamics.step import FORCES, RESPOND, STEPS, Place, Threads, share_of
+from dem.dynamics.step import STEPS, Place, Threads, share_of
 from dem.dynamics.system import System
-from dem.dynamics.world import PATCH, World, granules_of, number_of_patches
+from dem.dynamics.world import PATCH, SECTIONS, WALLS, World, granules_of, number_of_patches
 from dem.jit.interrupts import signals_deferred
-from dem.jit.intrinsics import barrier
+from dem.jit.intrinsics import apart, barrier
 from dem.laws.protocol import stiffest
 from dem.packing.job import Job
 from dem.scene import State
@@ -77,6 +80,7 @@ def kick(granules, dt, patch, sums):
 
     The velocities before are kept in the columns of which only dashpots take notice.
     """
+    apart()
     force, motion = granules.force, granules.motion
     low, high = granules_of(granules.angle.shape[0], patch)
     power, push, largest, speed = 0.0, 0.0, 0.0, 0.0
@@ -104,6 +108,7 @@ def kick(granules, dt, patch, sums):
 
 def halt(granules, orientation, back, patch):
     """Move a patch over `back` (s) with its velocities before the kick, and take all off it."""
+    apart()
     motion, angle = granules.motion, granules.angle
     low, high = granules_of(angle.shape[0], patch)
     for i in range(low, high):
@@ -120,6 +125,7 @@ def halt(granules, orientation, back, patch):
 def move(granules, constituents, alpha, factor, dt, patch):
     """Turn the velocities of a patch towards the forces, v = (1 - alpha) v + factor F, and move it
     over dt (s)."""
+    apart()
     force, motion, angle = granules.force, granules.motion, granules.angle
     low, high = granules_of(angle.shape[0], patch)
     for i in range(low, high):
@@ -159,60 +165,70 @@ def collect_patch(granules, constituents, patch):
         collect(granules.force, constituents, low, high)
 
 
-def fire(world, memory, steps, enough, list_range, sums, thread):
-    """Minimise the elastic energy until no net force exceeds `enough` (N).
+def fire(world, task, enough, dt, steps, list_range, rows, descent):
+    """As dem.dynamics.step.advance, where STEPS minimise the elastic energy until no net force exceeds
+    `enough` (N), and nothing drifts.
 
-    memory, sums: see Descent. Returns iterations done, and the largest displacement (m; 0 up to
-    list_range, beyond it the lists are too old).
+    dt (s): without a meaning here; descent: see Descent. Returns iterations done, and the largest
+    displacement (m; 0 up to list_range, beyond it the lists are too old).
     """
     granules, constituents, patches = world.granules, world.constituents, world.patches
-    lowest, first = patches.lowest, constituents.first
+    lowest, first, blocks = patches.lowest, constituents.first, world.contacts.first
     motion, reference, n = constituents.motion, constituents.reference, granules.angle.shape[0]
+    thread, memory, sums = descent.place, descent.memory, descent.sums
     pair, lanes, arrivals, size = thread.pair, thread.lanes, thread.arrivals, thread.size
     begin, end = share_of(thread, lowest.shape[0])
-    dt, alpha, downhill, longest = memory[0], memory[1], memory[2], memory[3]
+    if task in (SHOW, RESPOND):
+        contact_forces(world, task, steps, steps + rows.shape[0], 0.0, pair, lanes, rows)
+        return 0, 0.0
+    step, alpha, downhill, longest = memory[0], memory[1], memory[2], memory[3]
     done, moved, largest = 0, 0.0, math.inf
     limit = list_range * list_range
     while True:
-        # Kick the patches that waited for forces of others, all of them at first
-        ahead = min(1.1 * dt, longest) if downhill + 1.0 > N_MIN else dt
-        for patch in range(begin, end):
-            if done == 0 or not knows_forces(lowest, patch, begin):
-                kick(granules, ahead, patch, sums)
-        barrier(arrivals, size)
-        # Sums that all threads have; none is written before the next barrier
-        power, push, speed = total(sums, POWER), total(sums, PUSH), total(sums, SPEED)
-        largest = math.sqrt(greatest_of(sums, LARGEST))
-        if largest <= enough:
-            break
-        if power > 0.0:
-            downhill += 1.0
-            if downhill > N_MIN:
-                dt = ahead
-                alpha *= 0.99
-        else:
-            back = -0.5 * dt
-            downhill, alpha = 0.0, ALPHA_START
-            dt = max(0.5 * dt, 0.02 * longest)
-            barrier(arrivals, size)  # now all threads have the sums
+        if task == STEPS:
+            # Kick the patches that waited for forces of others, all of them at first
+            ahead = min(1.1 * step, longest) if downhill + 1.0 > N_MIN else step
             for patch in range(begin, end):
-                halt(granules, constituents.orientation, back, patch)
-                kick(granules, dt, patch, sums)
+                if done == 0 or not knows_forces(lowest, patch, begin):
+                    kick(granules, ahead, patch, sums)
             barrier(arrivals, size)
-            speed = total(sums, SPEED)
-        factor = alpha * math.sqrt(speed / push) if push > 0.0 else 0.0
-        for patch in range(begin, end):
-            move(granules, constituents, alpha, factor, dt, patch)
-            low, high = granules_of(n, patch)
-            sums[patch, MOVED] = farthest_of(motion, reference, first[low], first[high], limit)
-        barrier(arrivals, size)
-        moved = greatest_of(sums, MOVED)
+            # Sums that all threads have; none is written before the next barrier
+            power, push, speed = total(sums, POWER), total(sums, PUSH), total(sums, SPEED)
+            largest = math.sqrt(greatest_of(sums, LARGEST))
+            if largest <= enough:
+                break
+            if power > 0.0:
+                downhill += 1.0
+                if downhill > N_MIN:
+                    step = ahead
+                    alpha *= 0.99
+            else:
+                back = -0.5 * step
+                downhill, alpha = 0.0, ALPHA_START
+                step = max(0.5 * step, 0.02 * longest)
+                barrier(arrivals, size)  # now all threads have the sums
+                for patch in range(begin, end):
+                    halt(granules, constituents.orientation, back, patch)
+                    kick(granules, step, patch, sums)
+                barrier(arrivals, size)
+                speed = total(sums, SPEED)
+            factor = alpha * math.sqrt(speed / push) if push > 0.0 else 0.0
+            for patch in range(begin, end):
+                move(granules, constituents, alpha, factor, step, patch)
+                low, high = granules_of(n, patch)
+                sums[patch, MOVED] = farthest_of(motion, reference, first[low], first[high], limit)
+            barrier(arrivals, size)
+            moved = greatest_of(sums, MOVED)
+        elif COMPOSED:
+            place(granules.motion, constituents, 0, n)
         done += 1
-        last = done == steps or not moved <= limit
+        last = done >= steps or not moved <= limit
         # Forces, and the next kick of patches that know all of theirs
-        ahead = min(1.1 * dt, longest) if downhill + 1.0 > N_MIN else dt
+        ahead = min(1.1 * step, longest) if downhill + 1.0 > N_MIN else step
         for patch in range(begin, end):
-            pair_forces(world, 0.0, patch, pair, lanes)
+            low, high = world.contacts.of_patch[patch], world.contacts.of_patch[patch + 1]
+            clear_patch(constituents, patch)
+            contact_forces(world, FORCES, low, high, 0.0, pair, lanes, rows)
             if knows_forces(lowest, patch, begin):
                 add_forces_across_patches(constituents, patches, patch)
                 collect_patch(granules, constituents, patch)
@@ -224,15 +240,17 @@ def fire(world, memory, steps, enough, list_range, sums, thread):
                 add_forces_across_patches(constituents, patches, patch)
         barrier(arrivals, size)
         if thread.number == 0:
-            boundary_forces(world, 0.0, pair, lanes)
+            clear_boundaries(world.boundaries)
+            contact_forces(world, FORCES, blocks[WALLS], blocks[SECTIONS], 0.0, pair, lanes, rows)
+            sum_held_forces(constituents, world.held, world.boundaries)
         barrier(arrivals, size)
         for patch in range(begin, end):
             if not knows_forces(lowest, patch, begin):
                 collect_patch(granules, constituents, patch)
         if last:
             break
-    if thread.number == 0:
-        memory[0], memory[1], memory[2], memory[4] = dt, alpha, downhill, largest
+    if thread.number == 0 and task == STEPS:
+        memory[0], memory[1], memory[2], memory[4] = step, alpha, downhill, largest
     return done, math.sqrt(moved)
 
 
@@ -253,19 +271,6 @@ class Descent(NamedTuple):
     place: Place
     memory: np.ndarray
     sums: np.ndarray
-
-
-def work(world, task, enough, dt, steps, list_range, rows, descent):
-    """As dem.dynamics.step.work, where STEPS are those of `fire`, and nothing drifts."""
-    thread = descent.place
-    if task == STEPS:
-        return fire(world, descent.memory, steps, enough, list_range, descent.sums, thread)
-    if task == FORCES:
-        all_forces(world, dt, thread.pair, thread.lanes)
-    else:
-        end = steps + rows.shape[0]
-        show(world, steps, end, task == RESPOND, rows, thread.pair, thread.lanes)
-    return 0, 0.0
 
 
 class Goal(NamedTuple):
@@ -405,7 +410,7 @@ def minimise(scene, state, iterations, enough=None, job=None):
     order = stopped["order"] if stopped else order_of(scene, state)
     scene, state = ordered(scene, state, order)
     table, skin = granule_table(scene), skin_of(scene, SKIN_OF_PACKING)
-    system = assemble(scene, state, table, task=work)
+    system = assemble(scene, state, table, task=fire)
     radius, modulus = table.radius.mean(), table.modulus
     law = system.world.law
     unit, large = scene.law.scale(modulus, radius) * radius, scene.granules > PATCH

@@ -13,11 +13,11 @@ from dem.contacts.geometry import find_pairs, gather
 from dem.contacts.layout import BLOCK, NUMBERS
 from dem.contacts.response import accumulate, respond
 from dem.dynamics.assembly import SKIN, assemble, granule_table, skin_of
-from dem.dynamics.forces import boundary_forces, clear
+from dem.dynamics.forces import FORCES, clear, clear_boundaries, contact_forces
 from dem.dynamics.kinds import bound
 from dem.dynamics.motion import drift, farthest_of
-from dem.dynamics.step import APART
-from dem.dynamics.world import WALLS
+from dem.dynamics.system import NONE
+from dem.dynamics.world import SECTIONS, WALLS
 from dem.jit.kernel import kernel
 from studies.benchmark.scenes import Case
 
@@ -25,7 +25,7 @@ STILL = 1e-3  # of the time step: nothing moves to speak of, and no list is rebu
 WARM = 100  # steps
 
 # Constants of the kernels
-COLUMNS = np.uint64(0)
+STRIDE = np.uint64(0)
 STAGE = 0
 
 STAGES = (  # of a pair, each after those before it
@@ -37,14 +37,14 @@ STAGES = (  # of a pair, each after those before it
 
 
 def pairs(world, place, dt, times):
-    """The loop of dem.dynamics.forces.pair_forces up to a stage."""
+    """The loop of dem.dynamics.forces.contact_forces up to a stage."""
     contacts, constituents, shape, law = world.contacts, world.constituents, world.shape, world.law
     motion, turned = constituents.motion.reshape(-1), constituents.orientation.reshape(-1)
     numbers, table, flat = contacts.numbers, contacts.table, constituents.force.reshape(-1)
     pair, lanes = place.pair, place.lanes
     for _ in range(times):
         for block in range(contacts.first[WALLS]):
-            at, base = NUMBERS * np.uint64(block), COLUMNS * np.uint64(block)
+            at, base = NUMBERS * np.uint64(block), STRIDE * np.uint64(block)
             count = contacts.count[block]
             gather(motion, turned, numbers, table, at, base, count, pair, lanes)
             if STAGE > 0:
@@ -55,9 +55,11 @@ def pairs(world, place, dt, times):
                 accumulate(numbers, at, count, lanes, flat)
 
 
-def boundaries(world, place, dt, times):
+def boundaries(world, place, dt, times, rows):
+    blocks, pair, lanes = world.contacts.first, place.pair, place.lanes
     for _ in range(times):
-        boundary_forces(world, dt, place.pair, place.lanes)
+        clear_boundaries(world.boundaries)
+        contact_forces(world, FORCES, blocks[WALLS], blocks[SECTIONS], dt, pair, lanes, rows)
 
 
 def looks(world, place, limit, times):
@@ -113,11 +115,11 @@ def stage_times(case: Case, times: int) -> dict[str, float]:
     world, flags = system.world, system.kernels.flags
 
     def call(function, *given, **constants):
-        parts = APART, flags, world.shape, world.outlines, world.law
+        parts = flags, world.shape, world.outlines, world.law
         return partial(bound(function, *parts, **constants), world, system.place, *given)
 
     calls = {name: call(pairs, dt, times, STAGE=k) for k, name in enumerate(STAGES)}
-    calls["walls and cylinder"] = call(boundaries, dt, times)
+    calls["walls and cylinder"] = call(boundaries, dt, times, NONE)
     calls["clear forces, look for the farthest"] = call(looks, math.inf, times)
     calls["move"] = call(moves, dt, times)
     calls["whole step"] = partial(system.advance, dt, dt, times, math.inf)

@@ -210,9 +210,11 @@ def test_a_run_is_the_same_from_disk_and_as_plain_python(desk, monkeypatch):
 SHIFTED = f"""
 {IMPORT}
 import math
+from dem.jit.intrinsics import apart
 SHIFT = 1.0
 
 def part(x):
+    apart()
 {60 * f"    x = math.cos(x) + SHIFT{chr(10)}"}
     return x
 
@@ -221,7 +223,7 @@ def shifted(x):
 """
 ASK_SHIFTED = """
 from shifted import kernel, shifted
-print(*(kernel(shifted, ("part",), SHIFT=shift)(1.0) for shift in {}))
+print(*(kernel(shifted, SHIFT=shift)(1.0) for shift in {}))
 """
 
 

@@ -15,7 +15,7 @@ from workflows import run
 import dem
 from dem.base.source_hash import ROOT
 from dem.dynamics.kinds import kernels
-from dem.dynamics.step import work
+from dem.dynamics.step import advance
 from dem.laws import LAWS as NAMES
 from dem.laws.protocol import answer
 
@@ -251,7 +251,9 @@ answer(Scaled, *CONE.values())
 def test_no_kernel_takes_a_number_for_the_integer_that_it_was_compiled_for():
     """It would cut off what is behind the point, without a word."""
     disc = dem.Disc([SMALL])
-    one, two = (kernels(work, defaultdict(bool), disc, disc, Scaled(f))[2:] for f in (1, 1.5))
+    one, two = (
+        kernels(advance, defaultdict(bool), None, disc, disc, Scaled(f))[2:] for f in (1, 1.5)
+    )
     assert not set(one) & set(two)
 
 
