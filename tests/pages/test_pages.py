@@ -5,6 +5,7 @@ import re
 import pytest
 import yaml
 from project import ROOT, needs_study
+from workflows import run
 
 from docs import write_pages
 from docs.data.kernels import digest
@@ -144,3 +145,10 @@ def test_the_messages_of_the_page_of_faults_are_those_of_the_package():
     table = text.partition("## What does the message mean?")[2].partition("\n## ")[0]
     messages = re.findall(r"^\| `(.*?)` \|", table, re.M)
     assert len(messages) > 5 and [words for words in messages if words not in printed] == []
+
+
+def test_the_ways_of_two_numbers_lead_from_a_file_to_the_kernel_and_back(tmp_path):
+    there, back = run(DOCS / "data/ways.py", cwd=tmp_path).split("force of a bin")
+    assert "base/yaml_file.py: read\n" in there
+    assert "dynamics/assembly.py: law\n" in there
+    assert "observables/drag.py: measure\n" in back
