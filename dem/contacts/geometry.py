@@ -228,7 +228,7 @@ def find_walls(shape, planes, numbers, at, table, base, count, pair, lanes):
         reach, t1, radius = support(shape, outline_of_first(lanes, table, k, p), nx, ny)
         height = pair[group + X1] * nx + pair[group + Y1] * ny
         overlap = reach + height - lanes[k + MEAN_ROOT]
-        middle = reach - 0.5 * overlap
+        middle = reach - 0.5 * overlap  # one type for all, so that `store` is compiled once
         geometry = ContactGeometry(overlap, nx, ny, middle, t1, 0.0, 0.0, radius)
         store(pair, lanes, k, table, p, geometry)
 

@@ -4,9 +4,9 @@ them.
 A list of contacts has blocks of BLOCK, and each block has columns: constants of its contacts, and
 what they remember. The lanes are scratch memory of one thread for the block that it works on.
 `pair` holds the motion of both bodies, four numbers of one contact together, because the processor
-copies and transposes such groups fast. `lanes` holds one quantity of all contacts together. All
-indices are unsigned and all offsets constants: the compiler then sees that nothing wraps around or
-overlaps, and makes vector code.
+copies and transposes such groups fast. `lanes` holds one quantity of all contacts together. In a
+step all indices are unsigned and all offsets constants: the compiler then sees that nothing wraps
+around or overlaps, and makes vector code.
 
 Rows of motion: position of the centre (m), velocity (m/s) and angular velocity (rad/s) at half
 steps, and the change of each over the coming half step, by which a dashpot sees the velocity at
@@ -22,7 +22,7 @@ import numpy as np
 BLOCK = 64  # contacts; what they need fits well into the first-level cache
 LINE = 8  # numbers between rows, so that they do not all fall on the same places of the cache
 
-ZERO, ONE, TWO, THREE, FOUR, FIVE, SIX, EIGHT = map(np.uint64, (0, 1, 2, 3, 4, 5, 6, 8))
+ZERO, ONE, TWO, THREE, FOUR, FIVE, EIGHT = map(np.uint64, (0, 1, 2, 3, 4, 5, 8))
 X, Y, VX, VY, W, DVX, DVY, DW = range(8)
 FX, FY, TAU = range(3)
 
@@ -130,7 +130,8 @@ class Layout(NamedTuple):
 
     @property
     def constants(self) -> dict[str, np.uint64]:
-        """The places of columns, as step kernels name them."""
+        """The places of columns that there are, as step kernels name them. Whether it is local or full
+        is a flag of a kernel."""
         places = self._asdict().items()
         return {name.upper(): np.uint64(at) for name, at in places if type(at) is int and at >= 0}
 

@@ -81,11 +81,11 @@ def average_roots(law, table, base, count, dt, lanes):
                 lanes[k + MEAN_ROOT] = mean
 
 
-def yielding(dashpot, mass_x, mass_y, mass_turn, nx, ny, lever):
-    """alpha sqrt(m* K) of a contact whose dashpot is that of the mass m, with the effective mass m*
-    along its normal; lever (m): of the normal about the centre of body 2."""
-    ratio = mass_x * nx * nx + mass_y * ny * ny
-    ratio += mass_turn * lever * lever
+def dashpot_along(dashpot, ratio_x, ratio_y, ratio_turn, nx, ny, lever):
+    """The dashpot of a contact with a boundary that yields, from that of the mass m and the ratios m/m*
+    of dem.contacts.layout; lever (m): of the normal about the centre of body 2."""
+    ratio = ratio_x * nx * nx + ratio_y * ny * ny
+    ratio += ratio_turn * lever * lever
     return dashpot / math.sqrt(ratio if ratio > 0.0 else 1.0)
 
 
@@ -128,9 +128,9 @@ def respond(law, table, base, count, dt, lanes):
                 rate = rate + lanes[k + DV_NORMAL]
             dashpot = table[p + DASHPOT]
             if YIELDS:
-                lever, mass = lanes[k + T2] if LEVERS else 0.0, table[p + MASS_X]
-                turn = table[p + MASS_TURN]
-                dashpot = yielding(dashpot, mass, table[p + MASS_Y], turn, nx, ny, lever)
+                lever, turn = lanes[k + T2] if LEVERS else 0.0, table[p + MASS_TURN]
+                x, y = table[p + MASS_X], table[p + MASS_Y]
+                dashpot = dashpot_along(dashpot, x, y, turn, nx, ny, lever)
             if LOCAL:
                 dashpot = math.sqrt(constant) * dashpot
             normal = max(elastic + dashpot * mean * -rate, 0.0)

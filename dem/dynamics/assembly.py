@@ -19,10 +19,10 @@ from dem.dynamics.system import System
 from dem.dynamics.world import (
     ALPHA,
     CIRCLES,
+    COULOMB,
     DAMPING,
     DRIVE,
     EXTERNAL_FORCE,
-    FRICTION,
     INVERSE_MASS,
     LAW,
     OUTLINES,
@@ -138,8 +138,8 @@ def granule_table(scene: Scene, fraction: float = 1.0) -> GranuleTable:
             solid_radius[b] = solid.outline.constituent_radius[0]
     return GranuleTable(
         arm=arm,
-        radius=shape.constituent_radius,
-        bounding=bounding,
+        radius=np.array(shape.constituent_radius, float),
+        bounding=np.array(bounding, float),
         mass=scene.mass[owner],
         mobility=float((inverse_mass + shape.bounding_radius**2 * inverse_inertia).max()),
         bend=scene.law.bulk * shape.normal_bend * inverse_inertia,
@@ -213,7 +213,7 @@ def laws_of(scene: Scene) -> np.ndarray:
 def has_friction(laws: np.ndarray) -> bool:
     """Whether any contact has friction. If so, all have it, if need be with a coefficient of zero:
     all lists share the lanes of a block."""
-    return bool((laws[..., FRICTION] > 0.0).any())
+    return bool((laws[..., COULOMB] > 0.0).any())
 
 
 def can_turn(scene: Scene, laws: np.ndarray) -> bool:
@@ -391,9 +391,9 @@ def flags_of(scene: Scene, table: GranuleTable, moving: Boundaries, sections, so
 
 
 def assemble(
-    scene: Scene, state: State, table: GranuleTable, ledger: bool = False, task=advance
+    scene: Scene, state: State, table: GranuleTable, ledger: bool = False, work=advance
 ) -> System:
-    """The arrays of a scene, its kernels and what makes its lists; no list is made yet. task: see
+    """The arrays of a scene, its kernels and what makes its lists; no list is made yet. work: see
     System."""
     n, c, faces = scene.granules, len(table.radius), faces_of(scene)
     moving, (sections, sizes) = boundaries(scene), sections_of(scene)
@@ -408,7 +408,7 @@ def assemble(
     bodies[:n, [X, Y]], bodies[:n, [VX, VY]] = state.position, state.velocity
     bodies[:n, W] = state.angular_velocity
     turned = np.concatenate([state.angle, moving.angle])
-    owner = scene.shape.owner
+    owner = np.ascontiguousarray(scene.shape.owner, np.int64)
     patches = number_of_patches(n)
     x, y = scene.periodic or (None, None)
     listed = Bodies(
@@ -455,7 +455,7 @@ def assemble(
         gravity=np.array(scene.gravity or (0.0, 0.0), float),
         account=np.zeros(PEAK + 1),
     )
-    return System(world, table, flags, Lists(listed), task)
+    return System(world, table, flags, Lists(listed), work)
 
 
 # Order in memory: that of Morton (1966), the bits of two cell numbers interleaved, so that a patch

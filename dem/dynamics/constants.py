@@ -9,7 +9,7 @@ from dem.contacts.layout import NUMBERS, PARTNER, TARGET
 from dem.contacts.response import rolling_stiffness
 from dem.dynamics.world import (
     ALPHA,
-    FRICTION,
+    COULOMB,
     INVERSE_MASS,
     MODULUS,
     PAIRS,
@@ -62,18 +62,15 @@ def set_constants(law, layout, table, p, row, radii, mass, inverse_masses):
     """
     one, two = radii
     radius = effective_radius(one, two)
-    constant, other = stiffness(law, row[MODULUS], radius), two if two > 0.0 else one
+    constant = stiffness(law, row[MODULUS], radius)
+    other = two if two > 0.0 else one
     put(table, p, layout.stiffness, row[MODULUS] if layout.local else constant)
     put(table, p, layout.length, length(law, row[SHARE], one, other, radius))
-    put(
-        table,
-        p,
-        layout.dashpot,
-        row[ALPHA] * math.sqrt(mass if layout.local else mass * constant),
-    )
-    put(table, p, layout.coefficient, row[FRICTION])
-    put(table, p, layout.friction_stiffness, row[FRICTION + 1])
-    put(table, p, layout.friction_dashpot, row[FRICTION + 2])
+    reduced = mass if layout.local else mass * constant
+    put(table, p, layout.dashpot, row[ALPHA] * math.sqrt(reduced))
+    put(table, p, layout.coefficient, row[COULOMB])
+    put(table, p, layout.friction_stiffness, row[COULOMB + 1])
+    put(table, p, layout.friction_dashpot, row[COULOMB + 2])
     first, second = inverse_masses
     put(table, p, layout.mass_turn, mass * second[2])
     # where neither body yields or turns, the mass is m* itself

@@ -33,7 +33,7 @@ from dem.jit.intrinsics import apart, prefetch
 FORCES, SHOW, RESPOND = range(3)  # what is asked of blocks of contacts
 
 # What a kernel has: dem.dynamics.kinds
-LEDGER = COMPOSED = WITH_OUTLINES = WITH_POLYGONS = True
+LEDGER = WITH_OUTLINES = WITH_POLYGONS = True
 STRIDE = np.uint64(0)
 
 
@@ -73,7 +73,8 @@ def clear(table, low, high):
 def contact_forces(world, task, begin, end, dt, pair, lanes, rows):
     """What is asked of the contacts of blocks begin to end.
 
-    FORCES: add their forces to constituents, for others in the rows of Patches, and to boundaries.
+    FORCES: add their forces to boundaries and constituents, those of other patches in the rows of
+    Patches.
     SHOW: copy their geometry, the first SEEN rows of the lanes, to rows (blocks, SEEN or more, BLOCK);
     RESPOND: with the forces that follow from it.
     """
@@ -82,12 +83,12 @@ def contact_forces(world, task, begin, end, dt, pair, lanes, rows):
     numbers, force, walls = contacts.numbers, constituents.force, boundaries.planes.shape[0]
     flat, motion = force.reshape(-1), constituents.motion.reshape(-1)
     on, loads, boundary = boundaries.force, boundaries.contact_forces, world.faces.boundary
-    asks, section = contacts.of_patch.shape[0] > 2 and begin < contacts.first[WALLS], PAIRS
+    prefetches, section = contacts.of_patch.shape[0] > 2 and begin < contacts.first[WALLS], PAIRS
     for block in range(begin, end):
         while block >= contacts.first[section + 1]:
             section += 1
         find_block(world, section, block, pair, lanes)
-        if asks and block + 1 < end:
+        if prefetches and block + 1 < end:
             ask_for_partners(contacts, motion, block + 1)
         at, count = NUMBERS * np.uint64(block), contacts.count[block]
         if task != SHOW:

@@ -25,7 +25,7 @@ is absent is data instead: walls, round solids, gravity, paths, held granules, p
 
 from typing import NamedTuple
 
-from dem.contacts.layout import SIZES_AT, Layout, layout_of
+from dem.contacts.layout import SIZES_AT, Layout
 from dem.dynamics import scan
 from dem.jit.kernel import Kernel, kernel
 from dem.shapes.protocol import ellipse_contact, find_contact, refine_normal
@@ -57,17 +57,17 @@ def types_of(*tuples) -> tuple[type, ...]:
     return tuple(type(value) for values in tuples for value in values)
 
 
-def bound(function, flags: dict[str, bool], shape, outlines, law, **more) -> Kernel:
-    """The kernel of a function for the contacts of a kind of scene."""
-    sizes, others = shape.outlines.shape[1], outlines.outlines.shape[1]
+def bound(function, flags: dict[str, bool], layout: Layout, shape, outlines, law, **more) -> Kernel:
+    """The kernel of a function for the contacts of a kind of scene; outlines: solids that have the
+    outline of a granule, or the granules."""
     methods = [type(m) for s in (shape, outlines) for m in s if type(m) in ellipse_contact.answers]
     return kernel(
         function,
         (type(shape), type(outlines), type(law), *methods),
         **flags,
-        **layout_of(flags, sizes, others).constants,
-        sizes_at=SIZES_AT[sizes],
-        outline_sizes_at=SIZES_AT[others],
+        **layout.constants,
+        sizes_at=SIZES_AT[layout.size_count],
+        outline_sizes_at=SIZES_AT[layout.outline_size_count],
         find_outline=find_contact.answers[type(outlines)],
         refine_outline=refine_normal.answers[type(outlines)],
         TYPES=types_of(shape, outlines, law),
@@ -75,8 +75,7 @@ def bound(function, flags: dict[str, bool], shape, outlines, law, **more) -> Ker
     )
 
 
-def kernels(task, flags: dict[str, bool], layout: Layout, shape, outlines, law) -> Kernels:
-    """The kernels of scenes with some flags; outlines: solids that have the outline of a granule, or
-    the granules."""
-    of_law = kernel(scan.scan, (type(law),), TYPES=types_of(law))
-    return Kernels(flags, layout, bound(task, flags, shape, outlines, law), of_law)
+def kernels(work, flags: dict[str, bool], layout: Layout, shape, outlines, law) -> Kernels:
+    """The kernels of scenes with some flags, where `work` moves the bed."""
+    scanning = kernel(scan.scan, (type(law),), TYPES=types_of(law))
+    return Kernels(flags, layout, bound(work, flags, layout, shape, outlines, law), scanning)

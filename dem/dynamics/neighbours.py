@@ -259,7 +259,6 @@ def add_contact(world, bodies, contacts, cursor, section, i, row, target):
     new one.
     """
     apart()
-    apart()
     layout, motion, block, lane = bodies.layout, world.constituents.motion, cursor[2], cursor[3]
     at = NUMBERS * np.uint64(block) + np.uint64(lane)
     contacts.numbers[at + CONSTITUENT] = i

@@ -1,4 +1,5 @@
-"""A lower bound of the critical time step, proved for small motions of the bed as it is.
+"""What a bed is asked for between steps: constants of its contacts, their energies, and a lower
+bound of the critical time step, proved for small motions of the bed as it is.
 
 A contact resists the relative motion of two granules along its normal and along its tangent, and
 may resist their relative rotation. In mass-weighted coordinates each adds k g g^T to the stiffness
@@ -28,7 +29,7 @@ import numpy as np
 
 from dem.contacts.force_law import TINY as LEAST
 from dem.contacts.layout import NUMBERS, PARTNER, TARGET, X, Y
-from dem.contacts.response import rolling_stiffness, yielding
+from dem.contacts.response import dashpot_along, rolling_stiffness
 from dem.dynamics.constants import fill_constants
 from dem.dynamics.measures import (
     driven_acceleration,
@@ -171,22 +172,27 @@ def dashpot_of(layout, table, p, nx, ny, lever, constant):
     """alpha sqrt(m* K) of contact p, zero without damping."""
     dashpot = value_at(table, p, layout.dashpot)
     if layout.mass_x >= 0:
-        mass_x, mass_y = table[p + layout.mass_x], table[p + layout.mass_y]
-        dashpot = yielding(dashpot, mass_x, mass_y, table[p + layout.mass_turn], nx, ny, lever)
+        x, y, turn = (
+            table[p + layout.mass_x],
+            table[p + layout.mass_y],
+            table[p + layout.mass_turn],
+        )
+        dashpot = dashpot_along(dashpot, x, y, turn, nx, ny, lever)
     return math.sqrt(constant) * dashpot if layout.local else dashpot
 
 
-def add_contact(law, layout, table, p, rows, least, overlap, nx, ny, radius, one, two):
+def add_contact(law, layout, table, p, rows, least, bulk, overlap, nx, ny, radius, one, two):
     """Stiffness and damping of contact p between two bodies.
 
-    least (m): smallest overlap that a stiffness is computed for.
+    least (m): smallest overlap that a stiffness is computed for; bulk: of the law.
     """
     apart()
     held, constant = max(overlap, least), constant_of(law, layout, table, p, radius)
-    measured = measure(law, held, value_at(table, p, layout.length))
+    second = value_at(table, p, layout.length)
+    measured = measure(law, held, second)
     damping = dashpot_of(layout, table, p, nx, ny, two.normal_arm, constant)
-    rooted = root(law, held, measured)
-    damping = damping * rooted
+    root_there = root(law, held, measured)
+    damping = damping * root_there
     k = slope(law, constant, measured)
     turn_1, turn_2 = one.normal_arm * one.spin, two.normal_arm * two.spin
     add_pair(rows, one, two, k, damping, nx, ny, one.size, turn_1, two.size, turn_2)
@@ -197,19 +203,14 @@ def add_contact(law, layout, table, p, rows, least, overlap, nx, ny, radius, one
         add_pair(rows, one, two, k_t, c_t, -ny, nx, one.size, turn_1, two.size, turn_2)
     if layout.arm >= 0:
         k_r = rolling_stiffness(law, table[p + layout.arm], constant) * measured
-        c_r = table[p + layout.rolling_dashpot] * rooted
+        c_r = table[p + layout.rolling_dashpot] * root_there
         add_pair(rows, one, two, k_r, c_r, 0.0, 0.0, 0.0, one.spin, 0.0, two.spin)
     # what the force can add to the rotation
     rows[one.row, BOUND_STIFFNESS + 5] += k * max(overlap, 0.0) * one.bend
     rows[two.row, BOUND_STIFFNESS + 5] += k * max(overlap, 0.0) * two.bend
-
-
-def section_of(contacts, block):
-    """Section of a block of the list."""
-    section = PAIRS
-    while block >= contacts.first[section + 1]:
-        section += 1
-    return section
+    pull = attraction(law, overlap, second) / bulk
+    rows[one.row, BOUND_STIFFNESS + 5] += pull * one.bend
+    rows[two.row, BOUND_STIFFNESS + 5] += pull * two.bend
 
 
 def scan_blocks(world, bed, layout, begin, geometry, bounds, result):
@@ -217,13 +218,15 @@ def scan_blocks(world, bed, layout, begin, geometry, bounds, result):
     to a result: how many pairs touch, the greatest overlap over the smaller radius, and its
     constituent.
 
-    geometry: from dem.dynamics.forces.block_forces. NaN is the greatest overlap.
+    geometry: from dem.dynamics.forces.contact_forces. NaN is the greatest overlap.
     """
     apart()
     contacts, motion, radius = world.contacts, world.constituents.motion, bed.radius
     numbers, table, least = contacts.numbers, contacts.table, result[LEAST_OVERLAP]
+    section = PAIRS
     for block in range(begin, begin + geometry.shape[0]):
-        section = section_of(contacts, block)
+        while block >= contacts.first[section + 1]:
+            section += 1
         at, base = NUMBERS * np.uint64(block), layout.stride * block
         for lane in range(contacts.count[block]):
             k = np.uint64(lane)
@@ -255,11 +258,22 @@ def scan_blocks(world, bed, layout, begin, geometry, bounds, result):
                     normal_arm, tangent_arm = x * ny - y * nx, x * nx + y * ny
                 b = world.faces.boundary[np.int64(numbers[at + TARGET + k])]
                 two = boundary_of(world, bed, b, normal_arm, tangent_arm)
-            law, curved, second = world.law, row[CURVED, lane], value_at(table, p, layout.length)
-            add_contact(law, layout, table, p, bounds, least, overlap, nx, ny, curved, one, two)
-            pull = attraction(law, overlap, second) / bed.bulk
-            bounds[one.row, BOUND_STIFFNESS + 5] += pull * one.bend
-            bounds[two.row, BOUND_STIFFNESS + 5] += pull * two.bend
+            law, radius_there = world.law, row[CURVED, lane]
+            add_contact(
+                law,
+                layout,
+                table,
+                p,
+                bounds,
+                least,
+                bed.bulk,
+                overlap,
+                nx,
+                ny,
+                radius_there,
+                one,
+                two,
+            )
 
 
 def greatest_eigenvalue(rows, i, column):

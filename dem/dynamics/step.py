@@ -78,9 +78,9 @@ class Threads(ThreadPoolExecutor):
         return first
 
 
-def share_of(place, count):
+def share_of(thread, count):
     """First and last (excluded) of `count` items for a thread."""
-    return place.number * count // place.size, (place.number + 1) * count // place.size
+    return thread.number * count // thread.size, (thread.number + 1) * count // thread.size
 
 
 def move_patch(world, kick, dt, patch, limit):
@@ -125,7 +125,7 @@ def advance(world, task, kick, dt, steps, limit, rows, thread):
     patches, boundaries, constituents = world.patches, world.boundaries, world.constituents
     pair, lanes, blocks = thread.pair, thread.lanes, world.contacts.first
     begin, end = share_of(thread, patches.lowest.shape[0])
-    squared, done, further, moved = limit * limit, 0, 0.0, 0.0
+    squared, done, further = limit * limit, 0, 0.0
     granules = world.granules.angle.shape[0]
     if task in (SHOW, RESPOND):
         contact_forces(world, task, steps, steps + rows.shape[0], 0.0, pair, lanes, rows)

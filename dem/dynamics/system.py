@@ -44,24 +44,24 @@ class System:
         Of its kind.
     lists : Lists
         Makes the lists of contacts.
-    task : function
+    work : function
         What moves it: dem.dynamics.step.advance, or dem.packing.minimise.fire.
     """
 
     def __init__(
-        self, world: World, table: Any, flags: dict[str, bool], lists: Lists, task=advance
+        self, world: World, table: Any, flags: dict[str, bool], lists: Lists, work=advance
     ):
-        self.world, self.table, self.lists, self.task = world, table, lists, task
+        self.world, self.table, self.lists, self.work = world, table, lists, work
         given = world.shape, world.outlines, world.law
-        self.kernels = kernels(task, flags, lists.bodies.layout, *given)
+        self.kernels = kernels(work, flags, lists.bodies.layout, *given)
         self.place = places(1)[0]
 
     def __reduce__(self):
-        return System, (self.world, self.table, self.kernels.flags, self.lists, self.task)
+        return System, (self.world, self.table, self.kernels.flags, self.lists, self.work)
 
     def with_world(self, world: World) -> "System":
         """The same for other arrays."""
-        return System(world, self.table, self.kernels.flags, self.lists, self.task)
+        return System(world, self.table, self.kernels.flags, self.lists, self.work)
 
     @property
     def alone(self) -> bool:
@@ -83,12 +83,12 @@ class System:
         self.world = world._replace(
             granules=granules, constituents=constituents, contacts=contacts, patches=patches
         )
-        self._scan(self.world, CONSTANTS, NOW, 0, NONE, NO_BOUNDS, np.zeros(RESULT))
+        self._scan(self.world, CONSTANTS)
 
-    def _scan(self, world, task, moment, begin, rows, bounds, result):
+    def _scan(self, world, task, begin=0, rows=NONE, result=None, moment=NOW, bounds=NO_BOUNDS):
         """See dem.dynamics.scan.scan."""
-        given = without_shape(world), self.table, self.kernels.layout
-        self.kernels.scan(*given, task, moment, begin, rows, bounds, result)
+        given = without_shape(world), self.table, self.kernels.layout, task, moment, begin, rows
+        self.kernels.scan(*given, bounds, np.zeros(RESULT) if result is None else result)
 
     def advance(self, kick, dt, steps, limit, threads: Threads | None = None):
         """See dem.dynamics.step.advance."""
@@ -121,7 +121,7 @@ class System:
             if task == RESPOND:  # springs as they are, at the present overlaps
                 self._put_springs_back(world, begin, end)
                 self.kernels.work(world, task, *given)
-                self._scan(world, ENERGIES, NOW, begin, rows, NO_BOUNDS, np.zeros(RESULT))
+                self._scan(world, ENERGIES, begin, rows)
             yield begin, end, rows
 
     def _put_springs_back(self, world, begin, end):
@@ -145,14 +145,14 @@ class System:
         bounds, result = np.zeros((bodies, BOUNDS)) if steps else NO_BOUNDS, np.zeros(RESULT)
         result[LEAST_OVERLAP] = least
         for begin, _, rows in self.geometries():
-            self._scan(self.world, SCAN, moment, begin, rows, bounds, result)
+            self._scan(self.world, SCAN, begin, rows, result, moment, bounds)
         return result
 
     def elastic(self) -> np.ndarray:
         """Elastic energies (J) of normal, tangential and rolling springs."""
         energies = np.zeros(RESULT)
         for begin, _, rows in self.geometries():
-            self._scan(self.world, ENERGIES, NOW, begin, rows, NO_BOUNDS, energies)
+            self._scan(self.world, ENERGIES, begin, rows, energies)
         return energies[:3]
 
     def later(self, pending_kick: float, ahead: float) -> "System":

@@ -12,7 +12,7 @@ PAIRS, WALLS, CIRCLES, OUTLINES, POLYGONS, SECTIONS = range(6)
 
 # Columns of GranuleTable.laws: modulus of the law (Pa or N/m); dashpot constant without unit; share
 # of the granule in 1/E*; from there on COEFFICIENT and the next two columns of dem.contacts.layout
-MODULUS, ALPHA, SHARE, FRICTION, LAW = 0, 1, 2, 3, 6
+MODULUS, ALPHA, SHARE, COULOMB, LAW = 0, 1, 2, 3, 6
 
 EXTERNAL_FORCE, INVERSE_MASS, DAMPING, DRIVE = 0, 3, 6, 9  # of Boundaries.drive: x, y, angle
 

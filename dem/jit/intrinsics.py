@@ -37,8 +37,8 @@ def _pointer(context, builder, signature, arguments, kind):
 def attribute(change):
     """An intrinsic that changes the attributes of the function that calls it.
 
-    Kernels call it directly: through an overload with `inline="always"` Numba drops statements at
-    the end of some functions, without a word.
+    Kernels call it directly: through an overload with `inline="always"`, Numba 0.68 left out the last
+    `if` of dem.dynamics.neighbours.set_reference, without a word.
     """
 
     def typed(typing):
@@ -57,8 +57,8 @@ def widest_vectors():
 
 
 def apart():
-    """Have the function that calls this once in a kernel, and call it, where it is long or has several
-    callers. All others become part of their callers.
+    """Compile the function in which this stands once for a kernel, and have others call it: it is long,
+    or has several callers. All others become part of their callers.
 
     Numba compiles a function again for callers whose options differ; so options are the same for all.
     """

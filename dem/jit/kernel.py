@@ -112,8 +112,8 @@ class Kernel:
         The dispatcher of Numba, which asks for the types of all arguments and compiles for each
         combination of them.
     entry : function
-        Machine code for the first combination. A call takes a quarter of the time, because of types
-        it checks those of arrays alone: numbers must be of the same types each time.
+        Machine code for the first combination. A call takes a quarter of the time, because it checks
+        no types but the size of a number in arrays: all must be as they were the first time.
     """
 
     compiling = 0.0

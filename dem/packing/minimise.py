@@ -169,8 +169,8 @@ def fire(world, task, enough, dt, steps, list_range, rows, descent):
     """As dem.dynamics.step.advance, where STEPS minimise the elastic energy until no net force exceeds
     `enough` (N), and nothing drifts.
 
-    dt (s): without a meaning here; descent: see Descent. Returns iterations done, and the largest
-    displacement (m; 0 up to list_range, beyond it the lists are too old).
+    descent: see Descent, which has the step too. Returns iterations done, and the largest displacement
+    (m; 0 up to list_range, beyond it the lists are too old).
     """
     granules, constituents, patches = world.granules, world.constituents, world.patches
     lowest, first, blocks = patches.lowest, constituents.first, world.contacts.first
@@ -181,13 +181,13 @@ def fire(world, task, enough, dt, steps, list_range, rows, descent):
     if task in (SHOW, RESPOND):
         contact_forces(world, task, steps, steps + rows.shape[0], 0.0, pair, lanes, rows)
         return 0, 0.0
-    step, alpha, downhill, longest = memory[0], memory[1], memory[2], memory[3]
+    dt, alpha, downhill, longest = memory[0], memory[1], memory[2], memory[3]
     done, moved, largest = 0, 0.0, math.inf
     limit = list_range * list_range
     while True:
         if task == STEPS:
             # Kick the patches that waited for forces of others, all of them at first
-            ahead = min(1.1 * step, longest) if downhill + 1.0 > N_MIN else step
+            ahead = min(1.1 * dt, longest) if downhill + 1.0 > N_MIN else dt
             for patch in range(begin, end):
                 if done == 0 or not knows_forces(lowest, patch, begin):
                     kick(granules, ahead, patch, sums)
@@ -200,21 +200,21 @@ def fire(world, task, enough, dt, steps, list_range, rows, descent):
             if power > 0.0:
                 downhill += 1.0
                 if downhill > N_MIN:
-                    step = ahead
+                    dt = ahead
                     alpha *= 0.99
             else:
-                back = -0.5 * step
+                back = -0.5 * dt
                 downhill, alpha = 0.0, ALPHA_START
-                step = max(0.5 * step, 0.02 * longest)
+                dt = max(0.5 * dt, 0.02 * longest)
                 barrier(arrivals, size)  # now all threads have the sums
                 for patch in range(begin, end):
                     halt(granules, constituents.orientation, back, patch)
-                    kick(granules, step, patch, sums)
+                    kick(granules, dt, patch, sums)
                 barrier(arrivals, size)
                 speed = total(sums, SPEED)
             factor = alpha * math.sqrt(speed / push) if push > 0.0 else 0.0
             for patch in range(begin, end):
-                move(granules, constituents, alpha, factor, step, patch)
+                move(granules, constituents, alpha, factor, dt, patch)
                 low, high = granules_of(n, patch)
                 sums[patch, MOVED] = farthest_of(motion, reference, first[low], first[high], limit)
             barrier(arrivals, size)
@@ -224,7 +224,7 @@ def fire(world, task, enough, dt, steps, list_range, rows, descent):
         done += 1
         last = done >= steps or not moved <= limit
         # Forces, and the next kick of patches that know all of theirs
-        ahead = min(1.1 * step, longest) if downhill + 1.0 > N_MIN else step
+        ahead = min(1.1 * dt, longest) if downhill + 1.0 > N_MIN else dt
         for patch in range(begin, end):
             low, high = world.contacts.of_patch[patch], world.contacts.of_patch[patch + 1]
             clear_patch(constituents, patch)
@@ -250,7 +250,7 @@ def fire(world, task, enough, dt, steps, list_range, rows, descent):
         if last:
             break
     if thread.number == 0 and task == STEPS:
-        memory[0], memory[1], memory[2], memory[4] = step, alpha, downhill, largest
+        memory[0], memory[1], memory[2], memory[4] = dt, alpha, downhill, largest
     return done, math.sqrt(moved)
 
 
@@ -410,7 +410,7 @@ def minimise(scene, state, iterations, enough=None, job=None):
     order = stopped["order"] if stopped else order_of(scene, state)
     scene, state = ordered(scene, state, order)
     table, skin = granule_table(scene), skin_of(scene, SKIN_OF_PACKING)
-    system = assemble(scene, state, table, task=fire)
+    system = assemble(scene, state, table, work=fire)
     radius, modulus = table.radius.mean(), table.modulus
     law = system.world.law
     unit, large = scene.law.scale(modulus, radius) * radius, scene.granules > PATCH

@@ -112,10 +112,10 @@ def stage_times(case: Case, times: int) -> dict[str, float]:
     system = assemble(case.scene, case.state.checked(case.scene.granules), table)
     system.rebuild(skin_of(case.scene, SKIN))
     system.advance(dt, dt, WARM, math.inf)
-    world, flags = system.world, system.kernels.flags
+    world, flags, layout = system.world, system.kernels.flags, system.kernels.layout
 
     def call(function, *given, **constants):
-        parts = flags, world.shape, world.outlines, world.law
+        parts = flags, layout, world.shape, world.outlines, world.law
         return partial(bound(function, *parts, **constants), world, system.place, *given)
 
     calls = {name: call(pairs, dt, times, STAGE=k) for k, name in enumerate(STAGES)}

@@ -14,6 +14,7 @@ from workflows import run
 
 import dem
 from dem.base.source_hash import ROOT
+from dem.contacts.layout import layout_of
 from dem.dynamics.kinds import kernels
 from dem.dynamics.step import advance
 from dem.laws import LAWS as NAMES
@@ -250,10 +251,9 @@ answer(Scaled, *CONE.values())
 @pytest.mark.quick
 def test_no_kernel_takes_a_number_for_the_integer_that_it_was_compiled_for():
     """It would cut off what is behind the point, without a word."""
-    disc = dem.Disc([SMALL])
-    one, two = (
-        kernels(advance, defaultdict(bool), None, disc, disc, Scaled(f))[2:] for f in (1, 1.5)
-    )
+    disc, flags = dem.Disc([SMALL]), defaultdict(bool)
+    given = advance, flags, layout_of(flags, 1, 1), disc, disc
+    one, two = (kernels(*given, Scaled(factor))[2:] for factor in (1, 1.5))
     assert not set(one) & set(two)
 
 

@@ -7,7 +7,7 @@ import pytest
 from collisions import ELASTIC, LEAST
 from egg import Egg
 from forms import FORMS
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 from scenes import TIME_STEP, granules, scene_of
 
 import dem
@@ -128,3 +128,21 @@ def test_an_elastic_impact_is_that_of_a_rigid_body(form):
     rise, spin = impulse / scene.mass - speed, impulse * arm / scene.inertia
     assert_allclose(run.state.velocity[once, 1], rise[once], atol=5e-3 * speed)
     assert_allclose(run.state.angular_velocity[once], spin[once], rtol=2e-2, atol=0.3)
+
+
+@pytest.mark.quick
+def test_the_numbers_of_a_shape_may_be_views_of_others(monkeypatch):
+    """Compiled code reads arrays as they were the first time."""
+
+    def velocities():
+        disc, material = dem.Disc([1e-3, 2e-3]), dem.Material(restitution=0.5)
+        state = dem.State([[0.0, 0.0], [2.9e-3, 0.0]])
+        run = dem.Simulation(dem.Scene(disc, material, dem.Friction()), state)
+        run.advance(1e-6)
+        return run.state.velocity
+
+    expected = velocities()
+    view = property(lambda disc: np.column_stack([disc.radius, 9.0 * disc.radius])[:, 0])
+    monkeypatch.setattr(dem.Disc, "constituent_radius", view)
+    monkeypatch.setattr(dem.Disc, "constituent_bounding_radius", view)
+    assert_array_equal(velocities(), expected)
