@@ -48,7 +48,7 @@ SLOW = shlex.split(
 def pytest_ignore_collect(collection_path, config):
     """Files without quick tests are not even read for them."""
     if config.option.markexpr == "quick" and collection_path.suffix == ".py":
-        return "pytest.mark.quick" not in collection_path.read_text(encoding="utf-8") or None
+        return "quick" not in collection_path.read_text(encoding="utf-8") or None
     return None
 
 

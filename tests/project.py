@@ -10,6 +10,9 @@ import yaml
 ROOT = Path(__file__).parents[1]
 CONFIG = ROOT / "config"
 
+# The part of the suite to work with. A file of tests without this word is not read for it (conftest.py).
+quick = pytest.mark.quick
+
 # The workflow runs on Linux and macOS, the library and the command line also on Windows.
 posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX pipes, signals or bash")
 

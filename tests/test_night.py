@@ -3,10 +3,10 @@
 import subprocess
 
 import pytest
-from project import ROOT
+from project import ROOT, quick
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.skipif(not (ROOT / ".git").exists(), reason="a copy may have one of the faults")
 def test_each_fault_of_the_night_fits_the_code_and_asks_a_test_that_is_there():
     night = pytest.importorskip("nightly.mutants")  # Windows lacks some of it

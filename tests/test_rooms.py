@@ -3,8 +3,8 @@
 import ast
 import re
 
-import pytest
 from importlinter.cli import EXIT_STATUS_SUCCESS, lint_imports
+from project import quick
 from workflows import run
 
 from dem.base.source_hash import PACKAGE, ROOT
@@ -84,7 +84,7 @@ def imports_of(file):
         yield from (name for name in names if name and name.startswith(("numba", "llvmlite")))
 
 
-@pytest.mark.quick
+@quick
 def test_numba_and_llvm_are_asked_in_four_files_for_what_they_promise():
     """All else is plain functions."""
     found = {
@@ -94,7 +94,7 @@ def test_numba_and_llvm_are_asked_in_four_files_for_what_they_promise():
     assert {name: modules for name, modules in found.items() if modules} == COMPILERS
 
 
-@pytest.mark.quick
+@quick
 def test_shapes_laws_and_scenes_need_no_compiler():
     """Geometry and planning start at once."""
     ask = """

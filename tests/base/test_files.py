@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from unittest import mock
 
 import pytest
-from project import posix
+from project import posix, quick
 
 from dem.base.errors import InputError
 from dem.base.files import arrays_of, atomic, check_output
@@ -36,7 +36,7 @@ WRONG = {
 
 
 @posix
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("wrong", WRONG)
 def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch, wrong):
     """What is wrong with the disk is one sentence with the file, whatever netCDF says of it."""
@@ -52,7 +52,7 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch, wrong):
     assert file.read_text() == "before" and [file] == list(tmp_path.iterdir())
 
 
-@pytest.mark.quick
+@quick
 def test_a_file_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
     """Else the name may be that of a file of zeros when power fails."""
     file, named = tmp_path / "file.txt", []
@@ -62,7 +62,7 @@ def test_a_file_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
     assert named == [(5, False)] and file.read_text() == "whole"
 
 
-@pytest.mark.quick
+@quick
 def test_a_file_for_which_there_is_no_memory_is_not_damaged(tmp_path, monkeypatch):
     """What a disk cannot give now is in test_store.py."""
     file, memory = tmp_path / "run.npz", mock.Mock(side_effect=MemoryError)
@@ -85,7 +85,7 @@ def test_a_disk_without_locks_is_one_sentence_that_says_what_to_do(tmp_path, mon
         prepare(tmp_path, tmp_path)
 
 
-@pytest.mark.quick
+@quick
 def test_what_killed_processes_left_is_cleared_away(tmp_path):
     """Half-written files of processes that are no more go, those of living ones stay, and those of
     other computers for a day. What anybody else left is not touched, however old it is."""

@@ -7,15 +7,13 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
-from project import CONFIG, FILES, LAW, PRODUCT, PRODUCTS, SHAPE, write
+from project import CONFIG, FILES, LAW, PRODUCT, PRODUCTS, SHAPE, quick, write
 
 import dem
 from dem.experiment.config import of_values
 from dem.sweep.config import load, parse
 from dem.sweep.state import SweepState
 from dem.sweep.store import Store
-
-quick = pytest.mark.quick
 
 
 def first_run(file: Path):

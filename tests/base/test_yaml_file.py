@@ -8,7 +8,7 @@ import pytest
 import yaml
 from hypothesis import example, given
 from hypothesis import strategies as st
-from project import CONFIG
+from project import CONFIG, quick
 
 from dem.base.errors import InputError
 from dem.base.yaml_file import read, text_of
@@ -71,7 +71,7 @@ PLAIN = {
 }
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("text", PLAIN)
 def test_a_plain_scalar_means_what_yaml_1_2_says_or_is_refused(tmp_path, text):
     """With its line, and what to write: Snakemake reads a sweep file by YAML 1.1."""

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from project import CONFIG, PRODUCT, PRODUCTS, ROOT, changed_file, posix
+from project import CONFIG, PRODUCT, PRODUCTS, ROOT, changed_file, posix, quick
 from sweeps import contents, differing, simulate
 from typer.main import get_command
 from typer.testing import CliRunner
@@ -24,8 +24,6 @@ from dem.io.progress import bar
 from dem.sweep.axis import is_written
 from dem.sweep.estimate import outcome
 from dem.sweep.state import SweepState
-
-quick = pytest.mark.quick
 
 
 def called(*words):

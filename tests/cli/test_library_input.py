@@ -9,12 +9,11 @@ from typing import get_args
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from project import quick
 from refusals.library import PLACES, scene
 
 import dem
 from dem.base.types import parsed
-
-quick = pytest.mark.quick
 
 
 def public_arguments():

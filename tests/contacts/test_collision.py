@@ -5,6 +5,7 @@ import pytest
 from collisions import APART, ELASTIC, HEAVY, LEAST, ROUGH, energy, gains, volley
 from forms import FORMS
 from numpy.testing import assert_allclose
+from project import quick
 from twin import damping_ratio
 
 import dem
@@ -58,7 +59,7 @@ def test_order_of_convergence(restitution, depth, order):
         assert_allclose(-np.polyfit(np.log(steps[1:]), np.log(error), 1)[0], order, atol=0.12)
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("restitution", [0.9, 0.5, 0.1])
 def test_a_collision_off_the_centre_returns_less_than_restitution(restitution):
     """Its damping ratio is sqrt(m*/m_c) times that of a central one; m_c is the mass at the contact.
@@ -79,7 +80,7 @@ def test_a_collision_off_the_centre_returns_less_than_restitution(restitution):
 # Along the tangent
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("angle", [0.3, 2.0, 4.4])
 def test_oblique_impact_in_gross_sliding(angle, sign):
@@ -110,7 +111,7 @@ def test_oblique_impact_in_gross_sliding(angle, sign):
 # Angular momentum and energy
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("kind", [*KINDS, "disc that resists rolling"])
 def test_angular_momentum_is_conserved(kind):
     """A swarm that collides with friction and damping keeps it to rounding, after whole steps. That boundaries take
@@ -133,7 +134,7 @@ def test_angular_momentum_is_conserved(kind):
     assert abs((after - before).sum()) < 3e-11 * np.abs(before).sum()
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize(
     ("kind", "restitution"), [("disc", ELASTIC.restitution), *((k, 0.9) for k in KINDS)]
 )

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from project import CONFIG
+from project import CONFIG, quick
 from scenes import scene_of
 
 import dem
@@ -31,7 +31,7 @@ def laid(mu_r, slope=0.0):
     return scene, dem.State([[1.0, R - depth]])
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("mu_r", [0.0, 0.05])
 def test_a_sliding_disc_ends_rolling_and_stops_where_its_energy_is_spent(mu_r):
     """It slows down by mu g and spins up by the moment (mu - mu_r) m g R, until it rolls; then by 2/3 of mu_r g."""
@@ -49,7 +49,7 @@ def test_a_sliding_disc_ends_rolling_and_stops_where_its_energy_is_spent(mu_r):
     assert_allclose(spin * R, -run.velocity[rolling, 0, 0], atol=2e-3 * speed)
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("share", [0.99, 1.01])
 def test_a_disc_stays_on_a_slope_up_to_the_coefficient(share):
     """Once it has settled; beyond, it rolls with the rest of the pull, at the lever of the contact."""
@@ -72,7 +72,7 @@ def test_the_critical_step_counts_rolling_springs():
     assert np.abs(run.velocity[-1]).max() < 1e-9 and abs(run.angular_velocity[-1, 0]) < 1e-6
 
 
-@pytest.mark.quick
+@quick
 def test_coefficients_of_zero_leave_the_motion_as_it_is():
     """So that a sweep may begin with zero."""
     scene, state = scene_of("box of discs")
@@ -83,7 +83,7 @@ def test_coefficients_of_zero_leave_the_motion_as_it_is():
     assert np.array_equal(one, other)
 
 
-@pytest.mark.quick
+@quick
 def test_rolling_resistance_varies_as_others_do_and_leaves_the_bed(tmp_path):
     """From zero on; runs share their beds, and all of discs roll. Other shapes are beside them where their
     coefficients are zero."""

@@ -13,7 +13,7 @@ from functools import cache, partial
 import numpy as np
 import pytest
 from mechanics import assert_bits_are_the_same, assert_threads_change_no_bit, crowd, seen
-from project import posix
+from project import posix, quick
 from scenes import FREE, LEDGERS, SCENES, scene_of
 
 import dem
@@ -122,9 +122,7 @@ def undisturbed(bed):
     return seen(finished(maker(bed)(dem.Simulation)), LASTS / 8)
 
 
-@pytest.mark.parametrize(
-    "bed", [pytest.param(bed, marks=[pytest.mark.quick] * (bed in QUICK)) for bed in BEDS]
-)
+@pytest.mark.parametrize("bed", [pytest.param(bed, marks=[quick] * (bed in QUICK)) for bed in BEDS])
 @pytest.mark.parametrize("way", WAYS)
 def test_a_run_goes_on_with_the_same_bits(bed, way):
     """Motion, forces, contacts with their springs, boundaries and the choice of the time step."""
@@ -136,7 +134,7 @@ HELD = dem.Held(np.arange(0, 33**2, 3), FREE)
 DENSE = crowd(lambda radius: dem.Disc(1.2 * radius), 33, walls=None, solids=None, held=[HELD])
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("bed", [crowd(), crowd(side=33), DENSE], ids=["many", "few", "dense"])
 def test_the_number_of_threads_changes_no_bit(bed):
     """Also where one thread has hardly anything to do, and no boundary near; and where many granules of a group feel

@@ -7,6 +7,7 @@ import pytest
 from beds import STIFF
 from collisions import APART, ELASTIC
 from numpy.testing import assert_allclose
+from project import quick
 from scenes import MADE, SHAPES, scene_of
 
 import dem
@@ -32,7 +33,7 @@ def test_restitution_at_the_default_step(shape, restitution):
     assert abs(error.mean()) < 3e-3 and np.abs(error).max() < 1e-2
 
 
-@pytest.mark.quick
+@quick
 def test_the_time_step_is_held_where_the_bound_goes_up_and_down():
     """A fast cylinder asks for short steps. Once it is slow the bound allows longer ones, and they come after
     2000 steps that allowed them."""
@@ -50,7 +51,7 @@ def test_the_time_step_is_held_where_the_bound_goes_up_and_down():
     assert run.advance(first) > 1.1 * first
 
 
-@pytest.mark.quick
+@quick
 def test_a_solid_is_where_its_velocity_takes_it():
     """Where steps end and several velocities are within one; along a path with a corner and a jump, too."""
     scene, state = scene_of("box of discs")
@@ -92,10 +93,7 @@ def resting(small):
 
 @pytest.mark.parametrize(
     ("kind", "fraction"),
-    [
-        pytest.param(*row, marks=[pytest.mark.quick] * (row[0] in ("disc", "clump")))
-        for row in STIFF
-    ],
+    [pytest.param(*row, marks=[quick] * (row[0] in ("disc", "clump"))) for row in STIFF],
 )
 def test_critical_time_step_is_a_bound_and_a_close_one(small_bed, kind, fraction):
     """No motion of a frictional, damped bed grows at the critical step, and some do at twice it."""
@@ -106,7 +104,7 @@ def test_critical_time_step_is_a_bound_and_a_close_one(small_bed, kind, fraction
     assert linear.growth(*matrices, 2.0 * critical) > 1.1
 
 
-@pytest.mark.quick
+@quick
 def test_critical_time_step_does_not_depend_on_how_contacts_are_found():
     """Pairs that are apart stiffen nothing: chord and common normal allow steps alike."""
     smooth, steps = {"material": ELASTIC, "friction": dem.Friction(stiffness=1e-9)}, []
@@ -117,7 +115,7 @@ def test_critical_time_step_does_not_depend_on_how_contacts_are_found():
     assert 0.5 < steps[1] / steps[0] < 1.1
 
 
-@pytest.mark.quick
+@quick
 def test_a_fixed_step_is_refused_from_the_critical_one_on(small_bed):
     """Just below it a simulation is made without a word, until faster collisions are stiffer. Beyond it one asks
     for a fraction, where that is allowed."""
@@ -136,7 +134,7 @@ def test_a_fixed_step_is_refused_from_the_critical_one_on(small_bed):
     assert 2.0 ** (-1 / 8) * step < run.advance(1.001 * step) <= step and run.steps == 1
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("factor", [10.0, 1e6])
 @pytest.mark.parametrize("name", SHAPES)
 def test_too_large_a_time_step_is_an_error_and_not_a_number(name, factor):
@@ -150,7 +148,7 @@ def test_too_large_a_time_step_is_an_error_and_not_a_number(name, factor):
 # Overlaps
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("name", SHAPES)
 def test_an_overlap_beyond_the_limit_ends_a_run(name):
     """Before and during the motion; the sentence names the granule and the step."""
@@ -165,7 +163,7 @@ def test_an_overlap_beyond_the_limit_ends_a_run(name):
         dem.simulate(scene, state, 1e-3, max_overlap=1.01 * deep.max_overlap)
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize(
     ("x", "speed", "words"),
     [

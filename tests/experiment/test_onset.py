@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from project import ROOT
+from project import ROOT, quick
 
 from dem.dynamics.contact_output import ContactList
 from dem.experiment.bed import room_of
@@ -24,7 +24,7 @@ def bed(ratio=1.0, granules=40, **changes):
     return SWEEP.changed(new | changes, "e").replicate("e", 3900.0, 1)
 
 
-@pytest.mark.parametrize("ratio", [pytest.param(1.0, marks=pytest.mark.quick), 1.5])
+@pytest.mark.parametrize("ratio", [pytest.param(1.0, marks=quick), 1.5])
 def test_discs_jam_with_as_many_contacts_as_degrees_of_freedom_and_ellipses_with_fewer(ratio):
     """Two a disc; two less because the whole may move, one more because the bed bears a load. Ellipses have more
     than discs, which do not feel that they turn."""
@@ -42,7 +42,7 @@ LINEAR = {"contact.law": "linear", "periodic": "x"}  # discs between a floor and
 
 @pytest.mark.parametrize(
     ("ratio", "changes", "power"),
-    [(1.3, {}, 1.5), pytest.param(1.0, LINEAR, 1.0, marks=pytest.mark.quick)],
+    [(1.3, {}, 1.5), pytest.param(1.0, LINEAR, 1.0, marks=quick)],
 )
 def test_a_bed_bears_no_load_below_the_onset_and_that_of_its_law_above(ratio, changes, power):
     """The load goes as the distance from the onset to the power of 3/2 under Hertz's law, in proportion to it
@@ -56,7 +56,7 @@ def test_a_bed_bears_no_load_below_the_onset_and_that_of_its_law_above(ratio, ch
     assert press.press(fraction - 1e-4, 1e-12, onset.PATIENCE) < 1e-3 * near
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("power", [1.5, 1.0])
 def test_a_bed_jams_where_the_line_of_its_loads_begins(power):
     """Loads that begin at 0.8137, with noise below; too few of them make no line."""
@@ -74,7 +74,7 @@ def test_the_onset_is_just_below_where_the_line_of_greater_loads_meets_zero():
     assert onset.run(replicate)["onset_fraction"] == pytest.approx(wide, abs=0.01)
 
 
-@pytest.mark.quick
+@quick
 def test_granules_that_too_few_contacts_hold_are_rattlers():
     """A chain on a firm square of four goes link by link; walls and the cylinder hold granules."""
     square = (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from beds import HIGH, PRESSURE, area_of, replicate
 from matplotlib.figure import Figure
+from project import quick
 
 from dem.base.errors import PackingError
 from dem.dynamics.simulation import Simulation
@@ -31,7 +32,7 @@ def drawn():
     return drag.run(replicate(), bed_under())
 
 
-@pytest.mark.quick
+@quick
 def test_the_top_wall_falls_through_nothing_at_the_speed_of_its_damping():
     """Where damping bears the pressure P alone: at sqrt(P / density), 124.03 m/s at 60 MPa and 3900 kg/m3. It has
     the mass of a row of granules, 8 mm long and 1.092 mm high and thick."""
@@ -42,7 +43,7 @@ def test_the_top_wall_falls_through_nothing_at_the_speed_of_its_damping():
     assert top.mass == pytest.approx(3900.0 * 8e-3 * 1.092e-3**2)
 
 
-@pytest.mark.quick
+@quick
 def test_the_top_wall_holds_the_pressure_while_the_cylinder_moves():
     """Its mean force is the pressure to within 3 %, though the cylinder pushes the bed against it; a
     wall that does not yield bears much more."""
@@ -79,7 +80,7 @@ def test_a_bed_at_rest_pushes_the_solid_of_a_picture_as_that_of_its_run():
     np.testing.assert_allclose(total, recorded, rtol=0.0, atol=0.02 * force.sum())
 
 
-@pytest.mark.quick
+@quick
 def test_more_pressure_makes_a_lower_box_around_the_same_cylinder():
     """The cylinder is where it is before the height is known."""
     low, high = (bed_under(pressure) for pressure in (PRESSURE, 5e6))

@@ -9,15 +9,13 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
 from pictures import boxes_shown, intervals_shown, places_shown, words_shown
-from project import ROOT
+from project import ROOT, quick
 from sweeps import dataset_of
 from synthetic import DENSITY, VELOCITY, drags, drawn, jammed, sheared
 
 from dem.analysis.onset import limits
 from dem.analysis.velocity import rates
 from dem.base.statistics import mean_interval
-
-quick = pytest.mark.quick
 
 
 def plot(name, data):

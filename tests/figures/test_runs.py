@@ -10,6 +10,7 @@ import xarray as xr
 from matplotlib import rc_context
 from numpy.testing import assert_allclose, assert_array_equal
 from pictures import boxes_shown
+from project import quick
 from sweeps import make_sweep
 
 from dem.analysis.one_run import open_run, read_snapshots
@@ -94,7 +95,7 @@ def test_a_picture_shows_a_snapshot_with_its_drag_and_says_which_run_it_is(watch
     assert_allclose(mark.get_xdata(), 0.7)
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("case", ["c1", "d1"])
 def test_export_for_paraview(watched, tmp_path, case):
     """Polygons with the area of their granule, two a dumbbell; a file a snapshot, and one that lists them."""
@@ -138,7 +139,7 @@ def test_export_for_paraview(watched, tmp_path, case):
         assert_allclose(lines[between], place[ends], atol=1e-9)
 
 
-@pytest.mark.quick
+@quick
 def test_a_solid_at_rest_at_an_angle_is_drawn_at_this_angle(watched):
     motion, changes = motion_of(watched, "c1"), {"cylinder.outline": "plate", "cylinder.angle": 0.5}
     run = motion.replicate.configuration.changed(changes, "c1").replicate("c1", 3.9e3, 1)

@@ -1,6 +1,7 @@
 """What beds cost, as a dry run and a sentence say it before they are packed."""
 
 import pytest
+from project import quick
 from sweeps import SMOKE
 
 from dem.sweep.config import parse
@@ -20,7 +21,7 @@ def sweep_of(granules, **changes):
     return SweepState(parse(values | changes))
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize(
     ("count", "fraction", "slow"),
     [(100_000, 0.84, True), (100_000, 0.86, False), (400, 0.84, False)],
@@ -34,7 +35,7 @@ def test_a_sentence_comes_before_a_large_bed_near_random_close_packing(count, fr
         assert "ask for 0.86, or for packing.pressure" in warnings[0]
 
 
-@pytest.mark.quick
+@quick
 def test_a_dry_run_counts_beds_and_no_more_processes_than_runs(tmp_path, monkeypatch):
     """A large bed takes its time, once for all runs that share it; a second process has no run."""
     monkeypatch.chdir(tmp_path)

@@ -12,7 +12,7 @@ from beds import PRESSURE, STIFF, section_of
 from matplotlib.path import Path
 from numpy.testing import assert_allclose, assert_array_equal
 from outlines import outside
-from project import CONFIG, ROOT
+from project import CONFIG, ROOT, quick
 from sweeps import smoke
 from twin import Twin
 
@@ -65,7 +65,6 @@ BEDS = {
 }
 # around a wedge they are not this simple
 OF_DISCS = [name for name in BEDS if name == "disc" or name not in (*KINDS, "around a wedge")]
-QUICK = pytest.mark.quick
 
 
 @cache
@@ -114,7 +113,7 @@ def packed(name):
     return Packed(bed, scene, Twin(scene, bed.state), modulus)
 
 
-@QUICK
+@quick
 @pytest.mark.parametrize("name", BEDS)
 def test_a_bed_fills_its_box_as_asked_for(name):
     """Areas of the granules over the box beside the solids; none is outside or in a solid."""
@@ -130,7 +129,7 @@ def test_a_bed_fills_its_box_as_asked_for(name):
     assert 0.0 <= bed.max_overlap < 0.2
 
 
-@QUICK
+@quick
 @pytest.mark.parametrize("name", BEDS)
 def test_a_bed_is_at_rest_as_it_says(name):
     """By a sum over all pairs, walls and solids, with the weight: no net force, in units of E* R^2.
@@ -148,7 +147,7 @@ def test_a_bed_is_at_rest_as_it_says(name):
         assert net * unit < 5.5e-3 * packed(name).contacts[2].mean()
 
 
-@QUICK
+@quick
 @pytest.mark.parametrize("name", BEDS)
 def test_the_pressure_is_the_force_on_the_walls_over_their_length(name):
     """Over E* too. Without walls it is the mean normal stress of the contacts."""
@@ -169,7 +168,7 @@ def test_the_pressure_is_the_force_on_the_walls_over_their_length(name):
         assert_allclose(top, PRESSURE, rtol=2e-3)
 
 
-@QUICK
+@quick
 @pytest.mark.parametrize("name", OF_DISCS)
 def test_overlaps_and_contacts_are_as_a_bed_says(name):
     """Over the smaller radius. Ellipses and dumbbells have the bits of released beds, see below."""
@@ -241,7 +240,7 @@ PLATE = dem.plate(4e-3, 1e-3)
 PLACES = (4e-3, 3e-3, 0.0), (4e-3, 4.75e-3, 0.0), (0.65e-3, 8e-3, 1.5)  # m, m, rad
 
 
-@QUICK
+@quick
 @pytest.mark.parametrize("periodic", ["none", "x", "xy"])
 def test_granules_begin_apart_from_each_other_and_from_solids(periodic):
     """Their bounding circles, and those of images; none between two solids where it will not fit."""
@@ -266,7 +265,7 @@ def test_granules_begin_apart_from_each_other_and_from_solids(periodic):
     assert (gaps[0] + gaps[1] > 1.999 * np.sqrt(shape.area / np.pi)).all()
 
 
-@QUICK
+@quick
 def test_dumbbells_never_interlock():
     """The lines that join the two discs of a dumbbell never cross."""
     bed, scene, _, _ = packed("dumbbell")
@@ -277,7 +276,7 @@ def test_dumbbells_never_interlock():
     assert across.any() and not (across & across.T).any()
 
 
-@QUICK
+@quick
 def test_what_a_torque_turns_is_not_at_rest():
     """A slanted dumbbell on which floor and lid push alike turns until it fits."""
     scene = Room(1.0, 3.5e-3, (), 1).scene(dem.Dumbbell([1e-3]))
@@ -288,7 +287,7 @@ def test_what_a_torque_turns_is_not_at_rest():
 # Ways of packing
 
 
-@QUICK
+@quick
 def test_ways_of_packing_differ_as_they_say():
     """Grown below jamming, granules are apart; at one packing fraction friction leaves more pressure; grown
     above jamming a bed bears a load like a relaxed one."""
@@ -300,7 +299,7 @@ def test_ways_of_packing_differ_as_they_say():
     assert 0.5 < grown.pressure / dense.pressure < 2.0 and grown.coordination_number > 3.0
 
 
-@QUICK
+@quick
 def test_granules_grow_as_the_page_of_grow_says():
     """In steps of 2 %, after each of which they move for 300 sqrt(m / (E* R)) without friction at a
     restitution of 0.5, and keep their angles and half of their velocities. Here by simulations of the

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
 from pictures import assert_alone, text_of
-from project import ROOT
+from project import ROOT, quick
 from sweeps import dataset_of, make_sweep
 
 import dem
@@ -21,7 +21,6 @@ from dem.figures.sweep import plot
 from dem.report.build import build
 from dem.report.info import drag_table, runs_table, summary
 
-quick = pytest.mark.quick
 TITLE = "a page of <b>one run</b>"
 
 

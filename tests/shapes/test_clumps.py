@@ -9,7 +9,7 @@ from forms import CLUMPS, TRIMER
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from project import CONFIG, ROOT
+from project import CONFIG, ROOT, quick
 from sweeps import sheared_values
 
 import dem
@@ -37,7 +37,7 @@ def test_a_union_of_two_discs_has_the_area_of_both_without_the_lens(angle, dista
 INSIDE = [(0.0, 0.0, 1.0), (0.0, 0.0, 1.0), (0.2, 0.0, 0.5), (1.1, 0.0, 0.6)]
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize(("form", "count"), [(TRIMER, 3), (INSIDE, 2)])
 def test_area_centre_and_inertia_of_a_union_are_sums_over_its_points(form, count):
     """Of three discs, and of two of which one is given twice and one is inside another."""
@@ -51,7 +51,7 @@ def test_area_centre_and_inertia_of_a_union_are_sums_over_its_points(form, count
     assert_allclose(clump.gyration_squared, (point**2).sum(axis=1).mean(), rtol=3e-3)
 
 
-@pytest.mark.quick
+@quick
 def test_clumps_that_are_taken_scaled_or_appended_are_those_that_are_made_so():
     clumps = dem.Clump(CLUMPS)
     result = clumps.scaled(2.0).take([2, 0]).appended(clumps.take([1]))
@@ -63,7 +63,7 @@ def test_clumps_that_are_taken_scaled_or_appended_are_those_that_are_made_so():
 # Configurations
 
 
-@pytest.mark.quick
+@quick
 def test_clumps_and_mixtures_of_a_file_by_the_page(tmp_path):
     """docs/howto/clumps.md: granules of the area of a disc of the diameter, in their shares and in another order
     for each seed, known by their discs and not by the name of a file, and by no other shapes."""
@@ -103,7 +103,7 @@ def test_a_period_that_is_too_short_for_clumps_is_refused_before_a_bed_is_made()
         sweep.replicate("c1", 2e3, 1)
 
 
-@pytest.mark.quick
+@quick
 def test_what_has_the_density_of_the_bed_has_that_of_all_its_granules_together():
     """Mass over volume, whatever the density of the run: the lid, a free cylinder, and the rate of shear."""
     shapes = {"c1": {"mixture": {"light": 0.3, "heavy": 0.7}, "granules": 60}}

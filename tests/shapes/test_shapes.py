@@ -8,6 +8,7 @@ from collisions import ELASTIC, LEAST
 from egg import Egg
 from forms import FORMS
 from numpy.testing import assert_allclose, assert_array_equal
+from project import quick
 from scenes import TIME_STEP, granules, scene_of
 
 import dem
@@ -18,7 +19,7 @@ SIZES = 1e-3 * np.array([0.5, 1.0, 0.7, 1.3, 0.9, 1.1, 0.8])
 # Sizes
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("form", FORMS)
 def test_bounds_are_those_of_the_outline(form):
     """Bounding circle, and greatest lever and bend of each granule, by the edges of the outline that is drawn."""
@@ -35,7 +36,7 @@ def test_bounds_are_those_of_the_outline(form):
         assert 0.8 * shape.normal_bend[g] - 1e-2 * size < bend < shape.normal_bend[g] + 1e-2 * size
 
 
-@pytest.mark.quick
+@quick
 def test_granules_of_a_size_have_the_form_that_is_asked_for():
     """Each argument of of_size, beside others that are not its default."""
     box = dem.Superellipse.of_size(SIZES, 2.0, 3.0, 0.4)
@@ -45,7 +46,7 @@ def test_granules_of_a_size_have_the_form_that_is_asked_for():
     assert box.exponent == 3.0
 
 
-@pytest.mark.quick
+@quick
 def test_outlines_of_superellipses_are_those_of_their_name():
     """|x/a|^n + |y/b|^n = 1 without rounding."""
     for n in (1.4, 2.0, 3.0, 8.0):
@@ -92,7 +93,7 @@ def bustle(form):
     return start, dem.simulate(scene, start, 2e-4, TIME_STEP, allow_unstable=True)
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("outline", ALIKE)
 def test_granules_of_one_outline_move_alike_whatever_their_class(outline):
     """Discs, dumbbells and ellipses that are given as other shapes, with friction, damping, spins, walls and a solid."""
@@ -106,7 +107,7 @@ def test_granules_of_one_outline_move_alike_whatever_their_class(outline):
         assert_allclose(other.solid_torque[1], first.solid_torque[1], rtol=1e-4)
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("form", [form for form in FORMS if form != "dumbbell"])
 def test_an_elastic_impact_is_that_of_a_rigid_body(form):
     """A floor gives the impulse 2 v_n / (1/m + arm^2/I) at the lowest point of the outline, wherever the centre of
@@ -130,7 +131,7 @@ def test_an_elastic_impact_is_that_of_a_rigid_body(form):
     assert_allclose(run.state.angular_velocity[once], spin[once], rtol=2e-2, atol=0.3)
 
 
-@pytest.mark.quick
+@quick
 def test_the_numbers_of_a_shape_may_be_views_of_others(monkeypatch):
     """Compiled code reads arrays as they were the first time."""
 

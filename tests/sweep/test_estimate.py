@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pictures import text_of
-from project import posix
+from project import posix, quick
 from sweeps import drawn, interrupted, made, of_file, order, varied
 from typer.testing import CliRunner
 
@@ -36,7 +36,7 @@ def files():
     return {path: path.read_bytes() for path in Path("results").rglob("*.n*")}
 
 
-@pytest.mark.quick
+@quick
 @posix
 def test_what_is_said_of_a_sweep_under_way_is_what_the_store_holds(stopped):
     """By case, also of batches that have not ended; a run that a process holds is under way. What is said of all
@@ -64,7 +64,7 @@ def test_what_is_said_of_a_sweep_under_way_is_what_the_store_holds(stopped):
     assert "11 to be made" in dry_run(stopped, 1, retry=True)
 
 
-@pytest.mark.quick
+@quick
 def test_damaged_files_are_left_by_who_reads_and_put_aside_by_who_makes_runs(stopped, capsys):
     """Whoever reads does not count them. Their other name is said once, and what they held is made again; their
     bytes are asked for in store_states.py."""
@@ -93,7 +93,7 @@ def test_damaged_files_are_left_by_who_reads_and_put_aside_by_who_makes_runs(sto
         assert any(line.endswith(words) for line in lines)
 
 
-@pytest.mark.quick
+@quick
 def test_a_time_is_said_in_parts_that_add_up_to_it():
     """Rounded down to its smallest part: seconds below an hour, then minutes."""
     sizes = {"h": 3600, "min": 60, "s": 1}

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
-from project import posix
+from project import posix, quick
 from sweeps import SMOKE, VALUES, contents, drawn, made, of_file, order, varied
 from typer.testing import CliRunner
 
@@ -30,7 +30,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.mark.quick
+@quick
 def test_runs_that_fail_are_gaps_with_their_reason(folder):
     """Named by the flags of the file. What they would have given is NaN, and nothing else is."""
     order(fails={f"300 {seed}": name for seed, name in enumerate(ERRORS)})
@@ -57,7 +57,7 @@ TOO_MANY = {
 }
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("case", TOO_MANY)
 def test_runs_that_fail_stop_a_sweep_that_does_not_allow_so_many(folder, case):
     """The first of the sweep is named with its reason, whichever batch is read first; no file is combined. What
@@ -74,7 +74,7 @@ def test_runs_that_fail_stop_a_sweep_that_does_not_allow_so_many(folder, case):
     assert not [*Path().rglob("drawn.nc"), *Path().glob("*.nc")] and len(made()) == 8
 
 
-@pytest.mark.quick
+@quick
 def test_a_run_that_failed_in_the_batch_of_another_sweep_is_tried_again(folder):
     """Where two sweeps were planned before it was made; the second takes over what did not fail."""
     order(fails={"100 2": "RunError"})
@@ -117,7 +117,7 @@ def test_a_sweep_says_how_many_runs_of_its_file_will_be_gone(folder):
         assert contents(Path("results/drawn/drawn.nc"))["seed"].tolist() == seeds
 
 
-@pytest.mark.quick
+@quick
 def test_a_sweep_that_makes_no_run_changes_no_file(folder):
     """Also later: what was combined of the same runs has the same bytes, and is not newer."""
     of_file(drawn(batch=1))
@@ -129,7 +129,7 @@ def test_a_sweep_that_makes_no_run_changes_no_file(folder):
         assert (path.read_bytes(), path.stat().st_mtime_ns) == file, path
 
 
-@pytest.mark.quick
+@quick
 def test_a_folder_is_held_by_one_process_at_a_time(folder):
     held = prepare(folder, folder)
     with pytest.raises(RunError, match="another run works in this folder; wait for it or stop it"):

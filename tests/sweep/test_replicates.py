@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from project import quick
 from sweeps import drawn, interrupted, made, of_file, order, smoke, varied
 
 import dem
@@ -14,8 +15,6 @@ from dem.base.statistics import mean_interval, ratio_interval
 from dem.sweep import precision
 from dem.sweep.batch import make
 from dem.sweep.state import SweepState
-
-quick = pytest.mark.quick
 
 
 @pytest.fixture(autouse=True)

@@ -7,6 +7,7 @@ from unittest import mock
 
 import numpy as np
 import pytest
+from project import quick
 from sweeps import (
     CLOCKS,
     Killed,
@@ -44,7 +45,7 @@ def hurried(monkeypatch):
     monkeypatch.setattr("time.monotonic", lambda: 1e6 * clock())
 
 
-@pytest.mark.quick
+@quick
 def test_a_run_goes_on_from_a_checkpoint_with_the_same_bits(hurried):
     """Stopped at any piece and started again, a run gives what it would have given undisturbed."""
     record = smoke().dump()["record"] | {"observables": ["drag", "snapshots", "stress"]}
@@ -72,7 +73,7 @@ def full(part, target):
     return REPLACE(part, target)
 
 
-@pytest.mark.quick
+@quick
 def test_a_checkpoint_is_there_until_the_result_is(hurried):
     """What cannot be written, because the disk is full, is not lost; nor is that of another run, which is refused
     before any work. Damaged ones are in bad_input.py."""
@@ -91,7 +92,7 @@ def test_a_checkpoint_is_there_until_the_result_is(hurried):
         assert (output.exists(), checkpoint.exists()) == (not status, status)
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("kind", ["runs", "checkpoint", "beds", "batches"])
 def test_what_cannot_be_read_now_is_left_alone(monkeypatch, kind):
     """One sentence; no file is deleted, renamed, changed or made again, and later all go on."""
@@ -118,7 +119,7 @@ def test_what_cannot_be_read_now_is_left_alone(monkeypatch, kind):
     assert len(made()) == 4
 
 
-@pytest.mark.quick
+@quick
 def test_runs_are_kept_until_their_batch_is_there():
     """What the disk has no room for is not made again."""
     file = drawn()
@@ -128,7 +129,7 @@ def test_runs_are_kept_until_their_batch_is_there():
     assert len(made()) == 4
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("content", ["", "[]", "other code"])
 def test_a_plan_that_is_damaged_or_of_other_code_is_refused(content):
     """In one sentence, before any run: its runs would be called what they are not. It is planned again when the

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from project import ROOT, posix
+from project import ROOT, posix, quick
 from sweeps import contents, differing, drawn, made, of_file, order, varied
 from workflows import snakemake
 
@@ -45,7 +45,7 @@ def forces(executor=None) -> list[float]:
         return dataset["force"].values.ravel().tolist()
 
 
-@pytest.mark.quick
+@quick
 def test_a_worker_that_does_not_see_the_store_sends_the_file_of_a_batch(monkeypatch):
     """And leaves nothing in its own store, but what speeds it up. A process makes one run at a time."""
     state = SweepState.of(few())
@@ -122,7 +122,7 @@ class Deadly(Workers):
         return future
 
 
-@pytest.mark.quick
+@quick
 def test_only_the_run_that_kills_its_worker_is_a_failed_one():
     state = SweepState.of(few(failures=0.3))
     state.make(Deadly())

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from intervals import assert_held
 from pictures import assert_not_blank
-from project import ROOT
+from project import ROOT, quick
 
 from dem.figures.catalogue import draw, drawable_from, possible
 from dem.io.lazily import open_lazily
@@ -15,7 +15,7 @@ from studies.common.findings import Findings
 from studies.common.statistics import log_ratio_interval
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("level", [0.5, 0.95, 0.99])
 @pytest.mark.parametrize("paired", [True, False])
 def test_intervals_of_ratios_hold_the_truth_as_often_as_they_say(paired, level):
@@ -41,7 +41,7 @@ class Made(Findings):
         return "studies/made.nc"
 
 
-@pytest.mark.quick
+@quick
 @pytest.mark.parametrize("revisions", ["2222222bbb", "1111111aaa; 2222222bbb"])
 def test_a_page_states_the_revision_of_the_newest_runs(revisions):
     """It is the last of several, and contains the others."""
