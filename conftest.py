@@ -75,6 +75,13 @@ CHROMIUM = shlex.split(
 )
 
 
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """The working folder of the test, which is empty."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
 @pytest.fixture(scope="session")
 def browser():
     """A headless Chromium, where there is one."""

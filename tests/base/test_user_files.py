@@ -91,10 +91,9 @@ HELPED = PRODUCT.replace("FACTOR = 2", "from factors import FACTOR")
 
 
 @pytest.fixture
-def file(tmp_path, monkeypatch):
+def file(folder):
     """A sweep of an experiment that takes no time, and imports a file beside it."""
-    monkeypatch.chdir(tmp_path)
-    return write(tmp_path / "mine", product=HELPED, factors="FACTOR = 2\n", sweep=PRODUCTS)
+    return write(folder / "mine", product=HELPED, factors="FACTOR = 2\n", sweep=PRODUCTS)
 
 
 OLD = r"{}.* has changed since this process read it; start Python, or the workers, again\.$"

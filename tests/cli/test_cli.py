@@ -142,9 +142,8 @@ def test_a_log_has_a_line_of_progress_each_half_a_minute(capsys, monkeypatch):
     assert capsys.readouterr() == ("", "runs: 25% done\n1 failed: 50% done\n")
 
 
-def test_a_sweep_ends_with_the_file_of_its_runs_and_what_to_do_next(tmp_path, monkeypatch):
+def test_a_sweep_ends_with_the_file_of_its_runs_and_what_to_do_next(folder):
     """A sweep with nothing to make says so; what was asked for is on stdout, and nothing was."""
-    monkeypatch.chdir(tmp_path)
     Path("results/store").mkdir(parents=True)  # a new one is said
     Path("product.py").write_text(PRODUCT)
     Path("sweep.yaml").write_text(PRODUCTS)

@@ -15,9 +15,8 @@ if "verification" in studies.NAMES:
 
 
 @needs_study("benchmark")
-def test_the_benchmark_works_in_its_smallest_form(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert_works_in_its_smallest_form("benchmark", tmp_path)
+def test_the_benchmark_works_in_its_smallest_form(folder):
+    assert_works_in_its_smallest_form("benchmark", folder)
 
 
 @needs_study("benchmark")

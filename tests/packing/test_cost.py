@@ -36,9 +36,8 @@ def test_a_sentence_comes_before_a_large_bed_near_random_close_packing(count, fr
 
 
 @quick
-def test_a_dry_run_counts_beds_and_no_more_processes_than_runs(tmp_path, monkeypatch):
+def test_a_dry_run_counts_beds_and_no_more_processes_than_runs(folder):
     """A large bed takes its time, once for all runs that share it; a second process has no run."""
-    monkeypatch.chdir(tmp_path)
 
     def seconds(**changes):
         state = sweep_of(100_000, sweep={"shape": "c1"}, **changes)

@@ -10,9 +10,8 @@ from project import ROOT, code
 TUTORIAL = "docs/tutorials/library.md"
 
 
-def test_the_scenes_of_the_tutorial_obey_their_laws(tmp_path, monkeypatch):
+def test_the_scenes_of_the_tutorial_obey_their_laws(folder):
     """Its sections run one after another, with the names of those before."""
-    monkeypatch.chdir(tmp_path)
     names, after = {}, {}
     with matplotlib.rc_context({"backend": "agg"}):
         for heading, block in code(TUTORIAL).items():

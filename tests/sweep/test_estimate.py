@@ -23,9 +23,8 @@ from dem.sweep.state import SweepState
 
 
 @pytest.fixture
-def stopped(tmp_path, monkeypatch):
+def stopped(folder):
     """A sweep of two cases with ten seeds, in batches of eight, that stopped after eleven runs, of which two failed."""
-    monkeypatch.chdir(tmp_path)
     order(fails={"100 2": "PackingError", "300 2": "OverlapError"})
     sweep = varied("a", "c", seed="1 to 10")
     return interrupted(drawn(sweep=sweep, batch=8, failures=0.9, observed=True), 11)

@@ -24,12 +24,6 @@ from dem.sweep.workers import Workers
 ERRORS = "PackingError", "OverlapError", "StateError", "RunError", "ZeroDivisionError"
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 @quick
 def test_runs_that_fail_are_gaps_with_their_reason(folder):
     """Named by the flags of the file. What they would have given is NaN, and nothing else is."""

@@ -16,10 +16,7 @@ from dem.sweep import precision
 from dem.sweep.batch import make
 from dem.sweep.state import SweepState
 
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 def until(precision="20 %", *cases, of="force", most=60, **more):

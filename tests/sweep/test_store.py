@@ -30,12 +30,7 @@ from dem.sweep.batch import make
 from dem.sweep.combine import combine_block
 from dem.sweep.state import SweepState
 
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    """The working folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 @pytest.fixture

@@ -30,7 +30,7 @@ from dem.sweep.prune import prune, sweeps, usage
 from dem.sweep.state import SweepState
 from dem.sweep.workers import Workers
 
-pytestmark = pytest.mark.quick
+pytestmark = [pytest.mark.quick, pytest.mark.usefixtures("folder")]
 
 C1 = {"shape": "c1"}
 SMALL = {
@@ -53,13 +53,6 @@ def small(sweep, **changes):
 
 def ids(sweep, block="drag"):
     return [run.id for run in sweep.block(block).runs.values()]
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    """The working folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def combined(sweep, block="drag"):

@@ -26,18 +26,12 @@ from dem.sweep.state import SweepState
 from dem.sweep.store import Store
 from dem.sweep.workers import Workers, make_batch, task_of
 
-SEEDS = [1, 2, 3, 4]
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 def few(**values):
     """A sweep file of four runs in two batches."""
-    return drawn(sweep=varied("a", seed=SEEDS), batch=2, **values)
+    return drawn(sweep=varied("a", seed=[1, 2, 3, 4]), batch=2, **values)
 
 
 def forces(executor=None) -> list[float]:

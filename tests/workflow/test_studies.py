@@ -21,10 +21,9 @@ ELSEWHERE = {"claims", "benchmark"}  # the workflow makes its file; kernels of i
 
 
 @pytest.mark.parametrize("name", sorted(reported().keys() - ELSEWHERE))
-def test_a_study_works_in_its_smallest_form(name, tmp_path, monkeypatch):
+def test_a_study_works_in_its_smallest_form(name, folder):
     """Its runs are made, and its file is written, shown and drawn."""
-    monkeypatch.chdir(tmp_path)
-    assert_works_in_its_smallest_form(name, tmp_path)
+    assert_works_in_its_smallest_form(name, folder)
 
 
 @needs_study("verification")
