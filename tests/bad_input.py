@@ -17,15 +17,14 @@ from pathlib import Path
 from unittest import mock
 
 import yaml
+from command_line import called
 from hypothesis import given
 from hypothesis import strategies as st
 from project import ROOT
 from sweeps import SMOKE, Killed, contents, differing, killed_at
-from typer.testing import CliRunner
 
 from dem.base.errors import InputError, RunError
 from dem.base.types import LISTED
-from dem.cli.app import app
 from dem.sweep.config import load, parse
 
 NASTY = (
@@ -52,7 +51,7 @@ def make_good(folder):
     shutil.copy(ROOT / "README.md", folder)
     with contextlib.chdir(folder):
         for line in SIMULATE.replace("new", "rep"), "sweep q.yaml -j 1":
-            result = CliRunner().invoke(app, line.split())
+            result = called(line)
             assert result.exit_code == 0, result.output
         shutil.copy("results/drag.nc", ".")
         make_checkpoint()
@@ -88,7 +87,7 @@ def command(folder, line, bad=False):
     A file that it names it may make, replace or remove if it succeeds; bad: whether it must be refused.
     """
     files_before = bytes_of(folder)
-    result = CliRunner().invoke(app, line.split())
+    result = called(line)
     if result.exception and not isinstance(result.exception, SystemExit):
         raise result.exception
     assert result.exit_code in (0, 1, 2), line

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from command_line import called
 from pictures import assert_not_blank
 from project import CONFIG
-from typer.testing import CliRunner
 
 from dem.figures.catalogue import draw
 from dem.sweep.config import load, parse
@@ -65,7 +65,7 @@ def assert_shown_and_drawn(study: str, path: Path) -> None:
     from studies.__main__ import app
     from studies.catalogue import figures
 
-    run = CliRunner().invoke(app, [study, "info", str(path)])
+    run = called(f"{study} info {path}", app)
     assert run.exit_code == 0, run.output
     for name in [name for name, figure in figures().items() if figure.file == study]:
         assert_not_blank(draw(name, path, path.parent, figures())[1])
@@ -212,10 +212,10 @@ def interrupted(file: Path, left: int) -> SweepState:
     return SweepState.of(file)
 
 
-def simulate(output, *options):
+def simulate(output, options=""):
     """A command line that runs one replicate."""
-    words = f"simulate --config {CONFIG}/smoke.yaml --shape c1 --density 3900 --seed 1"
-    return [*words.split(), "-o", str(output), *map(str, options)]
+    words = f"simulate --config {CONFIG}/smoke.yaml --shape c1 --density 3900 --seed 1 -o {output}"
+    return f"{words} {options}"
 
 
 class Killed(BaseException):

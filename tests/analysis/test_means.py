@@ -4,17 +4,16 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from command_line import called
 from numpy.testing import assert_allclose
 from pictures import text_of
 from project import ROOT
-from typer.testing import CliRunner
 
 import dem
 from dem.analysis.means import PAIR, RATIO, compared, means, table_of, write_means
 from dem.analysis.tables import TextTable
 from dem.base.errors import InputError
 from dem.base.statistics import mean_interval, ratio_interval
-from dem.cli.app import app
 from dem.cli.show import print_or_write
 from dem.report.info import summary
 from dem.sweep.axis import POINT
@@ -49,19 +48,19 @@ def drag_of(made):
 
 
 @pytest.fixture
-def saved(tmp_path):
-    """Writes files and returns their paths."""
+def saved(folder):
+    """Writes files and returns their paths: 0.nc, 1.nc, ..."""
 
     def write(*datasets):
         for number, made in enumerate(datasets):
-            made.to_netcdf(tmp_path / f"{number}.nc")
-        return sorted(tmp_path.glob("*.nc"))
+            made.to_netcdf(folder / f"{number}.nc")
+        return sorted(folder.glob("*.nc"))
 
     return write
 
 
-def printed(*words):
-    result = CliRunner().invoke(app, ["means", *map(str, words)])
+def printed(words):
+    result = called(f"means {words}")
     assert result.exit_code == 0, result.output
     return result.output
 
@@ -81,7 +80,7 @@ def test_means_are_of_the_runs_that_did_not_fail_wherever_they_are_shown(saved, 
         for name in ("drag", "drag_half_interval"):
             assert result[name].dims == ("point",) and result[name].attrs["units"] == "N"
             assert_allclose(result[name], table[f"{name} (N)"])
-    text = printed(path, "--of", "drag")
+    text = printed("0.nc --of drag")
     shown = *table["drag (N)"], *table["drag_half_interval (N)"]
     assert all(f"{value:.5g}" in text for value in shown)
     assert "drag (N)" in text and "lift" not in text
@@ -98,7 +97,7 @@ def test_two_sweeps_are_compared_where_both_have_a_point(saved):
     expected = [np.nanmean(first, 1), np.nanmean(second, 1), *np.transpose(ratios)]
     for name, values in zip((*PAIR, *RATIO), expected, strict=True):
         assert_allclose(result[name], values)
-    text = printed(*paths)
+    text = printed("0.nc 1.nc")
     assert all(f"{ratio:.5g}" in text for ratio in result["ratio"].values)
 
 
@@ -115,8 +114,8 @@ def test_runs_that_both_files_have_count_for_the_first_alone(saved):
 
 def test_means_of_an_experiment_of_ones_own_are_of_its_first_quantity(saved):
     """Where it has no drag, as the page of experiments says; also beside another file."""
-    paths = saved(*[runs().rename(drag="mine")] * 2)
-    assert "mine (N)" in printed(paths[0]) and "ratio" in printed(*paths)
+    saved(*[runs().rename(drag="mine")] * 2)
+    assert "mine (N)" in printed("0.nc") and "ratio" in printed("0.nc 1.nc")
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ import matplotlib
 import pytest
 import workflows
 import yaml
+from command_line import called
 from markdown_it import MarkdownIt
 from project import ROOT, posix
 from sweeps import of_file
@@ -142,7 +143,7 @@ SHOWN = commands()
 VERBS = [words for words in SHOWN if words[0] == "dem" or words[:3] == ("python", "-m", "studies")]
 
 
-def called(words):
+def application(words):
     """The application that words call and its words; the verb among them, and what stands behind it."""
     app, words = (dem_app, words[1:]) if words[0] == "dem" else (studies_app, words[3:])
     command, rest = get_command(app), [*words]
@@ -163,7 +164,7 @@ def test_a_verb_runs_as_it_is_shown(small_checkout, monkeypatch, words):
     if words[:3] == ("dem", "figure", "scatter"):
         workflows.run("-m", *words, cwd=small_checkout, path=[small_checkout])
         return
-    app, rest, _, _ = called(words)
+    app, rest, _, _ = application(words)
     rest = without(without(rest, ENDLESS, values=0), ELSEWHERE)
     if rest[0] == "sweep" and "--dry-run" not in rest:
         rest = [*rest, "--dry-run"]
@@ -190,7 +191,7 @@ BY_RULES = [
 def test_every_verb_has_help_and_is_shown_or_called_by_a_rule(verb):
     """--help says what it does, and what each option is for. What runs above, and the targets below, enter all
     verbs; one that is neither has no use."""
-    *_, command, _ = called(verb)
+    *_, command, _ = application(verb)
     assert command.help and all(option.help for option in command.params)
     assert verb[-1] in BY_RULES or any(words[: len(verb)] == verb for words in SHOWN)
 
@@ -199,7 +200,7 @@ def test_verbs_and_options_within_sentences_exist():
     for path in PAGES:
         text = path.read_text(encoding="utf-8")
         for shown in re.findall(r"`((?:dem|python -m studies) [a-z][^`]*)`", text):
-            _, _, command, rest = called(shlex.split(shown))
+            _, _, command, rest = application(shlex.split(shown))
             names = {"--help", *(name for parameter in command.params for name in parameter.opts)}
             options = {re.sub(r"^(-\w).+", r"\1", word) for word in rest if word.startswith("-")}
             assert options <= names and not hasattr(command, "commands"), f"{path}: {shown}"
@@ -246,7 +247,7 @@ def test_the_sweeps_of_a_page_can_be_planned(small_checkout, monkeypatch, path):
             shape = "" if "shape:" in content else "  shape: [c1]\n"
             content = f"extends: config/paper.yaml\nresults: results/shown\n{content}{shape}"
         Path("shown.yaml").write_text(content.replace("config/paper.", "config/whole."))
-        run = CliRunner().invoke(dem_app, ["sweep", "shown.yaml", "--dry-run"])
+        run = called("sweep shown.yaml --dry-run")
         assert run.exit_code == 0, run.output
 
 

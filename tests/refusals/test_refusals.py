@@ -14,11 +14,10 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
+from command_line import called
 from project import CONFIG, ROOT, changed_file
-from typer.testing import CliRunner
 
 from dem.base.errors import InputError
-from dem.cli.app import app
 from dem.sweep.config import parse
 
 pytestmark = pytest.mark.quick
@@ -57,7 +56,7 @@ def test_a_command_that_cannot_be_ends_with_2_and_writes_nothing(
     tmp_path, monkeypatch, command, words
 ):
     monkeypatch.chdir(ROOT)
-    result = CliRunner().invoke(app, command.replace("OUT", str(tmp_path / "out.nc")).split())
+    result = called(command.replace("OUT", str(tmp_path / "out.nc")))
     assert result.exit_code == 2, (result.output, result.exception)
     assert words in result.stderr and not list(tmp_path.iterdir())
     lines = [line for line in result.stderr.splitlines() if not re.match(r"\d{4}-\d\d-\d\d ", line)]

@@ -5,14 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import called
 from pictures import text_of
 from project import posix, quick
 from sweeps import drawn, interrupted, made, of_file, order, varied
-from typer.testing import CliRunner
 
 import dem
 from dem.base.files import lock
-from dem.cli.app import app
 from dem.cli.show import watched
 from dem.io.progress import span
 from dem.report.status import status
@@ -76,7 +75,7 @@ def test_damaged_files_are_left_by_who_reads_and_put_aside_by_who_makes_runs(sto
         "sweep sweep.yaml --dry-run",
         "combine --config sweep.yaml --observable drag -o part.nc --partial",
     ):
-        run = CliRunner().invoke(app, words.split())
+        run = called(words)
         assert run.exit_code == 0, run.output
     with dem.open_results("part.nc") as part:
         assert part.attrs["partial"] == "8 of 20 runs"

@@ -9,12 +9,11 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
+from command_line import called
 from project import posix, quick
 from sweeps import SMOKE, VALUES, contents, drawn, made, of_file, order, varied
-from typer.testing import CliRunner
 
 from dem.base.errors import RunError
-from dem.cli.app import app
 from dem.sweep.batch import make
 from dem.sweep.combine import combine
 from dem.sweep.restart import prepare
@@ -95,7 +94,7 @@ def test_the_command_ends_with_1_where_runs_failed_and_tries_them_again(folder):
         ),
         ("--retry", 0, "2 failed runs are tried again"),
     ):
-        result = CliRunner().invoke(app, ["sweep", "sweep.yaml", option])
+        result = called(f"sweep sweep.yaml {option}")
         assert result.exit_code == status and result.output.count(words) == 1, result.output
         order()
     assert Path("results/drawn/drawn.nc").is_file()

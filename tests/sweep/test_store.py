@@ -7,6 +7,7 @@ from unittest import mock
 
 import numpy as np
 import pytest
+from command_line import called
 from project import quick
 from sweeps import (
     CLOCKS,
@@ -21,10 +22,8 @@ from sweeps import (
     smoke,
     varied,
 )
-from typer.testing import CliRunner
 
 from dem.base.errors import InputError
-from dem.cli.app import app
 from dem.experiment.bed import make_bed
 from dem.sweep.batch import make
 from dem.sweep.combine import combine_block
@@ -73,17 +72,17 @@ def test_a_checkpoint_is_there_until_the_result_is(hurried):
     """What cannot be written, because the disk is full, is not lost; nor is that of another run, which is refused
     before any work. Damaged ones are in bad_input.py."""
     checkpoint, output = Path("run.npz"), Path("run.nc")
-    command = simulate(output, "--checkpoint", checkpoint)
+    command = simulate(output, f"--checkpoint {checkpoint}")
     two = smoke().replicate("c1", 3.9e3, 2)
     with pytest.raises(Killed):
         two.configuration.module.run(two, None, killed_at(0.3), checkpoint=checkpoint)
     content = checkpoint.read_bytes()
     words = "run.npz: it is no checkpoint of this run, or damaged; delete it or name another file"
-    assert words in CliRunner().invoke(app, command).stderr and checkpoint.read_bytes() == content
+    assert words in called(command).stderr and checkpoint.read_bytes() == content
     checkpoint.unlink()
     for put, status in (full, 1), (REPLACE, 0):
         with mock.patch.object(Path, "replace", put):
-            assert CliRunner().invoke(app, command).exit_code == status
+            assert called(command).exit_code == status
         assert (output.exists(), checkpoint.exists()) == (not status, status)
 
 

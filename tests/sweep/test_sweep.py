@@ -11,14 +11,13 @@ import pandas as pd
 import pytest
 import xarray as xr
 import yaml
+from command_line import called
 from pictures import text_of
 from sweeps import SMOKE, drawn, of_file, varied
-from typer.testing import CliRunner
 
 import dem
 from dem.analysis.tables import TextTable
 from dem.base.errors import InputError
-from dem.cli.app import app
 from dem.figures.catalogue import draw
 from dem.report.info import drag_table
 from dem.report.status import status
@@ -338,7 +337,7 @@ def test_prune_removes_what_no_sweep_needs(made):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("mine")
     assert usage(work.store) == [("results/small", 2), ("no sweep", 1)]
-    result = CliRunner().invoke(app, ["store", "--prune"])
+    result = called("store --prune")
     assert result.exit_code == 0 and "13 files removed" in result.stdout
     assert all(path.is_file() for path in (*files, *kept))
     assert not any(path.exists() for path in (*gone, *aside))
@@ -395,7 +394,7 @@ def test_a_sweep_says_where_a_new_store_begins(folder, monkeypatch):
         ("store", 2, "there is no store"),
         ("sweep small.yaml --dry-run", 0, new),
     ):
-        result = CliRunner().invoke(app, words.split())
+        result = called(words)
         assert result.exit_code == number and said in result.stderr, result.output
         assert not Path("results").exists()
     Path("results/store").mkdir(parents=True)

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from command_line import called
 from numpy.testing import assert_allclose
 from scipy.stats import qmc
 from sweeps import FOREIGN, foreign
-from typer.testing import CliRunner
 
 from dem.sweep.state import SweepState
 from studies.__main__ import app
@@ -201,6 +201,6 @@ def test_influences_find_what_a_response_depends_on():
 def test_claims_are_tested_on_no_foreign_file(tmp_path, fault):
     """It is answered with a sentence, or with dashes where it has gaps."""
     file = foreign(tmp_path / "mine.nc", FOREIGN[fault])
-    run = CliRunner().invoke(app, ["claims", "test", str(file)])
+    run = called(f"claims test {file}", app)
     assert run.exit_code in (0, 2)
     assert "mine.nc" in run.stderr if run.exit_code else "nan" not in run.stdout
