@@ -23,7 +23,7 @@ from hypothesis import strategies as st
 from project import ROOT
 from sweeps import SMOKE, Killed, contents, differing, killed_at
 
-from dem.base.errors import InputError, RunError
+import dem
 from dem.base.types import LISTED
 from dem.sweep.config import load, parse
 
@@ -201,7 +201,7 @@ def spoil(good, kind, chosen):
             with contextlib.chdir(folder):
                 try:
                     kind(random.Random(seed), folder)
-                except (InputError, RunError) as error:
+                except (dem.InputError, dem.RunError) as error:
                     check_sentences(str(error))
 
     one()

@@ -12,7 +12,6 @@ from project import ROOT
 import dem
 from dem.analysis.means import PAIR, RATIO, compared, means, table_of, write_means
 from dem.analysis.tables import TextTable
-from dem.base.errors import InputError
 from dem.base.statistics import mean_interval, ratio_interval
 from dem.cli.show import print_or_write
 from dem.report.info import summary
@@ -128,7 +127,7 @@ def test_means_of_an_experiment_of_ones_own_are_of_its_first_quantity(saved):
 )
 def test_points_of_different_designs_are_no_pairs(saved, other):
     """They have numbers, and the same number means nothing."""
-    with pytest.raises(InputError, match="have no point in common"):
+    with pytest.raises(dem.InputError, match="have no point in common"):
         compared(*saved(runs(), other), "drag")
 
 

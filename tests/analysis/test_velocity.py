@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import least_squares
 from synthetic import VELOCITY, drags, drawn
 
+import dem
 from dem.analysis.velocity import inertial_number, rates
-from dem.base.errors import InputError
 from dem.figures.velocity import plot
 
 pytestmark = pytest.mark.quick
@@ -84,5 +84,7 @@ def test_points_that_differ_in_velocity_alone_are_its_axis():
     configuration = json.dumps({"cylinder": {"diameter": 3e-3, "velocity": 3.0}})
     figure = plot(points.assign_attrs(configuration=configuration))
     assert "grey line" not in figure.get_suptitle()
-    with pytest.raises(InputError, match="cylinder_velocity varies over point together with grav"):
+    with pytest.raises(
+        dem.InputError, match="cylinder_velocity varies over point together with grav"
+    ):
         plot(points.assign_coords(gravity=("point", VELOCITY)))

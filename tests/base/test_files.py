@@ -10,7 +10,7 @@ from unittest import mock
 import pytest
 from project import posix, quick
 
-from dem.base.errors import InputError
+import dem
 from dem.base.files import arrays_of, atomic, check_output
 from dem.sweep.restart import clear_parts, prepare
 
@@ -123,5 +123,5 @@ def test_a_file_is_written_through_a_link(tmp_path):
 
 
 def test_no_device_is_replaced_by_a_file():
-    with pytest.raises(InputError, match="it must be a file"), atomic(os.devnull):
+    with pytest.raises(dem.InputError, match="it must be a file"), atomic(os.devnull):
         pass

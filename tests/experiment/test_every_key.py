@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from project import CONFIG
 
-from dem.base.errors import InputError
+import dem
 from dem.experiment.bed import make_bed, room_of
 from dem.experiment.config import EXPERIMENTS
 from dem.experiment.scene import make_scene
@@ -125,7 +125,7 @@ def others(scene):
             try:
                 taken[path] = value, changed(scene, **{path: value})
                 break
-            except InputError as error:
+            except dem.InputError as error:
                 words = str(error)
         else:
             assert path.rpartition(".")[2] in words

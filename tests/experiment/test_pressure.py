@@ -9,8 +9,7 @@ from beds import HIGH, PRESSURE, area_of, replicate
 from matplotlib.figure import Figure
 from project import quick
 
-from dem.base.errors import PackingError
-from dem.dynamics.simulation import Simulation
+import dem
 from dem.experiment.bed import make_bed
 from dem.experiment.box import height_of_box
 from dem.experiment.granule_sizes import diameters_of
@@ -71,7 +70,7 @@ def test_a_bed_at_rest_pushes_the_solid_of_a_picture_as_that_of_its_run():
     run, bed = replicate(HIGH), bed_under(HIGH)
     scene = make_scene(run, bed)
     at_rest = replace(scene, solids=replace(scene.solids[0], velocity=(0.0, 0.0)))
-    simulation = Simulation(at_rest, bed.state)
+    simulation = dem.Simulation(at_rest, bed.state)
     data = drag.RunData(run, bed, simulation.record(1e-10, 20), [simulation.state] * 3)
     contacts = data.snapshots.contacts(0)
     mine = contacts.partner == -1
@@ -96,5 +95,5 @@ def test_a_box_too_low_for_the_stroke_is_refused():
     (at,) = make_scene(run, bed).solids
     stroke = nominal - at.position[1] - at.radius - 1e-6
     assert bed.height < nominal
-    with pytest.raises(PackingError, match="would leave it during its stroke; at most"):
+    with pytest.raises(dem.PackingError, match="would leave it during its stroke; at most"):
         make_bed(replicate(HIGH, **{"cylinder.stroke": stroke}))

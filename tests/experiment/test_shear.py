@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from sweeps import sheared_values
 
-from dem.base.errors import RunError
-from dem.dynamics.simulation import Simulation
+import dem
 from dem.experiment.bed import make_bed
 from dem.experiment.config import of_values
 from dem.experiment.kinds import shear
@@ -79,7 +78,7 @@ def time_of(number, settle):
     """Time (s) of a run of soft granules over a strain of 0.1, by its first step."""
     more = {"inertial_number": number, "settle": settle, "strain": 0.1, "samples": 2}
     run = run_of(young_modulus=5e7, **more)
-    step = Simulation(*shear.make_cell(run, make_bed(run))).diagnose().longest_time_step
+    step = dem.Simulation(*shear.make_cell(run, make_bed(run))).diagnose().longest_time_step
     return shear.run(run)["steps"] * step
 
 
@@ -106,5 +105,5 @@ def test_both_walls_go_all_the_way_along_the_bed():
 def test_a_granule_that_gets_out_is_told():
     """In a loose bed there are gaps in the walls."""
     loose = run_of(0.6, 5e7, inertial_number=0.3, samples=20)
-    with pytest.raises(RunError, match=r"granule \d+ got out through a gap in the rough walls"):
+    with pytest.raises(dem.RunError, match=r"granule \d+ got out through a gap in the rough walls"):
         shear.run(loose)

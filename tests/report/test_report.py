@@ -14,7 +14,6 @@ from sweeps import dataset_of, make_sweep
 
 import dem
 from dem.analysis.tables import TextTable
-from dem.base.errors import InputError
 from dem.base.statistics import mean_interval
 from dem.figures.catalogue import draw
 from dem.figures.sweep import plot
@@ -140,7 +139,7 @@ def test_a_sweep_is_shown_with_names_and_units(tmp_path):
             assert_allclose(table["steps"], dataset["steps"])
             assert_allclose(table["packing_pressure (Pa)"], dataset["packing_pressure"])
     assert shown == runs
-    with pytest.raises(InputError, match="figure13 shows runs that differ in case, or shape"):
+    with pytest.raises(dem.InputError, match="figure13 shows runs that differ in case, or shape"):
         draw("figure13", folder / "drag.nc", tmp_path)
 
 

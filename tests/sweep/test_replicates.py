@@ -10,7 +10,6 @@ from project import quick
 from sweeps import drawn, interrupted, made, of_file, order, smoke, varied
 
 import dem
-from dem.base.errors import RunError
 from dem.base.statistics import mean_interval, ratio_interval
 from dem.sweep import precision
 from dem.sweep.batch import make
@@ -137,7 +136,7 @@ def test_a_point_whose_first_runs_fail_gets_more_and_one_whose_all_fail_is_said(
 def test_a_point_whose_mean_may_be_zero_is_said_and_all_files_are_written():
     """Also of points that are known well enough. With a number that has a unit it may be."""
     words = r"offset may be zero at 1 of 2 points, .*: case a, is .* after 8 replicates; all files"
-    with pytest.raises(RunError, match=words):
+    with pytest.raises(dem.RunError, match=words):
         of_file(drawn(sweep=until("10 %", of="offset", most=8)))
     assert result()["replicates"].values.tolist() == [8, 4]
     of_file(drawn(sweep=until("2 N", of="offset")))

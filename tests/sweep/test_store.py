@@ -23,7 +23,7 @@ from sweeps import (
     varied,
 )
 
-from dem.base.errors import InputError
+import dem
 from dem.experiment.bed import make_bed
 from dem.sweep.batch import make
 from dem.sweep.combine import combine_block
@@ -135,7 +135,7 @@ def test_a_plan_that_is_damaged_or_of_other_code_is_refused(content):
         content = plan.read_text().replace(first, first[::-1])
     plan.write_text(content)
     words = rf"{plan}: it is no plan of a batch for this version of the code .*; start the sweep"
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(dem.InputError, match=words):
         make(state.store, plan.stem)
     assert not made()
     of_file(Path("sweep.yaml"))

@@ -18,7 +18,6 @@ from sweeps import contents, differing, drawn, made, of_file, order, varied
 from workflows import snakemake
 
 import dem
-from dem.base.errors import InputError, RunError
 from dem.base.source_hash import cache_folder
 from dem.sweep import cluster, workers
 from dem.sweep.cluster import Cluster
@@ -47,7 +46,7 @@ def test_a_worker_that_does_not_see_the_store_sends_the_file_of_a_batch(monkeypa
     batches = state.batches("drag")
     tasks = [task_of(state.store.plan_of(batch.id)) for batch in batches]
     monkeypatch.setenv("NUMBA_CACHE_DIR", "machine")
-    with workers.BUSY, pytest.raises(InputError, match="one run at a time"):
+    with workers.BUSY, pytest.raises(dem.InputError, match="one run at a time"):
         make_batch(tasks[0])
     assert make_batch(tasks[0]) is None and state.store.file_of(batches[0].id).is_file()
     content = make_batch((*tasks[1][:2], 0))  # the number that the plan has on another disk
@@ -99,7 +98,7 @@ def test_a_cluster_of_dask_leaves_what_this_process_leaves(folder, monkeypatch):
         assert sum(executed.values()) == 4 and min(executed.values()) > 0
         assert client.status == "running"
         monkeypatch.setattr(cluster, "installed", lambda: f"process {os.getpid()}")
-        with pytest.raises(InputError, match=r"there is process \d+; it must be process \d+"):
+        with pytest.raises(dem.InputError, match=r"there is process \d+; it must be process \d+"):
             Cluster(client)
 
 
@@ -131,7 +130,7 @@ def test_a_sweep_whose_processes_are_killed_keeps_what_is_finished():
     """It says what to do; then only the others are made."""
     order(fails={"100 3": "death"})
     state = SweepState.of(few())
-    kept = pytest.raises(RunError, match="run the same again: finished runs are kept")
+    kept = pytest.raises(dem.RunError, match="run the same again: finished runs are kept")
     with ProcessPoolExecutor(1, get_context("spawn")) as pool, kept:
         state.make(Workers(pool))
     assert state.counts() == (2, 4)
