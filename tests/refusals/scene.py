@@ -85,7 +85,12 @@ CALLS = {
         DISCS, walls=dem.box(1e-2, 1e-2), periodic=(0.01, None)
     ),
 }
+HAMMER = {"kind": "clump", "discs": [[0, 0, 1], [3, 0, 0.3]], "diameter": 1.1e-3, "granules": 200}
 FILES = {
     "periodic is true; it must be 'none', 'x', 'y' or 'xy'": {"periodic": True},
     "along x it must be at least": {"periodic": "x", "box_width": 3e-3},
-}
+    # five times the radius of the circle about the centre of mass that holds the clump
+    "along x it must be at least 0.00804 m": {
+        "periodic": "x", "box_width": 8e-3, "packing.size_spread": 0, "shapes.c1": HAMMER,
+    },
+}  # fmt: skip

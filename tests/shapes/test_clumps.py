@@ -91,18 +91,6 @@ def test_clumps_and_mixtures_of_a_file_by_the_page(tmp_path):
         load(tmp_path / "my.yaml")
 
 
-def test_a_period_that_is_too_short_for_clumps_is_refused_before_a_bed_is_made():
-    """By the circles about their centres of mass that hold them, as a scene is."""
-    hammer = [[0.0, 0.0, 1.0], [3.0, 0.0, 0.3]]
-    radius = dem.Clump.of_size([1.1e-3], hammer).bounding_radius[0]
-    section = {"kind": "clump", "discs": hammer, "diameter": 1.1e-3, "granules": 200}
-    values = {"shapes": {"c1": section}, "packing.size_spread": 0.0, "periodic": "x"}
-    least = 2.5 * (radius + max(radius, 0.75e-3))
-    sweep = load(CONFIG / "smoke.yaml").changed(values | {"box_width": 0.99 * least}, "c1")
-    with pytest.raises(dem.InputError, match=f"periodic is x: .* it must be at least {least:.4g} "):
-        sweep.replicate("c1", 2e3, 1)
-
-
 @quick
 def test_what_has_the_density_of_the_bed_has_that_of_all_its_granules_together():
     """Mass over volume, whatever the density of the run: the lid, a free cylinder, and the rate of shear."""
