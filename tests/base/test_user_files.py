@@ -17,7 +17,7 @@ from dem.sweep.store import Store
 
 
 def first_run(file: Path):
-    return next(load(file).block("drag").unique())
+    return load(file).block("drag").first
 
 
 PEBBLES = "{shapes: {p: {kind: pebbles.Pebble, diameter: 1e-3, granules: 60, aspect_ratio: 1.0}}}"

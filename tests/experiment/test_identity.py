@@ -76,9 +76,9 @@ def test_all_that_sets_a_number_of_a_run_is_known():
 
 
 def test_a_run_depends_on_versions(monkeypatch):
-    first = next(load("config/smoke.yaml").block("drag").unique()).id
+    first = load("config/smoke.yaml").block("drag").first.id
     monkeypatch.setattr(identity, "compilers", lambda: "numba 0.1")
-    assert next(load("config/smoke.yaml").block("drag").unique()).id != first
+    assert load("config/smoke.yaml").block("drag").first.id != first
 
 
 # what runs of each version of the layout hold: raise LAYOUT, and add a line, where this changes
