@@ -19,7 +19,7 @@ from dem.sweep.config import load, parse
 from dem.sweep.state import SweepState
 from dem.sweep.workers import Workers
 
-SMOKE = Path(__file__).parent.parent / "config/smoke.yaml"
+SMOKE = CONFIG / "smoke.yaml"
 
 
 CLOCKS = {"run_time", "spent"}
@@ -80,7 +80,7 @@ def make_sweep(folder: Path, **values) -> None:
 
 
 def smoke(**changes):
-    return parse(load(CONFIG / "smoke.yaml").dump() | changes)
+    return parse(load(SMOKE).dump() | changes)
 
 
 # An experiment that costs nothing

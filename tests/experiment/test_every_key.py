@@ -10,7 +10,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from project import CONFIG
+from sweeps import smoke
 
 import dem
 from dem.experiment.bed import make_bed, room_of
@@ -18,7 +18,6 @@ from dem.experiment.config import EXPERIMENTS
 from dem.experiment.scene import make_scene
 from dem.laws import LAWS
 from dem.shapes import KINDS
-from dem.sweep.config import load
 
 pytestmark = pytest.mark.quick
 
@@ -74,7 +73,7 @@ NEEDLESS = {
 @cache
 def first(scene):
     """The run of a scene, its bed and what it gives."""
-    values = load(CONFIG / "smoke.yaml").changed(SMALL | SCENES[scene], "c1")
+    values = smoke().changed(SMALL | SCENES[scene], "c1")
     replicate = values.replicate("x", 3900.0, 3)
     bed = make_bed(replicate)
     return replicate, bed, given(replicate, bed)

@@ -8,14 +8,13 @@ import pytest
 from command_line import called
 from pictures import text_of
 from project import posix, quick
-from sweeps import drawn, interrupted, made, of_file, order, varied
+from sweeps import drawn, interrupted, made, of_file, order, smoke, varied
 
 import dem
 from dem.base.files import lock
 from dem.cli.show import watched
 from dem.io.progress import span
 from dem.report.status import status
-from dem.sweep.config import parse
 from dem.sweep.estimate import effort
 from dem.sweep.estimate import summary as dry_run
 from dem.sweep.state import SweepState
@@ -108,8 +107,7 @@ def test_the_estimated_time_of_a_run_is_in_proportion_to_its_steps():
     ratios = []
     for fraction in (0.05, 0.3, 0.95):
         sweep = {"shape": "c1", "numerics.step_fraction": [fraction]}
-        values = {"extends": "config/smoke.yaml", "results": "results/told", "sweep": sweep}
-        run = parse(values, "a sweep").block("drag").first
+        run = smoke(sweep=sweep).block("drag").first
         ratios.append(effort(run) / int(run.configuration.module.run(run)["steps"]))
     assert max(ratios) < 1.25 * min(ratios)
 
