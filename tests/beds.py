@@ -16,10 +16,8 @@ from dem.sweep.config import load
 KINDS = sorted(shapes.KINDS, key=len, reverse=True)  # "superellipse" before "ellipse"
 
 
-FRACTIONS = {"ellipse": 0.88, "superellipse": 0.88}  # at which beds are stiff; else 0.84
-
-
-STIFF = [(kind, FRACTIONS.get(kind, 0.84)) for kind in shapes.KINDS]
+# packing fractions at which beds are stiff
+STIFF = [(kind, 0.88 if "ellipse" in kind else 0.84) for kind in shapes.KINDS]
 
 
 ROD = [(-0.8, 0.0, 0.8), (0.0, 0.0, 1.0), (0.8, 0.0, 0.8)]  # x, y, radius of the discs of clumps

@@ -10,9 +10,9 @@ from workflows import run
 from dem.base.source_hash import PACKAGE, ROOT
 
 
-def test_a_room_imports_only_from_below(monkeypatch, request):
+def test_a_room_imports_only_from_below(monkeypatch):
     """The contracts of pyproject.toml hold: layers without exception, no study imports another."""
-    monkeypatch.chdir(request.config.rootpath)
+    monkeypatch.chdir(ROOT)
     assert lint_imports(no_cache=True) == EXIT_STATUS_SUCCESS
 
 

@@ -35,11 +35,6 @@ STAGES = {
 }
 
 
-def varied(seeds, cases=("c1", "d1", "c12")):
-    """What varies in a sweep."""
-    return {"case": list(cases), "seed": seeds}
-
-
 DEM = [sys.executable, "-m", "dem"]
 WORKFLOW = [sys.executable, "-m", "snakemake", "-j2", "--configfile"]
 SWEEP = [*DEM, "sweep", "-j2"]

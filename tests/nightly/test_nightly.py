@@ -22,7 +22,8 @@ def test_a_quick_test_notices_a_fault_of_the_code(fault):
 @pytest.fixture(scope="module")
 def checkout(tmp_path_factory):
     """A copy of the sources with a sweep that nobody disturbed."""
-    changes = {"sweep": faults.varied([1, 2]), "batch": 2, "figures": ["figure10", "figure13"]}
+    sweep = {"case": ["c1", "d1", "c12"], "seed": [1, 2]}
+    changes = {"sweep": sweep, "batch": 2, "figures": ["figure10", "figure13"]}
     sources = faults.Checkout(tmp_path_factory.mktemp("checkout"), **changes)
     sources.sweep("whole")
     sources.finish("whole")
