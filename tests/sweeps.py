@@ -32,6 +32,11 @@ def contents(path: Path, without=CLOCKS) -> dict:
         return {n: np.array(v[...]) for n, v in file.variables.items() if n not in without}
 
 
+def bytes_of_results() -> dict[Path, bytes]:
+    """The bytes of the files of runs, beds and results below the working folder."""
+    return {path: path.read_bytes() for path in Path("results").rglob("*.n*")}
+
+
 def differing(one: dict, other: dict) -> list[str]:
     """Names of the values in which two files differ."""
     same = {

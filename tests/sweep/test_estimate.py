@@ -8,7 +8,7 @@ import pytest
 from command_line import called
 from pictures import text_of
 from project import posix, quick
-from sweeps import drawn, interrupted, made, of_file, order, smoke, varied
+from sweeps import bytes_of_results, drawn, interrupted, made, of_file, order, smoke, varied
 
 import dem
 from dem.base.files import lock
@@ -26,11 +26,6 @@ def stopped(folder):
     order(fails={"100 2": "PackingError", "300 2": "OverlapError"})
     sweep = varied("a", "c", seed="1 to 10")
     return interrupted(drawn(sweep=sweep, batch=8, failures=0.9, observed=True), 11)
-
-
-def files():
-    """The bytes of the files of runs, beds and results."""
-    return {path: path.read_bytes() for path in Path("results").rglob("*.n*")}
 
 
 @quick
@@ -68,7 +63,7 @@ def test_damaged_files_are_left_by_who_reads_and_put_aside_by_who_makes_runs(sto
     damaged = [path for path in stopped.store.files() if path.suffix == ".npz"]
     for path in damaged:
         path.write_bytes(path.read_bytes()[:100])
-    before = files()
+    before = bytes_of_results()
     for words in (
         "status sweep.yaml",
         "sweep sweep.yaml --dry-run",
@@ -78,7 +73,7 @@ def test_damaged_files_are_left_by_who_reads_and_put_aside_by_who_makes_runs(sto
         assert run.exit_code == 0, run.output
     with dem.open_results("part.nc") as part:
         assert part.attrs["partial"] == "8 of 20 runs"
-    assert before == files()
+    assert before == bytes_of_results()
     capsys.readouterr()
     of_file(Path("sweep.yaml"))
     lines, aside = capsys.readouterr().err.splitlines(), stopped.store.folder.rglob("*.damaged")

@@ -12,6 +12,7 @@ from project import quick
 from sweeps import (
     CLOCKS,
     Killed,
+    bytes_of_results,
     contents,
     drawn,
     interrupted,
@@ -100,14 +101,14 @@ def test_what_cannot_be_read_now_is_left_alone(monkeypatch, kind):
             raise OSError(5, "Input/output error")
         return really(path, *rest, **more)
 
-    really, files = open, {path: path.read_bytes() for path in Path("results").rglob("*.n*")}
+    really, files = open, bytes_of_results()
     with monkeypatch.context() as patch:
         patch.setattr("io.open", opened)
         patch.setattr("netCDF4.Dataset", opened)
         words = rf"{kind}.*: it cannot be read \(Input/output error\); mend"
         with pytest.raises(OSError, match=words):
             make(state.store, batch.id)
-    assert files == {path: path.read_bytes() for path in Path("results").rglob("*.n*")}
+    assert files == bytes_of_results()
     assert len(made()) == count
     make(state.store, batch.id)
     assert len(made()) == 4
