@@ -1,4 +1,4 @@
-"""The small beds that several tests share, and how hypothesis searches."""
+"""Which tests go together, how hypothesis searches, and the folders, checkouts and browser that several tests share."""
 
 import os
 import shlex
@@ -10,7 +10,7 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import hypothesis
 import pytest
-from beds import KINDS, make_small_bed
+from beds import KINDS
 from filelock import FileLock
 from project import ROOT
 from workflows import completed, run
@@ -142,9 +142,3 @@ def checkout_with_claims(checkout):
     run(*words, cwd=checkout, path=[checkout])
     completed(checkout, "claims", "-j2")
     return checkout
-
-
-@pytest.fixture(scope="session")
-def small_bed():
-    """Function that packs a bed of a kind of granule, each bed once a session."""
-    return make_small_bed

@@ -54,7 +54,8 @@ class Small(NamedTuple):
 
 
 @cache
-def make_small_bed(kind, fraction=0.84):
+def small_bed(kind, fraction=0.84):
+    """A packed bed of a kind of granule."""
     sweep = load(CONFIG / "smoke.yaml").changed({"packing.fraction": fraction}, "c1")
     section = section_of(kind)
     diameters = sample_diameters(section, sweep.packing.size_spread, 1)

@@ -8,6 +8,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
+from beds import small_bed
 from numpy.testing import assert_array_equal
 from project import quick
 from refusals.library import PLACES, scene
@@ -131,7 +132,7 @@ EXTREMES = {
 
 @pytest.mark.parametrize("extreme", EXTREMES)
 @pytest.mark.parametrize("kind", dem.shapes.KINDS)
-def test_short_steps_that_a_bed_needs_are_no_collapse(small_bed, kind, extreme):
+def test_short_steps_that_a_bed_needs_are_no_collapse(kind, extreme):
     """Where granules overlap deeply, with extreme values, the step is far above a thousandth of the first, from
     which on a run ends."""
     small = small_bed(kind)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from beds import STIFF
+from beds import STIFF, small_bed
 from collisions import APART, ELASTIC
 from numpy.testing import assert_allclose
 from project import quick
@@ -95,7 +95,7 @@ def resting(small):
     ("kind", "fraction"),
     [pytest.param(*row, marks=[quick] * (row[0] in ("disc", "clump"))) for row in STIFF],
 )
-def test_critical_time_step_is_a_bound_and_a_close_one(small_bed, kind, fraction):
+def test_critical_time_step_is_a_bound_and_a_close_one(kind, fraction):
     """No motion of a frictional, damped bed grows at the critical step, and some do at twice it."""
     linear = pytest.importorskip("studies.stability.linear")
     run = dem.Simulation(*resting(small_bed(kind, fraction=fraction)))
@@ -116,7 +116,7 @@ def test_critical_time_step_does_not_depend_on_how_contacts_are_found():
 
 
 @quick
-def test_a_fixed_step_is_refused_from_the_critical_one_on(small_bed):
+def test_a_fixed_step_is_refused_from_the_critical_one_on():
     """Just below it a simulation is made without a word, until faster collisions are stiffer. Beyond it one asks
     for a fraction, where that is allowed."""
     scene, state = resting(small_bed("disc"))

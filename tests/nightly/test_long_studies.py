@@ -1,6 +1,7 @@
 """Studies in forms that take minutes, most of them to compile kernels that nothing else needs."""
 
 import pytest
+from beds import small_bed
 from project import needs_study
 from small_studies import assert_works_in_its_smallest_form
 
@@ -20,7 +21,7 @@ def test_the_benchmark_works_in_its_smallest_form(folder):
 
 
 @needs_study("benchmark")
-def test_lammps_moves_undamped_beds_alike(small_bed):
+def test_lammps_moves_undamped_beds_alike():
     """Dumbbells without friction, to the rounding of their angles; discs are compared by day."""
     from studies.benchmark.results import SMOKE, compare_motion
     from studies.benchmark.scenes import make_case

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from beds import STIFF
+from beds import STIFF, small_bed
 from collisions import ROUGH
 from numpy.testing import assert_allclose
 from scenes import lids
@@ -37,7 +37,7 @@ def shaken(small, **numerics):
 
 
 @pytest.mark.parametrize(("kind", "fraction"), STIFF)
-def test_a_bed_at_rest_carries_what_its_boundary_puts_on_it(small_bed, kind, fraction):
+def test_a_bed_at_rest_carries_what_its_boundary_puts_on_it(kind, fraction):
     """The moments of the forces of walls and cylinder, at their points, are stress times volume."""
     small = small_bed(kind, fraction=fraction)
     at_rest = replace(small.cylinder, velocity=(0.0, 0.0))
@@ -53,7 +53,7 @@ def test_a_bed_at_rest_carries_what_its_boundary_puts_on_it(small_bed, kind, fra
 
 
 @pytest.mark.parametrize(("kind", "fraction"), STIFF)
-def test_the_forces_of_contacts_move_the_granules(small_bed, kind, fraction):
+def test_the_forces_of_contacts_move_the_granules(kind, fraction):
     """Springs and dashpots, normal and tangential: what granules gain in momentum over a time that is
     short against a collision. The stress is symmetric but for the torques that turn them."""
     run, short = shaken(small_bed(kind, fraction=fraction), time_step=2e-9), 4e-9
@@ -91,7 +91,7 @@ def test_a_chain_of_discs_has_the_stress_of_its_force():
 
 
 @pytest.mark.parametrize("along", [0, 1])
-def test_bins_share_the_stress_of_the_whole(small_bed, along):
+def test_bins_share_the_stress_of_the_whole(along):
     """The volume of each bin, without the cylinder, times its stress: the sum is that of the bed."""
     run = shaken(small_bed("disc"))
     size, across = run.scene.planes[[2 * along + 1, 3 - 2 * along], 2]

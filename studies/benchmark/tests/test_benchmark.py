@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from beds import small_bed
 
 import dem
 from studies.benchmark.results import SMOKE, compare_codes
@@ -11,7 +12,7 @@ from studies.common.peers import lammps
 
 
 @pytest.mark.parametrize("installed", [True, False])
-def test_the_benchmark_times_the_codes_that_are_there(monkeypatch, small_bed, installed):
+def test_the_benchmark_times_the_codes_that_are_there(monkeypatch, installed):
     """What is missing is named."""
     if installed and lammps.available():
         pytest.skip(lammps.available())

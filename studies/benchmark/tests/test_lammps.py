@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from beds import small_bed
 
 import dem
 from studies.benchmark.drag import largest_step
@@ -25,7 +26,7 @@ def moved(small, same=False, **changes):
     return [(ours.state.position - place) / scene.shape.bounding_radius.mean() for place in places]
 
 
-def test_without_friction_and_damping_motion_agrees_to_rounding(small_bed):
+def test_without_friction_and_damping_motion_agrees_to_rounding():
     """Same equations, same method. Dumbbells are compared at night."""
     displacement, apart = moved(small_bed("disc"), friction=None, material=ELASTIC)
     assert np.abs(displacement).max() > 1e-3
@@ -44,7 +45,7 @@ def test_without_friction_and_damping_motion_agrees_to_rounding(small_bed):
         ("dumbbell", True, 0.1, 1.0),
     ],
 )
-def test_with_friction_and_damping_motion_differs_a_little(small_bed, kind, same, most, stiffness):
+def test_with_friction_and_damping_motion_differs_a_little(kind, same, most, stiffness):
     """LAMMPS has another arm of the tangential force and, but for our law, another spring when a
     contact unloads. With Mindlin's own springs it is as far off from those of a hundredth as granules move.
 
@@ -69,7 +70,7 @@ def test_a_collision_returns_the_coefficient_of_restitution(same, e):
         assert run.velocity[:, 0] == pytest.approx([-0.5 * e, 0.5 * e], rel=1e-3)
 
 
-def test_the_force_on_the_cylinder_is_the_same(small_bed):
+def test_the_force_on_the_cylinder_is_the_same():
     """Without friction and damping, before chaos: mean over the same steps."""
     small = small_bed("disc")
     scene, step = small.scene(friction=None, material=ELASTIC), 5e-8
@@ -79,7 +80,7 @@ def test_the_force_on_the_cylinder_is_the_same(small_bed):
 
 
 @pytest.mark.skipif(lammps.mpiexec() is None, reason="there is no mpiexec beside Python")
-def test_two_ranks_share_a_bed(small_bed):
+def test_two_ranks_share_a_bed():
     """A run whose ranks do not know of each other is refused; this one is not."""
     small = small_bed("disc")
     assert lammps.seconds(small.scene(), small.state, 1e-9, 1, 10, ranks=2) > 0.0

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from beds import small_bed
 
 import dem
 from dem.dynamics.checkpoint import copied
@@ -21,7 +22,7 @@ def sweep():
     return load(STUDY / "smoke.yaml")
 
 
-def test_friction_beyond_the_cap_is_seen(small_bed):
+def test_friction_beyond_the_cap_is_seen():
     """Friction stays within mu N; against half of mu, it exceeds."""
     small = small_bed("disc")
     run = dem.Simulation(small.scene(), small.state)
@@ -30,7 +31,7 @@ def test_friction_beyond_the_cap_is_seen(small_bed):
     assert friction_excess(run, 0.5) > 0.01
 
 
-def test_pairs_that_are_not_listed_are_counted(small_bed):
+def test_pairs_that_are_not_listed_are_counted():
     """A bed's list is complete; a granule put onto another without a new list is missed."""
     small = small_bed("disc")
     world = copied(dem.Simulation(small.scene(), small.state).world)
