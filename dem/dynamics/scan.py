@@ -144,13 +144,14 @@ def add_bound(rows, i, column, modulus, ex, ey, size, turn):
     rows[i, column + 5] += modulus * turn * turn
 
 
-def add_pair(rows, one, two, k, c, ex, ey, size_1, turn_1, size_2, turn_2):
-    """Stiffness k (N/m) and damping c (N s/m) along a direction e, between two bodies.
+def add_pair(rows, bodies, k, c, direction, first, second):
+    """Stiffness k (N/m) and damping c (N s/m) along a direction, between two bodies.
 
-    size, turn: mass-weighted sizes of translation and rotation of both (kg^-0.5).
+    first, second: mass-weighted sizes of translation and rotation of both (kg^-0.5).
     """
-    first, second = magnitude(size_1, turn_1), magnitude(size_2, turn_2)
-    factor_1, factor_2 = 1.0 + second / max(first, TINY), 1.0 + first / max(second, TINY)
+    (one, two), (ex, ey), (size_1, turn_1), (size_2, turn_2) = bodies, direction, first, second
+    g1, g2 = magnitude(size_1, turn_1), magnitude(size_2, turn_2)
+    factor_1, factor_2 = 1.0 + g2 / max(g1, TINY), 1.0 + g1 / max(g2, TINY)
     add_bound(rows, one.row, BOUND_STIFFNESS, factor_1 * k, ex, ey, size_1, turn_1)
     add_bound(rows, two.row, BOUND_STIFFNESS, factor_2 * k, ex, ey, size_2, turn_2)
     add_bound(rows, one.row, BOUND_DAMPING, factor_1 * c, ex, ey, size_1, turn_1)
@@ -181,34 +182,37 @@ def dashpot_of(layout, table, p, nx, ny, lever, constant):
     return math.sqrt(constant) * dashpot if layout.local else dashpot
 
 
-def add_contact(law, layout, table, p, rows, least, bulk, overlap, nx, ny, radius, one, two):
+def add_contact(law, layout, table, p, rows, limits, contact, bodies):
     """Stiffness and damping of contact p between two bodies.
 
-    least (m): smallest overlap that a stiffness is computed for; bulk: of the law.
+    limits: smallest overlap (m) that a stiffness is computed for, and the bulk of the law; contact:
+    overlap (m), normal (nx, ny) and R* (m).
     """
     apart()
+    (least, bulk), (overlap, nx, ny, radius), (one, two) = limits, contact, bodies
     held, constant = max(overlap, least), constant_of(law, layout, table, p, radius)
-    second = value_at(table, p, layout.length)
-    measured = measure(law, held, second)
+    length = value_at(table, p, layout.length)
+    measured = measure(law, held, length)
     damping = dashpot_of(layout, table, p, nx, ny, two.normal_arm, constant)
     root_there = root(law, held, measured)
     damping = damping * root_there
     k = slope(law, constant, measured)
-    turn_1, turn_2 = one.normal_arm * one.spin, two.normal_arm * two.spin
-    add_pair(rows, one, two, k, damping, nx, ny, one.size, turn_1, two.size, turn_2)
+    first, second = (one.size, one.normal_arm * one.spin), (two.size, two.normal_arm * two.spin)
+    add_pair(rows, bodies, k, damping, (nx, ny), first, second)
     if layout.friction_stiffness >= 0:
         k_t = table[p + layout.friction_stiffness] * constant * measured
         c_t = table[p + layout.friction_dashpot] * damping
-        turn_1, turn_2 = one.tangent_arm * one.spin, two.tangent_arm * two.spin
-        add_pair(rows, one, two, k_t, c_t, -ny, nx, one.size, turn_1, two.size, turn_2)
+        first = one.size, one.tangent_arm * one.spin
+        second = two.size, two.tangent_arm * two.spin
+        add_pair(rows, bodies, k_t, c_t, (-ny, nx), first, second)
     if layout.arm >= 0:
         k_r = rolling_stiffness(law, table[p + layout.arm], constant) * measured
         c_r = table[p + layout.rolling_dashpot] * root_there
-        add_pair(rows, one, two, k_r, c_r, 0.0, 0.0, 0.0, one.spin, 0.0, two.spin)
+        add_pair(rows, bodies, k_r, c_r, (0.0, 0.0), (0.0, one.spin), (0.0, two.spin))
     # what the force can add to the rotation
     rows[one.row, BOUND_STIFFNESS + 5] += k * max(overlap, 0.0) * one.bend
     rows[two.row, BOUND_STIFFNESS + 5] += k * max(overlap, 0.0) * two.bend
-    pull = attraction(law, overlap, second) / bulk
+    pull = attraction(law, overlap, length) / bulk
     rows[one.row, BOUND_STIFFNESS + 5] += pull * one.bend
     rows[two.row, BOUND_STIFFNESS + 5] += pull * two.bend
 
@@ -222,7 +226,7 @@ def scan_blocks(world, bed, layout, begin, geometry, bounds, result):
     """
     apart()
     contacts, motion, radius = world.contacts, world.constituents.motion, bed.radius
-    numbers, table, least = contacts.numbers, contacts.table, result[LEAST_OVERLAP]
+    numbers, table, limits = contacts.numbers, contacts.table, (result[LEAST_OVERLAP], bed.bulk)
     section = PAIRS
     for block in range(begin, begin + geometry.shape[0]):
         while block >= contacts.first[section + 1]:
@@ -258,22 +262,8 @@ def scan_blocks(world, bed, layout, begin, geometry, bounds, result):
                     normal_arm, tangent_arm = x * ny - y * nx, x * nx + y * ny
                 b = world.faces.boundary[np.int64(numbers[at + TARGET + k])]
                 two = boundary_of(world, bed, b, normal_arm, tangent_arm)
-            law, radius_there = world.law, row[CURVED, lane]
-            add_contact(
-                law,
-                layout,
-                table,
-                p,
-                bounds,
-                least,
-                bed.bulk,
-                overlap,
-                nx,
-                ny,
-                radius_there,
-                one,
-                two,
-            )
+            contact = overlap, nx, ny, row[CURVED, lane]
+            add_contact(world.law, layout, table, p, bounds, limits, contact, (one, two))
 
 
 def greatest_eigenvalue(rows, i, column):
