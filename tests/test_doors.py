@@ -57,6 +57,7 @@ EXCEPTIONS = {
     "tests/figures/test_plot.py: film patched": "a computer without an encoder",
     "tests/kinds.py: dem.jit.kernel.Kernel": "it counts the kinds of kernels that are compiled",
     "tests/packing/test_packing.py: 'dem.packing.random.most_iterations' patched": "a bed that takes an hour not to come to rest",
+    "tests/shapes/test_shapes.py: dem.Disc patched": "a shape of one's own, with the kernels of discs",
     "tests/sweep/test_sweep.py: 'dem.sweep.prune.sweeps' patched": "another sweep starts at that very moment",
     "tests/sweep/test_workers.py: client patched": "workers on one computer all see its disk",
     "tests/sweep/test_workers.py: cluster patched": "workers on one computer have the same packages",
