@@ -1,7 +1,7 @@
 """Forces on bodies for their present positions, block by block and patch by patch.
 
-The machine code of a function is made anew in each function between it and the kernel, before that of
-the kernel is: what is long stays few calls below it.
+Numba makes the machine code of a function again in each function between it and the kernel: what is
+long is few calls below it.
 """
 
 import numpy as np

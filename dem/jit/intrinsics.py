@@ -57,8 +57,8 @@ def widest_vectors():
 
 
 def apart():
-    """Compile the function in which this stands once for a kernel, and have others call it: it is long,
-    or has several callers. All others become part of their callers.
+    """Compile the function that has this line once for a kernel, and have others call it: it is long, or
+    has several callers. All others become part of their callers.
 
     Numba compiles a function again for callers whose options differ; so options are the same for all.
     """
