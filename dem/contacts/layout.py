@@ -15,6 +15,7 @@ only dashpots see it, and a contact copies half a row. Rows of force: force (N) 
 centre (N m).
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -168,7 +169,7 @@ def layout_of(flags: dict[str, bool], sizes: int, outline_sizes: int) -> Layout:
 
 def aligned(*shape: int) -> np.ndarray:
     """Zeros that begin on a cache line: a row of eight numbers then never straddles two."""
-    size = int(np.prod(shape))
+    size = math.prod(shape)
     room = np.zeros(size + 8)
     start = -room.ctypes.data % 64 // 8
     return room[start : start + size].reshape(shape)

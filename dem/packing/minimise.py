@@ -45,7 +45,7 @@ from dem.dynamics.step import STEPS, Place, Threads, share_of
 from dem.dynamics.system import System
 from dem.dynamics.world import PATCH, SECTIONS, WALLS, World, granules_of, number_of_patches
 from dem.jit.interrupts import signals_deferred
-from dem.jit.intrinsics import apart, barrier
+from dem.jit.intrinsics import apart, barrier, widest_vectors
 from dem.laws.protocol import stiffest
 from dem.packing.job import Job
 from dem.scene import State
@@ -81,10 +81,13 @@ def kick(granules, dt, patch, sums):
     The velocities before are kept in the columns of which only dashpots take notice.
     """
     apart()
+    widest_vectors()
     force, motion = granules.force, granules.motion
+    inverse_mass, inverse_inertia = granules.inverse_mass, granules.inverse_inertia
     low, high = granules_of(granules.angle.shape[0], patch)
     power, push, largest, speed = 0.0, 0.0, 0.0, 0.0
-    for i in range(low, high):
+    for number in range(low, high):
+        i = np.uint64(number)
         g2 = gyration(granules, i)
         fx, fy, torque = force[i, FX], force[i, FY], force[i, TAU]
         vx, vy, w = motion[i, VX], motion[i, VY], motion[i, W]
@@ -96,10 +99,10 @@ def kick(granules, dt, patch, sums):
             f2 = max(f2, torque * torque / g2)
         largest = greater(largest, f2)  # NaN is not at rest
         motion[i, DVX], motion[i, DVY], motion[i, DW] = vx, vy, w
-        vx += dt * fx * granules.inverse_mass[i]
-        vy += dt * fy * granules.inverse_mass[i]
+        vx += dt * fx * inverse_mass[i]
+        vy += dt * fy * inverse_mass[i]
         if TURNS:
-            w += dt * torque * granules.inverse_inertia[i]
+            w += dt * torque * inverse_inertia[i]
         motion[i, VX], motion[i, VY], motion[i, W] = vx, vy, w
         speed += vx * vx + vy * vy + g2 * w * w
     sums[patch, POWER], sums[patch, PUSH], sums[patch, LARGEST] = power, push, largest
@@ -126,9 +129,12 @@ def move(granules, constituents, alpha, factor, dt, patch):
     """Turn the velocities of a patch towards the forces, v = (1 - alpha) v + factor F, and move it
     over dt (s)."""
     apart()
+    widest_vectors()
     force, motion, angle = granules.force, granules.motion, granules.angle
+    orientation = constituents.orientation
     low, high = granules_of(angle.shape[0], patch)
-    for i in range(low, high):
+    for number in range(low, high):
+        i = np.uint64(number)
         g2 = gyration(granules, i)
         for c in range(2):
             motion[i, VX + c] = (1.0 - alpha) * motion[i, VX + c] + factor * force[i, FX + c]
@@ -137,7 +143,7 @@ def move(granules, constituents, alpha, factor, dt, patch):
             motion[i, W] = (1.0 - alpha) * motion[i, W] + factor * force[i, TAU] / g2
             angle[i] += dt * motion[i, W]
             if ROTATES:
-                rotate(constituents.orientation, i, angle[i], dt * motion[i, W])
+                rotate(orientation, i, angle[i], dt * motion[i, W])
     if COMPOSED:
         place(motion, constituents, low, high)
 

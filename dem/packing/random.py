@@ -8,7 +8,7 @@ on the geometry, the law of contacts and the seed: moduli and masses cancel.
 
 import math
 from dataclasses import replace
-from itertools import product
+from itertools import chain, product
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -35,6 +35,7 @@ GROWTH = 1.02  # of all lengths, in one step
 SETTLED = 1e-5  # E* R^2: enough between two steps of growth
 PATIENCE = 400  # iterations between two steps of growth
 DEEPEST = 0.2  # greatest overlap over the smaller radius in a finished bed
+NEAR = [*product((-1.0, 0.0, 1.0), repeat=2)]  # a square and those around it
 HERTZ = Hertz()
 SOFT = Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=1.0)
 
@@ -181,29 +182,37 @@ def scatter(shape: Any, factor: float, room: Room, rng: np.random.Generator) -> 
     A grid finds the neighbours, so that the work is proportional to the number of granules. Its
     squares are at least as wide as the largest circle, and the first ones follow the last ones.
     """
-    radius, side, periodic = factor * shape.bounding_radius, room.size, room.periods
+    radius, side, periods = factor * shape.bounding_radius, room.size, room.periods or (None, None)
     widest = 2.0 * np.sqrt(shape.area / np.pi)
-    turns = np.array(SIDES[room.periodic])
+    lowest = np.where(SIDES[room.periodic], 0.0, radius[:, None])
     size = max(2.0 * radius.max(), math.sqrt(room.width * room.height / len(radius)))
     count = np.maximum(side // size, 1.0)  # of squares along each side
-    grid: dict[tuple[float, float], list[int]] = {}
+    columns, rows = count.tolist()
+    grid: dict[tuple[float, float], list[tuple[float, float, float]]] = {}
     position = np.empty((len(radius), 2))
-    for i, r in enumerate(radius):
+
+    def is_free(x, y, r, column, row):
+        """Whether a circle meets no other. Numbers and no arrays: there are only a few others."""
+        squares = {((column + i) % columns, (row + j) % rows) for i, j in NEAR}
+        for other_x, other_y, other in chain.from_iterable(grid.get(at, ()) for at in squares):
+            dx, dy = (
+                d - period * round(d / period) if period else d
+                for d, period in zip((other_x - x, other_y - y), periods, strict=True)
+            )
+            if dx * dx + dy * dy < (r + other) ** 2:
+                return False
+        return True
+
+    for i, r in enumerate(radius.tolist()):
         for _ in range(1000):
-            trial = np.where(turns, 0.0, r) + np.where(turns, side, side - 2.0 * r) * rng.random(2)
-            column, row = trial * count // side
-            gaps = sorted(-room.depth(solid, trial[None])[0] for solid in room.solids)
-            if gaps and (gaps[0] < r or (gaps[1:] and gaps[0] + gaps[1] < widest[i])):
+            trial = lowest[i] + (side - 2.0 * lowest[i]) * rng.random(2)
+            (x, y), (column, row) = trial.tolist(), (trial * count // side).tolist()
+            if not is_free(x, y, r, column, row):
                 continue
-            around = {
-                ((column + x) % count[0], (row + y) % count[1])
-                for x, y in product((-1.0, 0.0, 1.0), repeat=2)
-            }
-            near = [j for square in around for j in grid.get(square, ())]
-            gap = nearest_image(position[near] - trial, periodic)
-            if (np.einsum("ij,ij->i", gap, gap) >= (r + radius[near]) ** 2).all():
+            gaps = sorted(-room.depth(solid, trial[None])[0] for solid in room.solids)
+            if not gaps or (gaps[0] >= r and (not gaps[1:] or gaps[0] + gaps[1] >= widest[i])):
                 position[i] = trial
-                grid.setdefault((column, row), []).append(i)
+                grid.setdefault((column, row), []).append((x, y, r))
                 break
         else:
             raise PackingError(
