@@ -8,8 +8,6 @@ from project import CONFIG
 
 import dem
 from dem import shapes
-from dem.experiment.box import height_of_box
-from dem.experiment.granule_sizes import sample_diameters
 from dem.experiment.sections import ShapeSection
 from dem.sweep.config import load
 
@@ -58,8 +56,8 @@ def small_bed(kind, fraction=0.84):
     """A packed bed of a kind of granule."""
     sweep = load(CONFIG / "smoke.yaml").changed({"packing.fraction": fraction}, "c1")
     section = section_of(kind)
-    diameters = sample_diameters(section, sweep.packing.size_spread, 1)
-    height = height_of_box(sweep, diameters)
+    discs = sweep.replicate("c1", 3900.0, 1).bed_description  # as many, of the same sizes
+    diameters, height = discs.diameters, discs.height(discs.diameters)
     shape = shapes.KINDS[kind].shape.of_size(diameters, section.form)
     axis = 0.5 * sweep.box_width, sweep.cylinder.start * height
     cylinder = dem.Cylinder(sweep.cylinder.diameter, axis, (0.0, sweep.cylinder.velocity))

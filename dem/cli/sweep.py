@@ -198,7 +198,7 @@ def simulate(
             share, so_far = progress(run.shape.granules, fraction, iterations, net_force)
             update(share, f"{words}: {so_far}")
 
-        bed = make_bed(run, half_packed, report)
+        bed = make_bed(run.bed_description, run.configuration.threads, half_packed, report)
     with bar(f"{shape}, {density:g} kg/m3, seed {seed}", 1.0) as update:
         result = run.configuration.module.run(run, bed, update, checkpoint)
     write_one(output, run, result)

@@ -1,43 +1,10 @@
-"""The sizes of granules and box, and whether the cylinder and all granules fit into it."""
-
-import math
+"""Whether the cylinder and all granules fit into the box, and the stroke too."""
 
 import numpy as np
 
-from dem.base.errors import InputError
-from dem.experiment.granule_sizes import diameters_of
-from dem.experiment.intruders import ahead_of, area_of_solids, circles_of
+from dem.base.errors import InputError, PackingError
+from dem.experiment.bed_description import length_of
 from dem.periodic import ROOM
-from dem.shapes import KINDS
-
-NOMINAL = 0.84  # packing fraction that tells where a bed under a pressure has its cylinder
-
-
-def height_of_box(configuration, diameters: np.ndarray | float, count: int = 1) -> float:
-    """Height (m) for granules of the sampled diameters, V_f = V_g / (W H - V_c) (equation 18).
-
-    count: how many granules there are of every diameter. Where packing.pressure is given, V_f is
-    NOMINAL: the height by which the start of the cylinder is measured, near that of the bed.
-    """
-    granules = 0.25 * math.pi * count * np.sum(np.square(diameters))
-    area = area_of_solids(configuration)
-    fraction = configuration.packing.fraction or NOMINAL
-    return (granules / fraction + area) / configuration.box_width
-
-
-def start_height(replicate, height: float) -> float:
-    """Height (m) of the box by which cylinders are placed in a bed of a height (m): the same, or where
-    packing.pressure is given that at NOMINAL, in which the bed was packed around them."""
-    c = replicate.configuration
-    return height if c.packing.pressure is None else height_of_box(c, diameters_of(replicate))
-
-
-def length_of(shape, diameter: float) -> float:
-    """Diameter (m) of the circle about the centre of a granule that holds it; diameter: of its
-    volume (m)."""
-    if shape.discs is None:
-        return diameter * math.sqrt(shape.ratio)
-    return 2.0 * float(KINDS[shape.kind].shape.of_size([diameter], shape.discs).bounding_radius[0])
 
 
 def check_room(replicate) -> None:
@@ -46,28 +13,27 @@ def check_room(replicate) -> None:
     What fits into the lowest box that could be, with the largest granule, fits for every seed: only
     where it does not is the box of the seed looked at.
     """
-    c, label = replicate.configuration, replicate.label
+    c, label, bed = replicate.configuration, replicate.label, replicate.bed_description
     if label in c.fitting_shapes:
         return
-    spread, sizes = c.packing.size_spread, [part.diameter for part in replicate.parts]
+    spread, sizes = bed.size_spread, [part.diameter for part in bed.parts]
     least, most = min(sizes) * (1.0 - spread), max(sizes) * (1.0 + spread)
     try:
-        height = height_of_box(c, least, replicate.shape.granules)
-        _check_box(replicate, height, most)
+        _check_box(replicate, bed.height(least, bed.count), most)
         c.fitting_shapes.add(label)
     except InputError:
-        diameters = diameters_of(replicate)
-        _check_box(replicate, height_of_box(c, diameters), diameters.max())
+        diameters = bed.diameters
+        _check_box(replicate, bed.height(diameters), diameters.max())
 
 
 def _check_box(replicate, height: float, largest: float) -> None:
     """Raise InputError where cylinder or the largest granule (m) do not fit into a box (m)."""
-    c, label = replicate.configuration, replicate.label
-    width, cylinder = c.box_width, c.cylinder
+    c, label, bed = replicate.configuration, replicate.label, replicate.bed_description
+    width, cylinder = bed.width, c.cylinder
     where = f"with shapes.{label} the box is {width:.4g} m by {height:.4g} m"
     if cylinder is not None:
-        _check_cylinder(c, height, where)
-    length = max(length_of(part, largest) for part in replicate.parts)
+        _check_cylinder(c, bed.solids, height, where)
+    length = max(length_of(part.form, largest) for part in bed.parts)
     if length > min(width, height):
         raise InputError(
             f"shapes.{label}.diameter is {replicate.shape.diameter:g} m: {where}, and a granule of "
@@ -82,10 +48,12 @@ def _check_box(replicate, height: float, largest: float) -> None:
             )
 
 
-def _check_cylinder(configuration, height: float, where: str) -> None:
+def _check_cylinder(configuration, intruders, height: float, where: str) -> None:
     """Raise InputError where a solid does not fit into a box of this height (m), or leaves it."""
     cylinder, second = configuration.cylinder, configuration.second
-    circles = np.array(circles_of(configuration, height))
+    places = np.array([intruder.place(height) for intruder in intruders])
+    radius = np.array([[intruder.radius] for intruder in intruders])
+    lowest, highest = (places - radius).min(axis=0), (places + radius).max(axis=0)
     sides = ("left of it", "right of it"), ("below its floor", "above its top")
     across = f"cylinder.diameter is {cylinder.diameter:g} m"
     keys = (
@@ -95,15 +63,28 @@ def _check_cylinder(configuration, height: float, where: str) -> None:
     for axis, size in enumerate((configuration.box_width, height)):
         if "xy"[axis] in configuration.periodic:
             continue
-        low = (circles[:, axis] - circles[:, 2]).min()
-        high = (circles[:, axis] + circles[:, 2]).max()
+        low, high, ahead = lowest[axis], highest[axis], cylinder.ahead[axis]
         for side, out in zip(sides[axis], (low < 0.0, high > size), strict=True):
             if out:
                 raise InputError(f"{keys[axis]}: {where}, and the cylinder would begin {side}.")
-        ahead = ahead_of(cylinder)[axis]
         room = size - high if ahead > 0.0 else low
         if abs(ahead) * cylinder.stroke > room + 1e-12 * size:
             raise InputError(
                 f"cylinder.stroke is {cylinder.stroke:g} m: {where}, and the cylinder would leave it "
                 f"during its stroke; at most {room / abs(ahead):.3g} m fit."
             )
+
+
+def check_stroke(replicate, bed) -> None:
+    """Raise PackingError where a bed under a pressure came to rest too low for the stroke."""
+    cylinder, description = replicate.configuration.cylinder, replicate.bed_description
+    if description.pressure is None:
+        return
+    height = description.start_height(bed.height)
+    top = max(solid.place(height)[1] + solid.radius for solid in description.solids)
+    top += max(cylinder.ahead[1], 0.0) * cylinder.stroke
+    if top > bed.height:
+        raise PackingError(
+            f"under {description.pressure:g} Pa the box is {bed.height:.4g} m high, and the cylinder "
+            f"would leave it during its stroke; at most {cylinder.stroke + bed.height - top:.3g} m fit."
+        )

@@ -31,7 +31,6 @@ from dem.base.types import (
     unit_of,
 )
 from dem.experiment.box import check_room
-from dem.experiment.granule_sizes import mean_shape
 from dem.experiment.kinds import EXPERIMENTS, Experiment
 from dem.experiment.run import Replicate
 from dem.experiment.sections import (
@@ -223,7 +222,13 @@ class Configuration(Section):
 
     def shape_of(self, label: str) -> ShapeSection:
         """A shape; a mixture with the kind of its shapes, and the means of their sizes."""
-        return mean_shape(self.shapes[label], self.parts_of(label))
+        shape = self.shapes[label]
+        if not shape.mixture:
+            return shape
+        parts, shares = self.parts_of(label), [*shape.mixture.values()]
+        diameter, ratio = np.dot(shares, [[part.diameter, part.ratio] for part in parts]).tolist()
+        means = {"kind": parts[0].kind, "diameter": diameter, "aspect_ratio": ratio}
+        return shape.model_copy(update=means)
 
     def kind_of(self, shape: str) -> Kind:
         """The kind of granules of a shape; raises InputError where its file cannot be used."""
@@ -264,6 +269,11 @@ class Configuration(Section):
         """The files of the experiment, of observables, of each shape and of the law, by shape."""
         files, law = self.module.files, law_file(self.law_name, self.beside)
         return {label: (*files, self.kind_of(label).file, law) for label in self.shapes}
+
+    @cached_property
+    def bed_descriptions(self) -> dict:
+        """Of the beds that were asked for, by shape and density (kg/m3): all seeds share one."""
+        return {}
 
     @cached_property
     def fitting_shapes(self) -> set[str]:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.experiment.granule_sizes import diameters_of, sample_parts
+from dem.contacts.force_law import effective_modulus
+from dem.experiment.bed_description import BedDescription, Part
 from dem.experiment.identity import Identity
+from dem.experiment.intruders import intruders_of
 from dem.experiment.sections import RollingSection, ShapeSection
-from dem.laws import law_of
 from dem.material import Material
 from dem.shapes import Kind
 
@@ -66,7 +67,7 @@ class Replicate(Identity):
     @property
     def species(self) -> np.ndarray | None:
         """Which of the materials (n,) each granule is of; None if there is one."""
-        return sample_parts(self) if len(self.materials) > 1 else None
+        return self.bed_description.species
 
     @property
     def mean_density(self) -> float:
@@ -75,7 +76,62 @@ class Replicate(Identity):
         if self.species is None:
             return float(density[0])
         denser = density[self.species] - density[0]  # zero where all are alike, to the last bit
-        return float(density[0] + np.average(denser, weights=np.square(diameters_of(self))))
+        return float(density[0] + np.average(denser, weights=np.square(self.diameters)))
+
+    @property
+    def diameters(self) -> np.ndarray:
+        """Volume diameters (n,) in m of its granules."""
+        return self.bed_description.diameters
+
+    @property
+    def bed_description(self) -> BedDescription:
+        """All that its bed depends on."""
+        known, key = self.configuration.bed_descriptions, (self.label, self.density)
+        if key not in known:
+            known[key] = self._described_bed()
+        return replace(known[key], seed=self.seed)
+
+    def _described_bed(self) -> BedDescription:
+        c, shape, packing = self.configuration, self.shape, self.configuration.packing
+        pressed, settled = packing.pressure is not None, packing.preparation == "settled"
+        shares = (shape.mixture or {self.label: 1.0}).values()
+        return BedDescription(
+            kind=shape.kind,
+            parts=tuple(
+                Part(part.diameter, part.form, share)
+                for part, share in zip(self.parts, shares, strict=True)
+            ),
+            count=shape.granules,
+            size_spread=packing.size_spread,
+            width=c.box_width,
+            periodic=c.periodic,
+            solids=intruders_of(c.cylinder, c.second, c.box_width),
+            law=c.law_name,
+            constants=c.contact.constants,
+            preparation=packing.preparation,
+            friction=packing.friction,
+            moduli=tuple(modulus / max(self.moduli) for modulus in self.moduli),
+            fraction=packing.fraction,
+            pressure=packing.pressure,
+            modulus=max(self.moduli) if pressed else None,
+            thickness=self.thickness if pressed or settled else None,
+            materials=self.materials if settled else None,
+            gravity=c.gravity if settled else None,
+            label=self.label,
+            beside=c.beside,
+            files=self.files[-2:],
+        )
+
+    @property
+    def moduli(self) -> list[float]:
+        """E* (Pa) of two granules of each material."""
+        return [effective_modulus(material, material) for material in self.materials]
+
+    @property
+    def modulus(self) -> float:
+        """Modulus of the law of contacts (Pa or N/m) for two granules, the stiffest if they differ; over
+        the thickness (m), the pressure (Pa) in a run whose Bed has a pressure of one."""
+        return float(self.law.modulus(max(self.moduli), self.thickness))
 
     @property
     def rolling(self) -> RollingSection | None:
@@ -92,8 +148,7 @@ class Replicate(Identity):
     @property
     def law(self):
         """The law of contacts, under which the bed is packed too."""
-        c = self.configuration
-        return law_of(c.law_name, c.beside)(**c.contact.constants)
+        return self.bed_description.contact_law
 
     @property
     def coordinates(self) -> dict:

@@ -1,29 +1,27 @@
 """The scene of a run and its simulation, at the start."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import shaped
-from dem.experiment.box import start_height
-from dem.experiment.granule_sizes import diameters_of
-from dem.experiment.intruders import solids
 from dem.experiment.run import Replicate
 from dem.io.dataset import WALLS
 from dem.material import Friction, Rolling
-from dem.motion import Drive
+from dem.motion import Drive, Turn
 from dem.packing.random import Bed
 from dem.periodic import walled
 from dem.scene import Scene
-from dem.solids import Wall
+from dem.solids import Solid, Wall
 
 
 def granules(replicate: Replicate):
     """Shape of all granules of this seed, contacts as the configuration asks."""
     ellipse = replicate.configuration.ellipse
     options = (ellipse.contact, ellipse.curvature) * (replicate.shape.kind == "ellipse")
-    return shaped(replicate, diameters_of(replicate), *options)
+    return shaped(replicate.bed_description, replicate.diameters, *options)
 
 
 def make_scene(replicate: Replicate, bed: Bed) -> Scene:
@@ -34,7 +32,7 @@ def make_scene(replicate: Replicate, bed: Bed) -> Scene:
         material=materials if len(materials) > 1 else materials[0],
         friction=Friction(**_coefficients(c.friction)),
         walls=_walls(replicate, bed),
-        solids=solids(replicate, start_height(replicate, bed.height)),
+        solids=solids(replicate, bed.height),
         gravity=(0.0, -c.gravity) if c.gravity > 0.0 else None,
         thickness=replicate.thickness,
         periodic=bed.periodic,
@@ -70,6 +68,26 @@ def _walls(replicate: Replicate, bed: Bed) -> list[Wall]:
         friction = c.at(f"walls.{name}.friction")
         walls.append(Wall(plane, motion, friction, material and replicate.material_of(material)))
     return walls
+
+
+def solids(replicate: Replicate, height: float) -> tuple[Solid, ...]:
+    """The cylinder, and a second one, at their start in a bed of a height (m); none without one."""
+    c, description, drawn = replicate.configuration, replicate.bed_description, []
+    height = description.start_height(height)
+    for section, intruder in zip((c.cylinder, c.second), description.solids, strict=False):
+        free, material = section.spin == "free", c.cylinder.material
+        solid = intruder.solid(
+            height,
+            velocity=tuple(c.cylinder.velocity * component for component in c.cylinder.ahead),
+            spin=0.0 if free else section.spin or 0.0,
+            friction=getattr(section, "friction", None),
+            material=material and replicate.material_of(material),
+        )
+        if free:
+            mass = replicate.mean_density * solid.area * replicate.thickness
+            solid = replace(solid, spin=Turn(inertia=mass * solid.gyration_squared))
+        drawn.append(solid)
+    return tuple(drawn)
 
 
 def start(replicate: Replicate, bed: Bed, **options) -> Simulation:

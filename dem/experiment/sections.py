@@ -105,6 +105,13 @@ class CylinderSection(Section):
     material: SolidMaterialSection | None = None
     """material; none: rigid"""
 
+    @property
+    def ahead(self) -> tuple[float, float]:
+        """Unit vector along the motion."""
+        if self.direction is None:
+            return 0.0, 1.0
+        return math.cos(self.direction), math.sin(self.direction)
+
     @model_validator(mode="after")
     def _check(self):
         long = self.outline in ("ellipse", "plate")

@@ -9,11 +9,8 @@ import numpy as np
 from dem.dynamics.contact_output import ContactList
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import shaped
-from dem.experiment.box import start_height
-from dem.experiment.granule_sizes import diameters_of
-from dem.experiment.intruders import ahead_of, solids
 from dem.experiment.run import Replicate
-from dem.experiment.scene import make_scene
+from dem.experiment.scene import make_scene, solids
 from dem.packing.random import Bed
 from dem.periodic import Periods, periods_of
 from dem.solids import Solid
@@ -48,7 +45,7 @@ class Snapshots(NamedTuple):
     @property
     def outlines(self) -> np.ndarray:
         """Outlines (n, rings, points, 2) in m about the centre at angle zero."""
-        return shaped(self.replicate, self.diameters).polygons(33)
+        return shaped(self.replicate.bed_description, self.diameters).polygons(33)
 
     def nearest(self, displacement: float) -> int:
         """The snapshot nearest to a displacement of the cylinder (m)."""
@@ -69,10 +66,10 @@ class Snapshots(NamedTuple):
 
     def solids(self, snapshot: int) -> tuple[Solid, ...]:
         """The cylinder, and a second one, where they are at a snapshot."""
-        ahead = np.array(ahead_of(self.replicate.configuration.cylinder))
+        ahead = np.array(self.replicate.configuration.cylinder.ahead)
         moved = (
             replace(solid, position=tuple(solid.position + self.displacement[snapshot] * ahead))
-            for solid in solids(self.replicate, start_height(self.replicate, self.height[0]))
+            for solid in solids(self.replicate, self.height[0])
         )
         return tuple(
             solid if angle is None else replace(solid, angle=angle[snapshot])
@@ -99,15 +96,15 @@ def snapshots_of(replicate: Replicate, values: dict) -> Snapshots:
 def variables_of(run) -> dict:
     """These variables, from what a run recorded (dem.experiment.kinds.drag.RunData)."""
     c, height = run.replicate.configuration, run.bed.height
-    drawn = solids(run.replicate, start_height(run.replicate, height))
+    drawn = solids(run.replicate, height)
     x, y = np.stack([state.position for state in run.states]).transpose(2, 0, 1)
     displacement = np.linspace(0.0, c.cylinder.stroke, c.record.snapshots)
     values = {
-        "cylinder_y": drawn[0].position[1] + ahead_of(c.cylinder)[1] * displacement,
+        "cylinder_y": drawn[0].position[1] + c.cylinder.ahead[1] * displacement,
         "granule_x": x,
         "granule_y": y,
         "granule_angle": np.stack([state.angle for state in run.states]),
-        "granule_diameter": diameters_of(run.replicate),
+        "granule_diameter": run.replicate.diameters,
     }
     every = c.record.bins // (c.record.snapshots - 1)
     if c.packing.pressure is not None:

@@ -6,7 +6,6 @@ import meshio
 import numpy as np
 
 from dem.base.files import atomic, write_bytes
-from dem.experiment.intruders import ahead_of
 from dem.experiment.snapshots import Snapshots
 from dem.figures.bed import placed
 from dem.figures.frames import mean_velocity, sums_of_forces
@@ -56,7 +55,7 @@ def _mesh(motion: Snapshots, snapshot: int) -> meshio.Mesh:
         for block, numbers in zip(blocks, np.split(np.arange(len(points)), ends), strict=False)
     ]
     cylinder = motion.replicate.configuration.cylinder
-    drawn = np.multiply(ahead_of(cylinder), cylinder.velocity)
+    drawn = np.multiply(cylinder.ahead, cylinder.velocity)
     velocity = np.vstack([mean_velocity(motion)[snapshot], *[drawn] * len(solids)])
     bodies = {
         "granule": np.append(np.arange(count), -1 - np.arange(len(solids))),

@@ -7,6 +7,7 @@ last run did since its checkpoint. A run that fails is a row with its reason.
 import json
 import traceback
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -110,7 +111,8 @@ def _run(store: Store, replicate: Replicate, progress) -> dict:
     experiment = replicate.configuration.module
     if not experiment.observed:
         return experiment.run(replicate)
-    stored = store.bed(replicate, make_bed)
+    pack = partial(make_bed, replicate.bed_description, replicate.configuration.threads)
+    stored = store.bed(replicate, pack)
     values = {name: array if np.ndim(array) else float(array) for name, array in stored.items()}
     sides = replicate.configuration.periodic
     bed = Bed(**values, periodic=periods_of(values["width"], values["height"], sides))

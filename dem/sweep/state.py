@@ -12,7 +12,6 @@ import numpy as np
 
 from dem.base.errors import InputError, RunError
 from dem.base.yaml_file import read
-from dem.experiment.intruders import ahead_of
 from dem.experiment.run import Replicate
 from dem.io.dataset import BY_CASE
 from dem.packing.cost import near_jamming
@@ -282,7 +281,7 @@ class SweepState:
             axis
             for run in self.replicates()
             if (c := run.configuration).experiment == "drag"
-            for axis, share in zip("xy", ahead_of(c.cylinder), strict=True)
+            for axis, share in zip("xy", c.cylinder.ahead, strict=True)
             if axis in c.periodic and abs(share) > 1e-3  # more than rounding
         }
         for axis in sorted(ways):

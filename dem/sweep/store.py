@@ -135,14 +135,14 @@ class Store:
 
     def bed(self, replicate: Replicate, make) -> dict:
         """The bed of a run by the names of Bed, but for its periods: the stored one, or as
-        `make(replicate, checkpoint)` packs it, once for all processes. One that was stopped goes on."""
+        `make(checkpoint)` packs it, once for all processes. One that was stopped goes on."""
         path = self.file_of_bed(replicate)
         if (bed := load(path)) is None:
             with lock(path.with_name(".lock")):
                 if (bed := load(path, aside=True)) is None:
                     checkpoint = path.with_suffix(".checkpoint.npz")
                     load(checkpoint, aside=True)
-                    bed = make(replicate, checkpoint)._asdict()
+                    bed = make(checkpoint)._asdict()
                     del bed["periodic"]  # the configuration says it
                     write_arrays(path, bed)
                     checkpoint.unlink(missing_ok=True)

@@ -89,7 +89,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         checkout = Checkout(Path(folder), sweep={"case": ["c1"], "seed": [1]})
         one = next(load(checkout.folder / checkout.sweep("many")).block("drag").unique())
-        row = drag.run(one, make_bed(one))
+        row = drag.run(one, make_bed(one.bed_description))
         row |= {"failure": 0, "failure_reason": "", "spent": row["run_time"]}
         for at, count in enumerate(options.runs):
             for name, (time, memory) in commands(checkout, count, row):

@@ -20,7 +20,7 @@ import pandas as pd
 import typer
 
 from dem import PackingError
-from dem.experiment.box import NOMINAL
+from dem.experiment.bed_description import NOMINAL
 from dem.packing.compaction import START
 from dem.packing.constant_pressure import pack_under
 from dem.packing.cost import expected_iterations

@@ -47,7 +47,7 @@ def kernels(config: Path) -> tuple[float, float, float]:
     for replicates in beds.values():
         began = time.process_time()
         try:
-            bed = make_bed(replicates[0])
+            bed = make_bed(replicates[0].bed_description)
         except RunError:
             continue
         finally:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from dem.base.errors import InputError
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
 from dem.experiment.bed import make_bed
-from dem.experiment.box import NOMINAL
+from dem.experiment.bed_description import NOMINAL
 from dem.experiment.run import Replicate
 from dem.experiment.scene import make_scene
 from dem.motion import Drive, Held, PrescribedMotion
@@ -37,10 +37,10 @@ def make_case(scene: Scene, state: State) -> Case:
 def packed(sweep: Sweep, label: str, seed: int) -> Case:
     """A bed of one of the sweep's shapes, which carries load, with the cylinder in it."""
     least = LOADED.get(sweep.shapes[label].kind, 0.0)
-    packing = {"fraction": max(sweep.packing.fraction or NOMINAL, least)}
-    loaded = sweep.model_copy(update={"packing": sweep.packing.model_copy(update=packing)})
+    fraction = max(sweep.packing.fraction or NOMINAL, least)
+    loaded = sweep.changed({"packing.fraction": fraction}, label)
     replicate = Replicate(loaded, label, sweep.density_of(label), seed)
-    bed = make_bed(replicate)
+    bed = make_bed(replicate.bed_description)
     return make_case(make_scene(replicate, bed), bed.state)
 
 

@@ -7,8 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
-from dem.experiment.box import height_of_box
-from dem.experiment.granule_sizes import sample_diameters
 from dem.material import Friction, Material
 from dem.packing.random import Bed, pack
 from dem.scene import Scene, State
@@ -29,15 +27,16 @@ def large_scene(sweep: Sweep, side: int):
 
     Frictional, damped, in a box without a cylinder.
     """
-    section = next(s for s in sweep.shapes.values() if s.kind == "disc")
-    sizes = sample_diameters(section, sweep.packing.size_spread, SEED)
-    room = sweep.cylinder.diameter**2 * np.pi / 4.0 / sweep.box_width
-    bed = pack(Disc.of_size(sizes), sweep.box_width, height_of_box(sweep, sizes) - room, None, SEED)
+    label = next(label for label, shape in sweep.shapes.items() if shape.kind == "disc")
+    replicate = sweep.replicate(label, sweep.density_of(label), SEED)
+    sizes, room = replicate.diameters, sweep.cylinder.diameter**2 * np.pi / 4.0 / sweep.box_width
+    height = replicate.bed_description.height(sizes) - room
+    bed = pack(Disc.of_size(sizes), sweep.box_width, height, None, SEED)
     state = tiled(bed, side)
     shape = Disc.of_size(np.tile(sizes, side**2))
     material = Material(**sweep.material.model_dump(exclude={"thickness"}))
     walls = box(side * bed.width, side * bed.height)
-    scene = Scene(shape, material, Friction(), walls, thickness=section.diameter)
+    scene = Scene(shape, material, Friction(), walls, thickness=replicate.shape.diameter)
     random = np.random.default_rng(SEED)
     return scene, replace(state, velocity=SPEED * random.normal(size=state.position.shape))
 

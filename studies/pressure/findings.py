@@ -2,13 +2,12 @@
 
 import json
 from functools import cached_property
-from types import SimpleNamespace
 
 import numpy as np
 import xarray as xr
 from rich.table import Table
 
-from dem.experiment.granule_sizes import sample_diameters
+from dem.experiment.bed_description import sample_diameters
 from studies.common.findings import Findings, estimate, numbers
 from studies.pressure.widths import Widths
 
@@ -72,8 +71,8 @@ class Pressure(Findings):
         fractions = {}
         for shape in self.widths["pressure"].shapes:
             one = runs.sel(shape=shape)
-            sizes = SimpleNamespace(diameter=float(one["diameter"]), granules=int(one["granules"]))
-            diameters = [sample_diameters(sizes, spread, int(seed)) for seed in one["seed"].values]
+            sizes = float(one["diameter"]), int(one["granules"]), spread
+            diameters = [sample_diameters(*sizes, int(seed)) for seed in one["seed"].values]
             area = 0.25 * np.pi * np.sum(np.square(diameters), axis=1)
             room = float(one["box_width"]) * one["box_height"].values - hole
             fractions[shape] = float(np.mean(area / room))

@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
-from dem.experiment.granule_sizes import diameters_of
 from dem.experiment.scene import make_scene
 from dem.shapes.disc import Disc
 from dem.shapes.ellipse import Ellipse
@@ -72,7 +71,7 @@ def restart(sweep, shape, change) -> dict:
 def round_off(sweep, shape, change) -> dict:
     """Ellipses of a given aspect ratio, nearly 1, against discs, on one bed before chaos."""
     replicate = changed(sweep, shape, change.model_copy(update={"aspect_ratio": None}))
-    bed, sizes = bed_of(replicate), diameters_of(replicate)
+    bed, sizes = bed_of(replicate), replicate.diameters
     scene = make_scene(replicate, bed)
     shapes = Disc.of_size(sizes), Ellipse.of_size(sizes, change.aspect_ratio)
     scenes = [replace(scene, shape=shape) for shape in shapes]

@@ -42,7 +42,7 @@ def bed_of(replicate: Replicate):
     """The bed of a replicate, made once per process: many cases share it."""
     key = replicate.bed_key()
     if key not in _beds:
-        _beds[key] = make_bed(replicate)
+        _beds[key] = make_bed(replicate.bed_description)
     return _beds[key]
 
 

@@ -11,8 +11,7 @@ from project import quick
 
 import dem
 from dem.experiment.bed import make_bed
-from dem.experiment.box import height_of_box
-from dem.experiment.granule_sizes import diameters_of
+from dem.experiment.box import check_stroke
 from dem.experiment.kinds import drag
 from dem.experiment.scene import make_scene
 from dem.experiment.snapshots import snapshots_of
@@ -22,7 +21,7 @@ from dem.figures.frames import of_motion
 
 @cache
 def bed_under(pressure=PRESSURE):
-    return make_bed(replicate(pressure))
+    return make_bed(replicate(pressure).bed_description)
 
 
 @cache
@@ -91,9 +90,9 @@ def test_more_pressure_makes_a_lower_box_around_the_same_cylinder():
 def test_a_box_too_low_for_the_stroke_is_refused():
     """Of the box at a packing fraction of 0.84 the stroke leaves a micrometre; the bed is lower."""
     run, bed = replicate(HIGH), bed_under(HIGH)
-    nominal = height_of_box(run.configuration, diameters_of(run))
+    nominal = run.bed_description.height(run.diameters)
     (at,) = make_scene(run, bed).solids
     stroke = nominal - at.position[1] - at.radius - 1e-6
     assert bed.height < nominal
     with pytest.raises(dem.PackingError, match="would leave it during its stroke; at most"):
-        make_bed(replicate(HIGH, **{"cylinder.stroke": stroke}))
+        check_stroke(replicate(HIGH, **{"cylinder.stroke": stroke}), bed)

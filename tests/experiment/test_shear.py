@@ -49,7 +49,7 @@ def test_the_packing_fraction_is_that_between_the_walls():
     """Discs of the walls, whose mean heights bound the bed, are half in it. A disc that is partly in the middle
     counts with that part, so that the fraction hardly jumps."""
     result, run = measured(), run_of(young_modulus=5e8)
-    scene, _ = shear.make_cell(run, make_bed(run))
+    scene, _ = shear.make_cell(run, make_bed(run.bed_description))
     area = (scene.shape.area * np.where(scene.is_held, 0.5, 1.0)).sum()
     between = area / (scene.periodic[0] * result["shear_height"])
     assert result["shear_fraction"].mean() == pytest.approx(between.mean(), rel=0.03)
@@ -65,7 +65,7 @@ def test_the_inertial_number_is_a_ratio_of_two_times(pressure, number, rate):
     run = run_of(pressure=pressure, inertial_number=number)
     assert shear.rate_of(run) == pytest.approx(rate, rel=1e-4)
     assert shear.duration(run) == pytest.approx(4.0 / rate, rel=1e-4)
-    bed = make_bed(run)
+    bed = make_bed(run.bed_description)
     scene, state = shear.make_cell(run, bed)
     floor, lid = (state.position[group.granules, 1] for group in scene.held)
     speed, force = (rate * (lid.min() - floor.max()), 0.0), -pressure * bed.width * scene.thickness
@@ -78,7 +78,11 @@ def time_of(number, settle):
     """Time (s) of a run of soft granules over a strain of 0.1, by its first step."""
     more = {"inertial_number": number, "settle": settle, "strain": 0.1, "samples": 2}
     run = run_of(young_modulus=5e7, **more)
-    step = dem.Simulation(*shear.make_cell(run, make_bed(run))).diagnose().longest_time_step
+    step = (
+        dem.Simulation(*shear.make_cell(run, make_bed(run.bed_description)))
+        .diagnose()
+        .longest_time_step
+    )
     return shear.run(run)["steps"] * step
 
 
@@ -96,7 +100,7 @@ def test_a_fast_flow_settles_until_its_bed_has_fallen_three_times():
 def test_both_walls_go_all_the_way_along_the_bed():
     """No gap between held discs is wide enough for another disc."""
     run = run_of()
-    scene, state = shear.make_cell(run, make_bed(run))
+    scene, state = shear.make_cell(run, make_bed(run.bed_description))
     for group in scene.held:
         x = np.sort(state.position[group.granules, 0] % 9e-3)
         assert np.diff(x, append=x[0] + 9e-3).max() < 2.0e-3

@@ -87,13 +87,13 @@ ROWS = (
     ("shapes/superellipse.py", "root + (1.0 - q) * root", "root - (1.0 - q) * root", SUPER),
     # beds
     ("packing/minimise.py", "    system.forces(0.0)\n    return", "    return"),
-    ("packing/random.py", "(r + radius[near]) ** 2", "radius[near] ** 2"),
+    ("packing/random.py", "(r + other) ** 2", "other**2"),
     ("packing/swelling.py", "KEPT * end.velocity", "end.velocity"),
     # runs
     ("experiment/kinds/drag.py", "min(every - done % every, BINS_A_CALL)", "BINS_A_CALL", RUN),
     ("experiment/kinds/jamming.py", "load[start:] ** (1.0 / power)", "load[start:] ** (3.0 / 2.0)", "tests/experiment/test_onset.py::test_a_bed_jams_where_the_line_of_its_loads_begins"),
     ("experiment/kinds/onset.py", "HOLDING = 3", "HOLDING = 2", "tests/experiment/test_onset.py"),
-    ("experiment/identity.py", '"packing.fraction", "packing.friction"', '"packing.fraction"'),
+    ("experiment/bed_description.py", 'NO_VALUES = {"label"', 'NO_VALUES = {"friction", "label"'),
     # sweeps, their store, files and numbers
     ("sweep/grouping.py", "for run in batch.runs:\n", "for run in batch.runs[1:]:\n"),
     ("sweep/batch.py", "    store.keep(replicate.id, values)\n", ""),

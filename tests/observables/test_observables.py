@@ -64,7 +64,7 @@ def expected(name):
     """What follows from the motion of the same run, by a Simulation; of a number that is recorded by bin and known at
     snapshots alone, at the bins that end there."""
     run, discs = replicate(name), name == "discs"
-    bed = make_bed(run)
+    bed = make_bed(run.bed_description)
     simulation = start(run, bed)
     scene, mass = simulation.scene, simulation.scene.mass
     records, states, contacts = [], [simulation.state], [simulation.contacts()]

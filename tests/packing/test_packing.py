@@ -77,6 +77,11 @@ def run_of(name, seed=1, **more):
     )
 
 
+def described(name, seed=1, **more):
+    """What its bed is made of."""
+    return run_of(name, seed, **more).bed_description
+
+
 class Packed(NamedTuple):
     """A bed; the scene of its run with solids at rest; that scene in plain numpy; E* (Pa), or the
     stiffness (N/m) of contacts that are springs, of two of the stiffest granules."""
@@ -103,7 +108,7 @@ class Packed(NamedTuple):
 @cache
 def packed(name):
     run = run_of(name)
-    bed = make_bed(run)
+    bed = make_bed(run.bed_description)
     scene = make_scene(run, bed)
     scene = replace(scene, solids=[replace(s, velocity=(0.0, 0.0)) for s in scene.solids])
     young, poisson = (200e9, 0.3) if name == "mixture" else (70e9, 0.22)
@@ -195,13 +200,13 @@ def test_a_bed_that_is_stopped_goes_on_to_the_same_bits(tmp_path, name):
 
     while resumed is None:
         with suppress(KeyboardInterrupt):
-            resumed = make_bed(run_of(name, threads=2 if name == "large" else 1), path, report)
+            resumed = make_bed(described(name), 2 if name == "large" else 1, path, report)
         assert path.is_file()
     assert len(reports) > 3
     for one, two in zip(packed(name).bed, resumed, strict=True):
         assert_array_equal(one, two)
     with pytest.raises(dem.InputError, match=r"bed\.npz: it is damaged or of another bed"):
-        make_bed(run_of(name, seed=2), path)
+        make_bed(described(name, seed=2), checkpoint=path)
 
 
 def test_what_was_reached_is_kept_of_a_bed_that_does_not_come_to_rest(tmp_path, monkeypatch):
@@ -210,7 +215,7 @@ def test_what_was_reached_is_kept_of_a_bed_that_does_not_come_to_rest(tmp_path, 
     bed, refused = None, 0
     while bed is None and refused < 40:
         try:
-            bed = make_bed(run_of("large"), tmp_path / "bed.npz")
+            bed = make_bed(described("large"), checkpoint=tmp_path / "bed.npz")
         except dem.PackingError as error:
             assert "not at rest after 500 iterations: net force" in str(error)
             refused += 1
@@ -220,7 +225,7 @@ def test_what_was_reached_is_kept_of_a_bed_that_does_not_come_to_rest(tmp_path, 
 def test_a_bed_takes_as_many_iterations_as_is_expected():
     """Within a factor of three; ten times as many near random close packing."""
     reports = []
-    make_bed(run_of("large"), report=lambda iterations, net_force: reports.append(iterations))
+    make_bed(described("large"), report=lambda iterations, net_force: reports.append(iterations))
     assert 1 / 3 < reports[-1] / expected_iterations(1100, 0.86) < 3
     assert expected_iterations(100_000, 0.84) > 10 * expected_iterations(100_000, 0.82)
 
@@ -231,7 +236,7 @@ def test_what_finds_no_place_is_refused():
         dem.pack(dem.Ellipse([6e-3], [1e-3]), 8e-3, 8e-3, dem.Cylinder(1e-3, (4e-3, 4e-3)), 1)
     for name, words in ("grown", r"0\.97 .* cannot be made"), ("disc", r"0\.97.*\.$"):
         with pytest.raises(dem.PackingError, match=rf"packing fraction {words}"):
-            make_bed(run_of(name, **{"packing.fraction": 0.97}))
+            make_bed(described(name, **{"packing.fraction": 0.97}))
 
 
 # Where granules begin
@@ -332,6 +337,6 @@ def test_a_bed_of_one_patch_keeps_the_bits_of_the_released_ones(case, seed):
     change most with the last digit of a step."""
     with dem.open_results(ROOT / "docs/data/drag.nc") as results:
         released = results.sel(case=case, seed=seed)
-        bed = make_bed(load(CONFIG / "paper.yaml").replicate(case, 3900.0, seed))
+        bed = make_bed(load(CONFIG / "paper.yaml").replicate(case, 3900.0, seed).bed_description)
         for name in ("net_force", "max_overlap", "coordination_number"):
             assert getattr(bed, name) == released[f"packing_{name}"], name

@@ -99,7 +99,7 @@ def test_what_has_the_density_of_the_bed_has_that_of_all_its_granules_together()
         material = {"young_modulus": 7e10, "density": density}
         shapes[name] = {"kind": "disc", "diameter": diameter, "material": material}
     run = replicate(6e7, shapes=shapes, **{"cylinder.spin": "free"})
-    scene = make_scene(run, make_bed(run))
+    scene = make_scene(run, make_bed(run.bed_description))
     density = scene.mass.sum() / (scene.shape.area.sum() * scene.thickness)
     lid, (solid,) = scene.walls[-1].motion, scene.solids
     inertia = 0.5 * np.pi * density * scene.thickness * solid.radius**4

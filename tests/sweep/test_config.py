@@ -10,7 +10,7 @@ from project import CONFIG, changed_file
 
 from dem.base.errors import InputError
 from dem.base.yaml_file import read
-from dem.experiment.granule_sizes import sample_diameters
+from dem.experiment.bed_description import sample_diameters
 from dem.sweep.config import load, parse
 from dem.sweep.json_schema import schema
 
@@ -82,7 +82,16 @@ def test_every_number_of_the_paper_says_where_it_is_from():
 def test_diameters_are_within_the_spread():
     """Seed by seed others."""
     section = load(PAPER).shapes["c1"]
-    off = np.array([sample_diameters(section, 0.2, seed) for seed in range(1, 6)]) / 1092e-6 - 1.0
+    off = (
+        np.array(
+            [
+                sample_diameters(section.diameter, section.granules, 0.2, seed)
+                for seed in range(1, 6)
+            ]
+        )
+        / 1092e-6
+        - 1.0
+    )
     assert abs(off).max() <= 0.2 and abs(off.mean(axis=1)).max() < 0.03
     assert off.std(axis=1).min() > 0.1 and len({*off[:, 0]}) == 5
 

@@ -45,7 +45,7 @@ def test_a_run_goes_on_from_a_checkpoint_with_the_same_bits(hurried):
     """Stopped at any piece and started again, a run gives what it would have given undisturbed."""
     record = smoke().dump()["record"] | {"observables": ["drag", "snapshots", "stress"]}
     replicate = smoke(record=record).replicate("c1", 3.9e3, 1)
-    bed, checkpoint = make_bed(replicate), Path("run.npz")
+    bed, checkpoint = make_bed(replicate.bed_description), Path("run.npz")
     run = replicate.configuration.module.run
     whole = run(replicate, bed)
     for share in (0.3, 0.6):

@@ -70,12 +70,15 @@ def run(
     itself every minute, and from which it goes on, bit for bit, if it was stopped; it is the caller's
     to remove once the result is on disk. Raises RunError where the run fails.
     """
-    from dem.experiment.bed import make_bed, modulus
+    from dem.experiment.bed import make_bed
+    from dem.experiment.box import check_stroke
     from dem.experiment.run_checkpoint import PartialRun, resumed
     from dem.experiment.scene import start
     from dem.jit.kernel import computing
 
-    bed, c = bed or make_bed(replicate), replicate.configuration
+    bed = bed or make_bed(replicate.bed_description)
+    check_stroke(replicate, bed)
+    c = replicate.configuration
     bins, every = c.record.bins, c.record.bins // (c.record.snapshots - 1)
     observables = [load(file) for file in c.module.files[1:]]
     ledger = any(getattr(module, "LEDGER", False) for module in observables)
@@ -112,7 +115,7 @@ def run(
         "run_time": partial.spent,
         "steps": simulation.steps,
         "box_height": bed.height,
-        "packing_pressure": bed.pressure * modulus(replicate) / replicate.thickness,
+        "packing_pressure": bed.pressure * replicate.modulus / replicate.thickness,
         "packing_coordination_number": bed.coordination_number,
         "packing_net_force": bed.net_force,
         "packing_max_overlap": bed.max_overlap,

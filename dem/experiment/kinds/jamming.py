@@ -63,7 +63,8 @@ def run(replicate: Replicate, bed=None, progress=lambda done: None) -> dict:
     packing, law, loads = replicate.configuration.packing, replicate.law, []
     unit = law.scale(1.0, replicate.shape.diameter)
     try:
-        press = Press(*room_of(replicate), packing.friction, PREPARATIONS[packing.preparation])
+        room = room_of(replicate.bed_description)
+        press = Press(*room, packing.friction, PREPARATIONS[packing.preparation])
         for fraction in FRACTIONS:
             loads.append(press.press(fraction) / unit)
             if sum(load > NOISE for load in loads) > 2 and loads[-1] > ENOUGH:

@@ -54,7 +54,7 @@ HOLDING = 3  # contacts that hold a granule of two dimensions, round or not, wit
 def run(replicate: Replicate, bed=None, progress=lambda done: None) -> dict:
     """Find the onset of jamming of a run; returns the variables of a run by name. Raises PackingError
     where there is none."""
-    press, law = Press(*room_of(replicate)), replicate.law
+    press, law = Press(*room_of(replicate.bed_description)), replicate.law
     unit, jammed = law.scale(1.0, replicate.shape.diameter), JAMMED ** (law.power / Hertz.power)
     for _ in range(STEPS):
         load = press.press(press.fraction + STEP, GROWN * (jammed / JAMMED), PATIENCE) / unit

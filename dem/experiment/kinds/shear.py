@@ -104,7 +104,8 @@ def duration(replicate: Replicate) -> float:
 def run(replicate: Replicate, bed: Bed | None = None, progress=lambda done: None) -> dict:
     """Shear the bed of a run; returns the variables of a run by name. Raises RunError, also where a granule
     gets out between those that are held."""
-    c, bed, rate = replicate.configuration, bed or make_bed(replicate), rate_of(replicate)
+    c, rate = replicate.configuration, rate_of(replicate)
+    bed = bed or make_bed(replicate.bed_description)
     shear, (scene, state) = c.shear, make_cell(replicate, bed)
     force = shear.pressure * (bed.width * scene.thickness)
     fall = np.sqrt(2.0 * bed.height * scene.mass.sum() / force)

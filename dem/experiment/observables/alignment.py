@@ -6,7 +6,6 @@ does is the difference to the angles at the start of the same granules.
 
 import numpy as np
 
-from dem.experiment.intruders import ahead_of
 from dem.periodic import nearest_image
 
 S = ("snapshot",)
@@ -52,7 +51,7 @@ def measure(run) -> dict:
     """Values of VARIABLES by name; NaN for round granules, and for clumps, whose angle tells no long axis."""
     snapshots, c = run.snapshots, run.replicate.configuration
     values = np.full((len(VARIABLES), len(snapshots.displacement)), np.nan)
-    ahead = np.array(ahead_of(c.cylinder))
+    ahead = np.array(c.cylinder.ahead)
     if run.replicate.shape.ratio > 1.0 and run.replicate.shape.kind != "clump":
         for now in range(1, values.shape[1]):
             values[:, now] = alignment(

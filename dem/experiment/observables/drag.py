@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from dem.experiment.intruders import ahead_of
 from dem.periodic import walled
 
 D = ("displacement",)
@@ -35,7 +34,7 @@ def measure(run) -> dict:
     """Values of VARIABLES by name."""
     record = run.record
     normal, tangential = record.normal_force[:, 0], record.tangential_force[:, 0]
-    x, y = ahead_of(run.replicate.configuration.cylinder)
+    x, y = run.replicate.configuration.cylinder.ahead
     along, right = np.array([x, y]), np.array([y, -x])
     total = normal + tangential
     on_walls = np.full((4, len(total)), np.nan)

@@ -2,8 +2,6 @@
 
 import numpy as np
 
-from dem.experiment.intruders import ahead_of
-
 SIZES = {"solid": "solids"}
 AXIS = {"solid": (("solid",), None, "what is drawn through the bed")}
 SOLID = "solid", "displacement"
@@ -23,7 +21,7 @@ def axes(configuration) -> dict:
 def measure(run) -> dict:
     """Values of VARIABLES by name."""
     record = run.record
-    x, y = ahead_of(run.replicate.configuration.cylinder)
+    x, y = run.replicate.configuration.cylinder.ahead
     total = record.normal_force + record.tangential_force
     return {
         "solid_drag": -(total @ np.array([x, y])).T,

@@ -7,8 +7,6 @@ import math
 
 import numpy as np
 
-from dem.experiment.granule_sizes import diameters_of
-from dem.experiment.intruders import area_of_solids
 from dem.periodic import walled
 
 D = ("displacement",)
@@ -20,10 +18,10 @@ VARIABLES = {
 
 def measure(run) -> dict:
     """Values of VARIABLES by name."""
-    c, periodic = run.replicate.configuration, run.bed.periodic
+    bed, periodic = run.replicate.bed_description, run.bed.periodic
     height = (
         run.record.wall_offset[:, -1] if walled(periodic)[-1] else np.nan * run.record.time_step
     )
-    granules = 0.25 * math.pi * np.sum(np.square(diameters_of(run.replicate)))
-    room = c.box_width * height - area_of_solids(c)
+    granules = 0.25 * math.pi * np.sum(np.square(run.replicate.diameters))
+    room = bed.width * height - bed.area_of_solids
     return {"top_height": height, "bed_fraction": granules / room}
