@@ -6,7 +6,7 @@ these values and of the code of its shape and law.
 
 import json
 import math
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
@@ -114,9 +114,9 @@ class BedDescription:
     files: tuple[Path, ...] = ()
 
     def _text(self, without: set[str]) -> str:
-        values = [(field.name, getattr(self, field.name)) for field in fields(self)]
+        values = values_of(self).items()
         known = {name: v for name, v in values if v is not None and name not in without}
-        return json.dumps(known, default=asdict)
+        return json.dumps(known, default=values_of)
 
     @property
     def text(self) -> str:
@@ -179,6 +179,11 @@ class BedDescription:
         """Height (m) of the box by which solids are placed in a bed of a height (m): the same, or under
         a pressure that at NOMINAL, in which the bed was packed around them."""
         return height if self.pressure is None else self.height(self.diameters)
+
+
+def values_of(part) -> dict:
+    """Fields of a dataclass by name."""
+    return {name: getattr(part, name) for name in part.__dataclass_fields__}
 
 
 def sample_diameters(mean, count: int, spread: float, seed: int) -> np.ndarray:

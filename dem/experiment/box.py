@@ -13,9 +13,10 @@ def check_room(replicate) -> None:
     What fits into the lowest box that could be, with the largest granule, fits for every seed: only
     where it does not is the box of the seed looked at.
     """
-    c, label, bed = replicate.configuration, replicate.label, replicate.bed_description
+    c, label = replicate.configuration, replicate.label
     if label in c.fitting_shapes:
         return
+    bed = replicate.bed_description
     spread, sizes = bed.size_spread, [part.diameter for part in bed.parts]
     least, most = min(sizes) * (1.0 - spread), max(sizes) * (1.0 + spread)
     try:
