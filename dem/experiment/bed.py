@@ -9,6 +9,7 @@ from dem.experiment.bed_description import NOMINAL, BedDescription
 from dem.packing.compaction import START, Press
 from dem.packing.constant_pressure import pack_under
 from dem.packing.job import Job
+from dem.packing.lattice import rows
 from dem.packing.random import Bed, Room, relaxed
 from dem.packing.settling import settle
 from dem.packing.swelling import grown
@@ -59,6 +60,8 @@ def make_bed(
     """
     (shape, room), friction = room_of(description), description.friction
     thickness, pressure = description.thickness, description.pressure
+    if description.preparation == "lattice":
+        return rows(shape, room, description.region)
     job = Job(threads, checkpoint, report)
     job.begin(description.id)
     if description.preparation == "settled":

@@ -8,21 +8,22 @@ import json
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
 from dem.base.provenance import compilers
 from dem.base.source_hash import digest, run_hash
 from dem.experiment.intruders import Intruder
-from dem.laws import law_of
+from dem.laws import file_of, law_of
 from dem.material import Material
-from dem.shapes import KINDS
+from dem.shapes import KINDS, kind_of
 
 NOMINAL = 0.84  # packing fraction that tells where a bed under a pressure has its cylinder
-NO_VALUES = {"label", "beside", "files"}  # fields that no number depends on
+NO_VALUES = {"label", "beside"}  # fields that no number depends on
 MEMBER = {
     "fraction",
+    "box_height",
+    "region",
     "pressure",
     "modulus",
     "thickness",
@@ -80,14 +81,18 @@ class BedDescription:
         E* of two granules of each material over the greatest.
     fraction : float, optional
         Packing fraction; None under a pressure.
+    box_height : float, optional
+        Height (m) of the box; None where it follows from the fraction or the pressure.
+    region : tuple of float, optional
+        Left, bottom, right and top (m) of the rows of a lattice.
     pressure, modulus, thickness : float, optional
         Pressure (Pa) on the top wall, greatest E* (Pa), thickness (m); where it is pressed.
     materials, gravity : tuple of Material, float, optional
         Of granules that settle, with the thickness; gravity in m/s2.
     seed : int
         Seed of sizes, places and angles.
-    label, beside, files : str, str, tuple of Path
-        What sentences call the shape, the folder of a user's files, and the files of shape and law.
+    label, beside : str
+        What sentences call the shape, and the folder of a user's files.
     """
 
     kind: str
@@ -103,6 +108,8 @@ class BedDescription:
     friction: float
     moduli: tuple[float, ...]
     fraction: float | None = None
+    box_height: float | None = None
+    region: tuple[float, ...] | None = None
     pressure: float | None = None
     modulus: float | None = None
     thickness: float | None = None
@@ -111,11 +118,9 @@ class BedDescription:
     seed: int = 0
     label: str = ""
     beside: str | None = None
-    files: tuple[Path, ...] = ()
 
     def _text(self, without: set[str]) -> str:
-        values = values_of(self).items()
-        known = {name: v for name, v in values if v is not None and name not in without}
+        known = {name: v for name, v in values_of(self).items() if name not in without}
         return json.dumps(known, default=values_of)
 
     @property
@@ -130,8 +135,9 @@ class BedDescription:
 
     @property
     def id(self) -> str:
-        """Identity of the bed."""
-        return digest(self.text, compilers(), run_hash(*self.files))
+        """Identity of the bed; raises InputError where the file of its shape or law cannot be used."""
+        files = kind_of(self.kind, self.beside).file, file_of(self.law, self.beside)
+        return digest(self.text, compilers(), run_hash(*files))
 
     @property
     def contact_law(self):
@@ -172,6 +178,8 @@ class BedDescription:
         count: how many granules there are of every diameter. Under a pressure V_f is NOMINAL: the
         height by which the start of the cylinder is measured, near that of the bed.
         """
+        if self.box_height is not None:
+            return self.box_height
         granules = 0.25 * math.pi * count * np.sum(np.square(diameters))
         return (granules / (self.fraction or NOMINAL) + self.area_of_solids) / self.width
 
@@ -182,8 +190,9 @@ class BedDescription:
 
 
 def values_of(part) -> dict:
-    """Fields of a dataclass by name."""
-    return {name: getattr(part, name) for name in part.__dataclass_fields__}
+    """Fields of a dataclass by name, but for those that are None."""
+    values = ((name, getattr(part, name)) for name in part.__dataclass_fields__)
+    return {name: value for name, value in values if value is not None}
 
 
 def sample_diameters(mean, count: int, spread: float, seed: int) -> np.ndarray:

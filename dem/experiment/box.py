@@ -1,10 +1,15 @@
 """Whether the cylinder and all granules fit into the box, and the stroke too."""
 
+import re
+
 import numpy as np
 
 from dem.base.errors import InputError, PackingError
 from dem.experiment.bed_description import length_of
-from dem.periodic import ROOM
+from dem.periodic import ROOM, periods_of
+from dem.scene import Scene
+from dem.shapes.disc import Disc
+from dem.solids import walls_of
 
 
 def check_room(replicate) -> None:
@@ -17,6 +22,7 @@ def check_room(replicate) -> None:
     if label in c.fitting_shapes:
         return
     bed = replicate.bed_description
+    _check_solids(replicate)
     spread, sizes = bed.size_spread, [part.diameter for part in bed.parts]
     least, most = min(sizes) * (1.0 - spread), max(sizes) * (1.0 + spread)
     try:
@@ -25,6 +31,24 @@ def check_room(replicate) -> None:
     except InputError:
         diameters = bed.diameters
         _check_box(replicate, bed.height(diameters), diameters.max())
+
+
+def _check_solids(replicate) -> None:
+    """Raise InputError where the solids of a scene cannot be where they are, by their names."""
+    c, bed = replicate.configuration, replicate.bed_description
+    if not c.solids:
+        return
+    height = bed.height(bed.diameters)
+    periods = periods_of(bed.width, height, bed.periodic)
+    solids = [solid.solid(height) for solid in bed.solids]
+    try:
+        walls = walls_of(bed.width, height, periods)
+        Scene(Disc([1e-3 * bed.width]), walls=walls, solids=solids, periodic=periods)
+    except InputError as error:
+        named = re.sub(
+            r"solids\[(\d+)\]", lambda k: f"solids.{c.solid_names[int(k[1])]}", str(error)
+        )
+        raise InputError(named) from None
 
 
 def _check_box(replicate, height: float, largest: float) -> None:

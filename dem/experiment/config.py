@@ -4,13 +4,12 @@ SI units throughout. Workflow, command line and library read values only through
 refuses values that cannot be simulated with one sentence per fault, which names key and value.
 """
 
-from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, NamedTuple, get_origin
 
 import numpy as np
-from pydantic import Field, create_model, model_validator
+from pydantic import AfterValidator, Field, create_model, model_validator
 from pydantic.fields import FieldInfo
 
 from dem.base.errors import InputError
@@ -41,12 +40,14 @@ from dem.experiment.sections import (
     MaterialSection,
     NumericsSection,
     PackingSection,
+    PhaseSection,
     RecordSection,
     RollingSection,
     RunSection,
     SecondSection,
     ShapeSection,
     ShearSection,
+    SolidSection,
     WallsSection,
     or_file,
 )
@@ -55,8 +56,13 @@ from dem.periodic import Sides
 from dem.shapes import Kind, kind_of
 
 HERTZ = "hertz"  # the law of contacts where none is named
+SORTED = AfterValidator(
+    lambda table: dict(sorted(table.items()))
+)  # in any order they are one scene
 # sections that only some experiments read
-SECTIONS = "cylinder", "record", "shear"
+SECTIONS = "cylinder", "record", "shear", "solids", "phases"
+NO_AXIS = "discs", "mixture", "region", "until"  # names of others that cannot
+CELLS = 60  # of the profile of a surface, where record.cells does not say it
 UNHASHED_KEYS = "beside", "record.window", "threads"  # that no number depends on
 FIXED_KEYS = *UNHASHED_KEYS, "record.observables"  # that cannot vary in a sweep
 # what runs have without these keys: said or not, they are one run
@@ -77,6 +83,8 @@ class Configuration(Section):
     """the cylinder; null: there is none"""
     second: SecondSection | None = None
     """a second cylinder beside the first; both are centred in the box"""
+    solids: Annotated[dict[Label, SolidSection], SORTED] = Field({})
+    """solids of a scene, by name"""
     packing: PackingSection
     material: MaterialSection
     friction: FrictionSection
@@ -95,6 +103,8 @@ class Configuration(Section):
     """folder of files of your own; that of this file"""
     record: RecordSection | None = None
     """what is recorded"""
+    phases: dict[Label, PhaseSection] = Field({})
+    """what happens in a scene, one after the other; the last is recorded"""
     shear: ShearSection | None = None
     """how the bed is sheared"""
     numerics: NumericsSection = NumericsSection()
@@ -103,7 +113,7 @@ class Configuration(Section):
     def _check_sections(self):
         header = self.module.constants
         for name in SECTIONS if "SECTIONS" in header else ():
-            given, needed = getattr(self, name) is not None, header["SECTIONS"].get(name)
+            given, needed = getattr(self, name) not in (None, {}), header["SECTIONS"].get(name)
             if needed and not given:
                 raise ValueError(f"{name} is missing; the experiment {self.experiment} needs it")
             if given and needed is None:
@@ -142,6 +152,7 @@ class Configuration(Section):
     @model_validator(mode="after")
     def _check_together(self):
         record, cylinder, pressure = self.record, self.cylinder, self.packing.pressure
+        observed = record is not None and cylinder is not None and self.module.observed
         bed_alone = self.module.constants.get("BED_ALONE")
         if self.second is not None and cylinder is None:
             raise ValueError("second is a cylinder beside another; give cylinder too")
@@ -167,13 +178,19 @@ class Configuration(Section):
                 f"contact.law is cohesive; the experiment {self.experiment} compresses its bed, and "
                 "beds are packed without attraction: let law be hertz"
             )
-        if record is None or cylinder is None or not self.module.observed:
-            return self
-        if record.bins % (record.snapshots - 1):
+        if record is not None and not record.window and self.module.observed:
+            raise ValueError("record.window is missing; give the displacements of the mean drag")
+        if (
+            record is not None
+            and (observed or self.phases)
+            and record.bins % (record.snapshots - 1)
+        ):
             raise ValueError(
                 f"record.bins is {record.bins}; it must be a multiple of record.snapshots - 1, "
                 f"which is {record.snapshots - 1}, so that every snapshot falls on the end of a bin"
             )
+        if not observed:
+            return self
         if record.window[1] > cylinder.stroke:
             raise ValueError(
                 f"record.window ends at {record.window[1]:g} m, beyond cylinder.stroke, "
@@ -186,6 +203,44 @@ class Configuration(Section):
             )
         return self
 
+    @model_validator(mode="after")
+    def _check_phases(self):
+        for name, phase in self.phases.items():
+            for solid in phase.motion:
+                if solid not in self.solids:
+                    hint = did_you_mean(solid, self.solids)
+                    raise ValueError(
+                        f"phases.{name}.motion has {solid!r}, which is not one of solids{hint}"
+                    )
+                if self.solids[solid].spin == "free" and phase.motion[solid].spin is not None:
+                    raise ValueError(
+                        f"phases.{name}.motion.{solid}.spin is {phase.motion[solid].spin:g}; granules "
+                        f"turn it, because solids.{solid}.spin is free"
+                    )
+            if phase.until and not self.gravity:
+                raise ValueError(
+                    f"phases.{name}.until is rest and gravity 0; without gravity nothing comes to rest, "
+                    "give gravity or a time"
+                )
+        for key in ("cells", "region"):
+            if self.record and getattr(self.record, key) is not None and not self.phases:
+                raise ValueError(f"record.{key} is given; only a scene has it, leave it out")
+        if self.phases and not self.duration:
+            raise ValueError(
+                f"phases.{name} is the last and has until; what is recorded needs a time"
+            )
+        return self
+
+    @property
+    def cells(self) -> int:
+        """Cells along x of the profile of the surface of a scene."""
+        return self.record.cells or CELLS
+
+    @property
+    def duration(self) -> float | None:
+        """How long the last phase lasts (s)."""
+        return next((phase.time for phase in reversed(self.phases.values())), None)
+
     @property
     def in_window(self) -> np.ndarray:
         """Which bins (bins,) of a run have their middle in the averaging window."""
@@ -193,9 +248,15 @@ class Configuration(Section):
         return (middle >= self.record.window[0]) & (middle <= self.record.window[1])
 
     @property
-    def solids(self) -> int:
-        """Number of solids that are drawn through the bed."""
-        return (self.cylinder is not None) + (self.second is not None)
+    def solid_names(self) -> list[str]:
+        """Names of the solids that are in the bed."""
+        drawn = ("cylinder", self.cylinder), ("second", self.second)
+        return [*self.solids] or [name for name, section in drawn if section]
+
+    @property
+    def solid_count(self) -> int:
+        """Number of these."""
+        return len(self.solid_names)
 
     @property
     def observables(self) -> tuple[str, ...]:
@@ -262,6 +323,8 @@ class Configuration(Section):
             if self.shape_of(label).kind == "ellipse":
                 groups["ellipse"] = ellipse
             known[label] = paths | by_path(groups)
+            if self.phases:
+                known[label]["phases"] = [*self.phases]  # their order
         return known
 
     @cached_property
@@ -304,7 +367,7 @@ class Configuration(Section):
     @cached_property
     def entries(self) -> dict[str, "Entry"]:
         """The values that may vary, by path."""
-        return entries(self.shapes, self.read)
+        return entries(self.read, self)
 
     @property
     def module(self) -> Experiment:
@@ -416,18 +479,19 @@ class Entry(NamedTuple):
 
 
 def entries(
-    shapes: Iterable[str], fields: dict[str, FieldInfo] = Configuration.read, head: str = ""
+    fields: dict[str, FieldInfo] = Configuration.read, values: Any = None, head: str = ""
 ) -> dict[str, Entry]:
-    """All values of a configuration that may vary, by path; shapes: labels of the configuration."""
+    """All values of a configuration that may vary, by path; of tables those of its labels."""
     paths = {}
     for name, field in fields.items():
         path, section = head + name, section_of(field.annotation)
-        if section:
-            is_table = get_origin(field.annotation) is dict
-            heads = [f"{path}.{label}." for label in shapes] if is_table else [f"{path}."]
-            for start in heads:
-                paths |= entries(shapes, section.model_fields, start)
-        elif path not in FIXED_KEYS and name not in ("discs", "mixture"):
+        inner = values.get(name) if isinstance(values, dict) else getattr(values, name, None)
+        if section and get_origin(field.annotation) is dict:
+            for label in inner or ():
+                paths |= entries(section.model_fields, inner[label], f"{path}.{label}.")
+        elif section:
+            paths |= entries(section.model_fields, inner, f"{path}.")
+        elif path not in FIXED_KEYS and name not in NO_AXIS:
             unit = unit_of(field.rebuild_annotation())
             paths[path] = Entry(path, unit, field.description, field)
     return paths

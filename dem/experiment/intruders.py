@@ -10,7 +10,12 @@ from dem.shapes.disc import Disc
 from dem.shapes.ellipse import Ellipse
 from dem.solids import Polygon, Solid
 
-RATIOS = {"ellipse": 2.0, "plate": 6.0}  # length over width, where cylinder.aspect_ratio is none
+SIDES = 36  # plates of a ring
+RATIOS = {
+    "ellipse": 2.0,
+    "plate": 6.0,
+    "ring": 6.0,
+}  # length over width, where cylinder.aspect_ratio is none
 ROUNDED = 1.0 / 12.0  # of the diameter: radius of the corners of a square or a wedge
 # by outline: corners, anticlockwise, over half the width between them; those of a wedge are lower by sqrt(3)
 CORNERS = {
@@ -31,13 +36,15 @@ class Intruder:
     diameter : float
         Its length (m).
     aspect_ratio : float or None
-        Length over width of an ellipse or a plate, without unit.
+        Length over width of an ellipse or a plate, diameter over thickness of a ring, without unit.
     x : float
         Place of the axis along x (m).
     start, offset : float
         Its height: a share of that of the box, and metres above that.
     angle : float
         Angle at the start (rad).
+    shift : tuple of float, optional
+        From the axis to the middle of the outline (m), at angle zero.
     """
 
     kind: str
@@ -47,26 +54,38 @@ class Intruder:
     start: float
     offset: float
     angle: float
+    shift: tuple[float, float] | None = None
 
     @cached_property
-    def outline(self) -> Disc | Ellipse | Polygon:
+    def outline(self) -> Disc | Ellipse | Polygon | list[Polygon]:
         """The outline, with its length along x, and a tip upwards."""
         width = self.diameter / (self.aspect_ratio or 1.0)
         if self.kind == "circle":
             return Disc([0.5 * self.diameter])
         if self.kind == "ellipse":
             return Ellipse([0.5 * self.diameter], [0.5 * width])
+        if self.kind == "ring":
+            return self._ring(0.5 * width)
         radius = 0.5 * width if self.kind == "plate" else ROUNDED * self.diameter
         half = 0.5 * self.diameter - radius
         slope = math.sqrt(3.0) if self.kind == "wedge" else 1.0
-        return Polygon([(x * half, y * half / slope) for x, y in CORNERS[self.kind]], radius)
+        dx, dy = self.shift or (0.0, 0.0)
+        corners = [(dx + x * half, dy + y * half / slope) for x, y in CORNERS[self.kind]]
+        return Polygon(corners, radius)
+
+    def _ring(self, radius: float) -> list[Polygon]:
+        """Plates around the room inside, whose corners have a radius (m)."""
+        turn = 2.0 * np.pi / SIDES * np.arange(SIDES + 1)
+        corners = (0.5 * self.diameter + radius) * np.column_stack([np.cos(turn), np.sin(turn)])
+        corners += self.shift or (0.0, 0.0)
+        return [Polygon(corners[k : k + 2], radius) for k in range(SIDES)]
 
     @property
     def area(self) -> float:
         """Area (m2)."""
         if self.kind == "circle":  # to the last bit as equation 18 of the paper has it
             return 0.25 * math.pi * self.diameter**2
-        return float(np.sum(self.outline.area))
+        return self.solid(0.0).area if self.kind == "ring" else float(np.sum(self.outline.area))
 
     @property
     def radius(self) -> float:
@@ -82,10 +101,12 @@ class Intruder:
         return Solid(self.outline, self.place(height), self.angle, **motion)
 
 
-def intruders_of(cylinder, second, width: float) -> tuple[Intruder, ...]:
-    """The cylinder of a configuration and a second one, both centred in a box of a width (m)."""
+def intruders_of(configuration) -> tuple[Intruder, ...]:
+    """The solids of a scene; else the cylinder and a second one, both centred in the box."""
+    cylinder, second = configuration.cylinder, configuration.second
     if cylinder is None:
-        return ()
+        return tuple(map(intruder_of, configuration.solids.values()))
+    width = configuration.box_width
     kind, dx, dy = cylinder.outline or "circle", 0.0, 0.0
     if second is not None:
         (x, y), apart = cylinder.ahead, second.gap + 0.5 * (cylinder.diameter + second.diameter)
@@ -105,3 +126,23 @@ def intruders_of(cylinder, second, width: float) -> tuple[Intruder, ...]:
         return (first,)
     place = 0.5 * width + 0.5 * dx, cylinder.start, 0.5 * dy
     return first, Intruder("circle", second.diameter, None, *place, 0.0)
+
+
+def intruder_of(solid) -> Intruder:
+    """A solid of a scene, from its section."""
+    x = solid.x if solid.pivot_x is None else solid.pivot_x
+    y = solid.y if solid.pivot_y is None else solid.pivot_y
+    c, s, dx, dy = math.cos(solid.angle), math.sin(solid.angle), solid.x - x, solid.y - y
+    ratio = RATIOS.get(solid.outline)
+    if solid.thickness is not None:
+        ratio = solid.diameter / solid.thickness
+    return Intruder(
+        kind=solid.outline,
+        diameter=solid.diameter,
+        aspect_ratio=ratio,
+        x=x,
+        start=0.0,
+        offset=y,
+        angle=solid.angle,
+        shift=(c * dx + s * dy, c * dy - s * dx) if dx or dy else None,
+    )

@@ -105,13 +105,15 @@ class Replicate(Identity):
             size_spread=packing.size_spread,
             width=c.box_width,
             periodic=c.periodic,
-            solids=intruders_of(c.cylinder, c.second, c.box_width),
+            solids=intruders_of(c),
             law=c.law_name,
             constants=c.contact.constants,
             preparation=packing.preparation,
             friction=packing.friction,
             moduli=tuple(modulus / max(self.moduli) for modulus in self.moduli),
             fraction=packing.fraction,
+            box_height=packing.height,
+            region=packing.region,
             pressure=packing.pressure,
             modulus=max(self.moduli) if pressed else None,
             thickness=self.thickness if pressed or settled else None,
@@ -119,7 +121,6 @@ class Replicate(Identity):
             gravity=c.gravity if settled else None,
             label=self.label,
             beside=c.beside,
-            files=self.files[-2:],
         )
 
     @property

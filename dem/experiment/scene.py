@@ -74,11 +74,13 @@ def solids(replicate: Replicate, height: float) -> tuple[Solid, ...]:
     """The cylinder, and a second one, at their start in a bed of a height (m); none without one."""
     c, description, drawn = replicate.configuration, replicate.bed_description, []
     height = description.start_height(height)
-    for section, intruder in zip((c.cylinder, c.second), description.solids, strict=False):
-        free, material = section.spin == "free", c.cylinder.material
+    sections = (c.cylinder, c.second) if c.cylinder else c.solids.values()
+    for section, intruder in zip(sections, description.solids, strict=False):
+        moving = c.cylinder or section
+        free, material = section.spin == "free", moving.material
         solid = intruder.solid(
             height,
-            velocity=tuple(c.cylinder.velocity * component for component in c.cylinder.ahead),
+            velocity=tuple((moving.velocity or 0.0) * component for component in moving.ahead),
             spin=0.0 if free else section.spin or 0.0,
             friction=getattr(section, "friction", None),
             material=material and replicate.material_of(material),

@@ -61,6 +61,15 @@ def or_file(known: Iterable[str]) -> AfterValidator:
     return AfterValidator(check)
 
 
+def _corners(region):
+    """Left, bottom, right, top; raises ValueError."""
+    if region and not (region[0] < region[2] and region[1] < region[3]):
+        raise ValueError("it must be left, bottom, right, top, in this order and apart")
+    return region
+
+
+Place = Annotated[Number, Unit("m")]
+Region = Annotated[tuple[Place, Place, Place, Place], AfterValidator(_corners)]
 Angle = Annotated[Number, Unit("rad")]
 Spin = Annotated[
     Literal["free"] | Annotated[Number, Unit("rad s-1")],
@@ -83,7 +92,28 @@ class GranuleMaterialSection(SolidMaterialSection):
     """density; none: that of the run"""
 
 
-class CylinderSection(Section):
+Outline = Literal["circle", "ellipse", "plate", "square", "wedge"]
+
+
+class MovingSection(Section):
+    """How a solid moves: along a direction, and about a point."""
+
+    velocity: Annotated[Number, Unit("m s-1")] | None = None
+    """velocity along its direction; none: 0, in a phase that of before"""
+    direction: Angle | None = None
+    """direction of the motion, anticlockwise from the right; none: upwards"""
+    spin: Spin | None = None
+    """angular velocity, or free: granules turn it, as a body of their mean density; none: 0, in a phase that of before"""
+
+    @property
+    def ahead(self) -> tuple[float, float]:
+        """Unit vector along the motion."""
+        if self.direction is None:
+            return 0.0, 1.0
+        return math.cos(self.direction), math.sin(self.direction)
+
+
+class CylinderSection(MovingSection):
     diameter: Diameter
     """diameter of the cylinder; length of a plate or an ellipse"""
     velocity: Speed
@@ -92,25 +122,14 @@ class CylinderSection(Section):
     """height of the cylinder's axis as a fraction of that of the box"""
     stroke: Length
     """distance over which the cylinder is drawn"""
-    outline: Literal["circle", "ellipse", "plate", "square", "wedge"] | None = None
+    outline: Outline | None = None
     """outline, as wide as the diameter; none: circle"""
     aspect_ratio: Annotated[AspectRatio, Field(gt=1)] | None = None
     """length over width of an ellipse or a plate; none: 2 or 6"""
     angle: Angle | None = None
     """angle at the start, anticlockwise; none: 0, its length from left to right, its tip upwards"""
-    direction: Angle | None = None
-    """direction of the motion, anticlockwise from the right; none: upwards"""
-    spin: Spin | None = None
-    """angular velocity, or free: granules turn it, as a body of their mean density; none: 0"""
     material: SolidMaterialSection | None = None
     """material; none: rigid"""
-
-    @property
-    def ahead(self) -> tuple[float, float]:
-        """Unit vector along the motion."""
-        if self.direction is None:
-            return 0.0, 1.0
-        return math.cos(self.direction), math.sin(self.direction)
 
     @model_validator(mode="after")
     def _check(self):
@@ -136,6 +155,66 @@ class SecondSection(Section):
     """angular velocity, or free; none: 0"""
 
 
+class SolidSection(MovingSection):
+    outline: Outline | Literal["ring"]
+    """outline, with its length from left to right and its tip upwards at an angle of 0"""
+    diameter: Diameter
+    """diameter; length of a plate or an ellipse; of a ring that of the room inside"""
+    thickness: Length | None = None
+    """thickness of a ring or a plate, width of an ellipse; none: a sixth of the diameter, half of it"""
+    x: Place
+    """place of the middle along x at the start"""
+    y: Place
+    """place of the middle along y at the start"""
+    angle: Angle = 0.0
+    """angle at the start, anticlockwise"""
+    pivot_x: Place | None = None
+    """place along x of the point that it turns about; none: x"""
+    pivot_y: Place | None = None
+    """place along y of the point that it turns about; none: y"""
+    friction: Coefficient | None = None
+    """friction at it; none: friction.cylinder"""
+    material: SolidMaterialSection | None = None
+    """material; none: rigid"""
+
+    @model_validator(mode="after")
+    def _check(self):
+        thick = self.outline in ("ellipse", "plate", "ring")
+        if self.thickness is not None and not thick:
+            raise ValueError(
+                f"thickness is {self.thickness:g} and outline {self.outline}; leave it out, or let "
+                "outline be plate, ellipse or ring"
+            )
+        if self.outline in ("ellipse", "plate") and (self.thickness or 0.0) >= self.diameter:
+            raise ValueError(
+                f"thickness is {self.thickness:g} m; it must be less than diameter, {self.diameter:g} m"
+            )
+        turned = self.pivot_x is not None or self.pivot_y is not None
+        if turned and self.outline in ("circle", "ellipse"):
+            raise ValueError(
+                f"outline is {self.outline}, which turns about its middle; leave pivot_x and pivot_y out"
+            )
+        return self
+
+
+class PhaseSection(Section):
+    time: Time | None = None
+    """how long it lasts; none: until says it"""
+    until: Literal["rest"] | None = None
+    """rest: until the granules are at rest under gravity; none: time says it"""
+    motion: dict[Label, MovingSection] = Field({})
+    """how solids move from its start on"""
+
+    @model_validator(mode="after")
+    def _check(self):
+        if (self.time is None) == (self.until is None):
+            words = "both are given" if self.time else "neither is given"
+            raise ValueError(f"it must have a time or until, and {words}")
+        if free := [name for name, moving in self.motion.items() if moving.spin == "free"]:
+            raise ValueError(f"motion.{free[0]}.spin is free; say that of solids.{free[0]}")
+        return self
+
+
 class WallSection(Section):
     friction: Coefficient | None = None
     """friction at this wall; none: friction.wall"""
@@ -152,20 +231,42 @@ class WallsSection(Section):
 
 class PackingSection(Section):
     fraction: Share | None = None
-    """packing fraction; none: packing.pressure is given"""
+    """packing fraction; none: packing.pressure or packing.height is given"""
+    height: Length | None = None
+    """height of the box; none: it follows from the fraction or the pressure"""
     size_spread: Annotated[Coefficient, Field(lt=1)]
     """diameters are uniform within +- this share"""
     friction: Coefficient = 0.0
     """friction of all contacts while the bed is packed"""
     pressure: Pressure | None = None
-    """pressure on the top wall, which holds it; none: packing.fraction is given"""
-    preparation: Literal["relaxed", "grown", "settled"] = "relaxed"
-    """how granules grow: energy minimised, or in motion; settled: then they fall under gravity"""
+    """pressure on the top wall, which holds it; none: packing.fraction or packing.height is given"""
+    preparation: Literal["relaxed", "grown", "settled", "lattice"] = "relaxed"
+    """how granules grow: energy minimised, or in motion; settled: then they fall under gravity; lattice: they are put in
+    rows, apart from each other"""
+    region: Region | None = None
+    """where the rows are: left, bottom, right, top; none: the whole box"""
 
     @model_validator(mode="after")
     def _check(self):
-        if self.fraction is None and self.pressure is None:
+        given = {"fraction": self.fraction, "pressure": self.pressure, "height": self.height}
+        if all(value is None for value in given.values()):
             raise ValueError("fraction is missing; give it, or a pressure in its place")
+        if self.height is not None and (other := self.fraction or self.pressure) is not None:
+            key = "fraction" if self.fraction else "pressure"
+            raise ValueError(
+                f"height is {self.height:g} m and {key} {other:g}; one follows from the other, make one "
+                "of them null"
+            )
+        if self.preparation == "lattice":
+            if self.height is None:
+                raise ValueError("height is missing; granules in a lattice fill no box, give it")
+            if self.friction:
+                raise ValueError(
+                    f"friction is {self.friction:g} and preparation lattice; granules there do not meet, "
+                    "leave it out"
+                )
+        if self.region is not None and self.preparation != "lattice":
+            raise ValueError("region is given; only a lattice has one, leave it out")
         if self.fraction is not None and self.pressure is not None:
             raise ValueError(
                 f"fraction is {self.fraction:g} and pressure {self.pressure:g} Pa; one follows "
@@ -269,10 +370,14 @@ class EllipseSection(Section):
 class RecordSection(Section):
     bins: Annotated[Count, Field(ge=1, le=100_000)]
     """bins over the stroke"""
-    window: tuple[Coefficient, Length]
-    """displacements of the mean drag's window"""
+    window: tuple[Coefficient, Length] | None = None
+    """displacements of the mean drag's window; of no other experiment"""
     snapshots: Annotated[Count, Field(ge=2, le=10_000)]
     """snapshots of all granules"""
+    cells: Annotated[Count, Field(ge=1, le=10_000)] | None = None
+    """cells along x of the profile of the surface of a scene; none: 60"""
+    region: Region | None = None
+    """where granules are counted, of a scene: left, bottom, right, top; none: nowhere"""
     observables: Annotated[
         tuple[Annotated[str, or_file(OBSERVABLES)], ...],
         Field(min_length=1),
@@ -282,7 +387,7 @@ class RecordSection(Section):
 
     @model_validator(mode="after")
     def _check(self):
-        if not self.window[0] < self.window[1]:
+        if self.window and not self.window[0] < self.window[1]:
             raise ValueError(f"window {list(self.window)} must run from less to more")
         return self
 

@@ -103,7 +103,7 @@ def of_motion(motion: Snapshots, rings: np.ndarray | None = None) -> Frames:
         contacts=motion.contacts,
         fastest=cylinder.velocity,
         paints={
-            "layer": _layers(start, motion.height[0]),
+            "layer": layer_colours(start, motion.height[0]),
             "cluster": np.where(ahead, style.LAYERS[1], style.LAYERS[0]),
         },
         captions=[f"{displacement:.2f} mm" for displacement in moved],
@@ -128,7 +128,7 @@ def sums_of_forces(contacts: ContactList, granules: int, solids: int = 0) -> np.
     return np.bincount(bodies, np.tile(contacts.force, 2), count)[:count]
 
 
-def _layers(start, height: float) -> np.ndarray:
+def layer_colours(start, height: float) -> np.ndarray:
     """Colours (n,) of horizontal layers in turn, by where granules begin."""
     return np.array(style.LAYERS)[layers_of(start, height) % len(style.LAYERS)]
 
@@ -160,7 +160,7 @@ def of_result(
         turn=result.solid_angle,
         contacts=result.contacts,
         fastest=float(np.linalg.norm(result.velocity, axis=-1).max()) or 1.0,
-        paints={"layer": _layers(start - [0.0, low], height)},
+        paints={"layer": layer_colours(start - [0.0, low], height)},
         captions=[f"t = {SECONDS(time)}" for time in result.time],
         record=(lambda axes: draw_forces(axes, result, *groups[0])) if groups else None,
         marks=result.time,

@@ -191,7 +191,7 @@ def scatter(shape: Any, factor: float, room: Room, rng: np.random.Generator) -> 
     grid: dict[tuple[float, float], list[tuple[float, float, float]]] = {}
     position = np.empty((len(radius), 2))
 
-    def is_free(x, y, r, column, row):
+    def is_free(x: float, y: float, r: float, column: float, row: float) -> bool:
         """Whether a circle meets no other. Numbers and no arrays: there are only a few others."""
         squares = {((column + i) % columns, (row + j) % rows) for i, j in NEAR}
         for other_x, other_y, other in chain.from_iterable(grid.get(at, ()) for at in squares):

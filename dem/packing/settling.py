@@ -21,6 +21,21 @@ PIECES = 200  # at most
 STILL = 1e-6  # of weight times diameter: mean kinetic energy of granules at rest
 
 
+def come_to_rest(run: Simulation, gravity: float, still: float = STILL) -> tuple[float, float]:
+    """Go on until the granules are at rest under gravity (m/s2), for a limited time.
+
+    still: of weight times diameter, mean kinetic energy at rest. Returns their kinetic energy (J), and
+    what it is at most at rest.
+    """
+    diameter = 2.0 * float(run.scene.shape.constituent_radius.mean())
+    enough = still * float(run.scene.mass.sum()) * gravity * diameter
+    for _ in range(PIECES):
+        run.advance(PIECE * math.sqrt(diameter / gravity))
+        if (energy := run.diagnose().kinetic_energy) <= enough:
+            break
+    return energy, enough
+
+
 def settle(shape, room, materials, friction, gravity, thickness, job):
     """A bed at rest under gravity (m/s2), with Coulomb's coefficient at all contacts while it settles.
 
@@ -32,16 +47,11 @@ def settle(shape, room, materials, friction, gravity, thickness, job):
     real["law"] = room.law
     scene = replace(room.scene(shape, friction=rough), **real)
     diameter = 2.0 * float(shape.constituent_radius.mean())
-    enough = STILL * float(scene.mass.sum()) * gravity * diameter
     state = relaxed(shape, room, job).state
     try:
         run = Simulation(scene, state, threads=job.threads)
-        for _ in range(PIECES):
-            run.advance(PIECE * math.sqrt(diameter / gravity))
-            kinetic_energy = run.diagnose().kinetic_energy
-            if kinetic_energy <= enough:
-                break
-        else:
+        kinetic_energy, enough = come_to_rest(run, gravity)
+        if not kinetic_energy <= enough:
             raise PackingError(
                 f"{room.name(shape)} is not at rest after {run.time:.3g} s under gravity: its kinetic "
                 f"energy is {kinetic_energy:.2g} J, asked for {enough:.2g} J."

@@ -22,7 +22,7 @@ from dem.sweep.precision import MOST_RUNS, Until
 RUN_KEYS = tuple(RunSection.model_fields)  # of a run, beside the values of its configuration
 RUNS = {
     name: entry._replace(about="")  # which dem.io.dataset says
-    for name, entry in entries((), RunSection.model_fields).items()
+    for name, entry in entries(RunSection.model_fields).items()
 }
 RUNS["case"] = RUNS["shape"]._replace(path="case")  # a row of the table
 TABLES = {"case": "cases", "shape": "shapes"}  # of labels

@@ -66,7 +66,8 @@ def combine(
     """
     layout, names = layout_of(block, observable)
     left, failed = set(block.points), {}
-    gaps = bool(sweep.failures or partial or block.until or observable == BEDS)
+    sizes = {run.shape.granules for run in block.runs.values()}
+    gaps = bool(sweep.failures or partial or block.until or observable == BEDS or len(sizes) > 1)
     origins = []
     with create(output) as file:
         for done, path in enumerate(paths, 1):
@@ -125,7 +126,8 @@ def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
     variables = {
         name: entry
         for name, entry in experiment.variables(observable).items()
-        if name in recorded and (observable == BEDS or "granule" not in entry[0])
+        if name in recorded
+        and (observable == BEDS or not experiment.observed or "granule" not in entry[0])
     }
     of_runs = variables | {name: OF_STORE[name] for name in ("run_id", "bed_family", "failure")}
     layout = {name: ((*block.dims, *dims), *rest) for name, (dims, *rest) in of_runs.items()}

@@ -184,7 +184,8 @@ def expand(
         raise InputError(
             f"{where} must give all runs a shape or a case; there are {', '.join(sweep.shapes)}."
         )
-    same = (*SAME, *sweep.module.table("SIZES").values())
+    recorded = [f"phases.{name}.time" for name in [*sweep.phases][-1:]]
+    same = (*SAME, *recorded, *sweep.module.table("SIZES").values())
     if same := [path for path in same if path in ways.keys() - fixed.keys()]:
         raise InputError(f"{where} varies {same[0]}, which runs of one block share; use blocks.")
     points = fixed, *(point for axis in axes for point in axis.points)

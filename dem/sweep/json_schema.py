@@ -25,7 +25,7 @@ def schema() -> dict:
     tree = json.loads(text)
     values = {
         name: {"description": f"{entry.field.description} ({entry.units or 'text'})"}
-        for name, entry in (entries(()) | RUNS).items()
+        for name, entry in (entries() | RUNS).items()
     }
     blocks = {"type": "object", "additionalProperties": {"$ref": "#/$defs/Block"}}
     shared = {"type": "object", "properties": values}

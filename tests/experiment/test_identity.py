@@ -82,7 +82,7 @@ def test_a_run_depends_on_versions(monkeypatch):
 
 
 # what runs of each version of the layout hold: raise LAYOUT, and add a line, where this changes
-LAYOUTS = {1: "07117a61fa96d550", 2: "91b1ae9fe55f297a"}
+LAYOUTS = {1: "07117a61fa96d550", 2: "91b1ae9fe55f297a", 3: "e1c54b0a87aaee7e"}
 
 
 def test_another_layout_of_the_files_of_runs_has_another_version():

@@ -48,7 +48,10 @@ def test_a_bed_bears_no_load_below_the_onset_and_that_of_its_law_above(ratio, ch
     """The load goes as the distance from the onset to the power of 3/2 under Hertz's law, in proportion to it
     under a linear one."""
     replicate, soft = bed(ratio, **changes), onset.JAMMED ** (power / 1.5 - 1.0)
-    press, fraction = Press(*room_of(replicate.bed_description)), onset.run(replicate)["onset_fraction"]
+    press, fraction = (
+        Press(*room_of(replicate.bed_description)),
+        onset.run(replicate)["onset_fraction"],
+    )
     while press.fraction < fraction + 1e-3:  # as the onset was found
         press.press(press.fraction + onset.STEP, onset.GROWN * soft, onset.PATIENCE)
     far, near = (press.press(fraction + gap, 1e-10, onset.PATIENCE) for gap in (4e-4, 1e-4))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-SIZES = {"solid": "solids"}
+SIZES = {"solid": "solid_count"}
 AXIS = {"solid": (("solid",), None, "what is drawn through the bed")}
 SOLID = "solid", "displacement"
 VARIABLES = {
@@ -15,7 +15,7 @@ VARIABLES = {
 
 def axes(configuration) -> dict:
     """Names of the solids."""
-    return {"solid": np.array(["cylinder", "second"][: configuration.solids])}
+    return {"solid": np.array(configuration.solid_names)}
 
 
 def measure(run) -> dict:

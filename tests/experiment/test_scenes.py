@@ -1,0 +1,102 @@
+"""Scenes from sweep files: solids bear what lies on them, move as phases say, and no granule is lost."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from project import CONFIG
+
+import dem
+from dem.experiment.bed import make_bed
+from dem.experiment.scene import make_scene
+from dem.sweep.config import load
+
+pytestmark = pytest.mark.quick
+FILES = sorted((CONFIG / "scenes").glob("*.yaml"))
+SMALL = {"shapes.disc.granules": 12, "box_width": 8e-3, "packing.height": 12e-3, "packing.region": [0, 4e-3, 8e-3, 12e-3],
+         "record.bins": 4, "record.snapshots": 3, "record.region": [0, 0, 8e-3, 12e-3], "friction.wall": 0.0, "phases": {}}  # fmt: skip
+FLOOR = {
+    "outline": "plate",
+    "diameter": 7.9e-3,
+    "thickness": 5e-4,
+    "x": 4e-3,
+    "y": 2e-3,
+    "friction": 0.3,
+}
+HELD, TIME = {"fill": {"until": "rest"}, "hold": {"time": 4e-3}}, 4e-3
+
+
+def run_of(seed=1, **changes):
+    """A dozen discs above a plate across the box."""
+    values = SMALL | {"solids": {"floor": FLOOR}, "phases": HELD} | changes
+    return (
+        load(CONFIG / "scenes/column.yaml").changed(values, "disc").replicate("disc", 2500.0, seed)
+    )
+
+
+@cache
+def held():
+    run = run_of()
+    return run, run.configuration.module.run(run)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_a_scene_of_the_project_is_short_and_can_be_made(path):
+    """Its granules begin apart from each other, and no solid is in another."""
+    assert len(path.read_text().splitlines()) <= 25
+    sweep = load(path)
+    for run in sweep.block(next(iter(sweep.blocks))).unique():
+        rows = run.configuration.changed(
+            {"packing.preparation": "lattice", "packing.friction": 0.0}, "disc"
+        )
+        same = rows.replicate("disc", run.density, run.seed)
+        bed = make_bed(same.bed_description)
+        contacts = dem.Simulation(make_scene(same, bed), bed.state).contacts()
+        assert (
+            not len(contacts.force)
+            and len(make_scene(same, bed).solids) == run.configuration.solid_count
+        )
+
+
+def test_a_solid_bears_the_weight_that_lies_on_it():
+    run, values = held()
+    mass = np.pi / 4.0 * run.diameters**2 @ np.full(12, 2500.0 * run.thickness)
+    np.testing.assert_allclose(values["solid_force_y"][0], -9.81 * mass, rtol=1e-2)
+    assert abs(values["solid_force_x"]).max() < 0.02 * 9.81 * mass
+
+
+def test_no_granule_is_lost():
+    values = held()[1]
+    assert (values["region_granules"] == 12).all()
+    top = values["granule_y"] + 0.5 * values["granule_diameter"]
+    np.testing.assert_allclose(values["surface_height"].max(axis=1), top.max(axis=1), rtol=0.02)
+
+
+def test_a_solid_moves_as_the_phases_say_and_goes_on_where_none_names_it():
+    """About its pivot; velocity and spin are those of the last phase that gave them."""
+    paddle = FLOOR | {"diameter": 2e-3, "x": 5e-3, "pivot_x": 4e-3}
+    phases = {
+        "turn": {"time": 2e-3, "motion": {"paddle": {"spin": 50.0, "velocity": 0.1}}},
+        "on": {"time": TIME},
+    }
+    run = run_of(solids={"paddle": paddle}, phases=phases)
+    values = run.configuration.module.run(run)
+    time = 2e-3 + np.array([0.0, 0.5, 1.0]) * TIME
+    np.testing.assert_allclose(values["solid_angle"][:, 0], 50.0 * time, rtol=1e-9)
+    np.testing.assert_allclose(values["solid_y"][:, 0], 2e-3 + 0.1 * time, rtol=1e-9)
+    np.testing.assert_allclose(values["solid_x"][:, 0], 4e-3, rtol=1e-12)
+
+
+def test_the_order_of_phases_makes_another_run_and_that_of_solids_none():
+    pair = {"a": FLOOR | {"diameter": 1e-3, "x": 2e-3}, "b": FLOOR | {"diameter": 1e-3, "x": 6e-3}}
+    two = {"one": {"time": 1e-3}, "two": {"time": 1e-3}}
+    first = run_of(solids=pair, phases=two)
+    turned, swapped = (dict(reversed(table.items())) for table in (pair, two))
+    assert run_of(solids=turned, phases=two).id == first.id
+    assert run_of(solids=pair, phases=swapped).id != first.id
+
+
+def test_the_bed_of_a_scene_depends_on_where_solids_are_and_not_on_their_motion():
+    first = run_of()
+    assert run_of(solids={"floor": FLOOR | {"spin": 3.0}}).bed_id == first.bed_id
+    assert run_of(solids={"floor": FLOOR | {"y": 2.1e-3}}).bed_id != first.bed_id

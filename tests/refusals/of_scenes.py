@@ -1,0 +1,45 @@
+"""Scenes that cannot be: solids, phases and places."""
+
+from project import CONFIG
+
+from dem.sweep.config import load
+
+PATH = CONFIG / "scenes/hopper.yaml"
+
+
+def scene(**changes):
+    values = {path.replace("__", "."): value for path, value in changes.items()}
+    return lambda: load(PATH).changed(values, "disc").replicate("disc", 2500.0, 1)
+
+
+def solid(**changes):
+    return scene(**{f"solids__gate__{name}": value for name, value in changes.items()})
+
+
+CALLS = {
+    "motion has 'gte', which is not one of solids; the nearest is gate": scene(phases__open__motion={"gte": {"spin": 1.0}}),
+    "motion.gate.spin is free; say that of solids.gate": scene(phases__open__motion={"gate": {"spin": "free"}}),
+    "granules turn it, because solids.left.spin is free": scene(phases__open__motion={"left": {"spin": 1.0}}, solids__left__spin="free"),
+    "a time or until, and both are given": scene(phases__fill__time=1.0),
+    "a time or until, and neither is given": scene(phases__fill__until=None),
+    "phases.open is the last and has until": scene(phases__open={"until": "rest"}),
+    "without gravity nothing comes to rest": scene(gravity=0.0),
+    "phases is missing; the experiment scene needs it": scene(phases={}),
+    "outline is circle, which turns about its middle": solid(outline="circle", thickness=None, pivot_x=0.0),
+    "thickness is 0.0006 and outline square; leave it out": solid(outline="square"),
+    "thickness is 0.01 m; it must be less than diameter, 0.008 m": solid(thickness=0.01),
+    "it must be left, bottom, right, top, in this order": scene(record__region=[0.02, 0.0, 0.01, 0.03]),
+    "height is missing; granules in a lattice fill no box": scene(packing__height=None, packing__fraction=0.5),
+    "height is 0.06 m and fraction 0.5; one follows": scene(packing__fraction=0.5),
+    "friction is 0.3 and preparation lattice; granules there": scene(packing__friction=0.3),
+    "region is given; only a lattice has one": scene(packing__preparation="settled"),
+    "solids.gate is 0.004 m inside wall 0": solid(x=0.0),
+    "m inside solids.gate; put them beside": solid(y=0.0185),
+    "record.bins is 61; it must be a multiple": scene(record__bins=61),
+}  # fmt: skip
+FILES = {
+    "solids is no section of the experiment drag": {
+        "solids": {"a": {"outline": "circle", "diameter": 1e-3, "x": 0.0, "y": 0.0}}
+    },
+    "record.window is missing; give the displacements": {"record.window": None},
+}
