@@ -12,14 +12,15 @@ import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from types import CodeType, FunctionType
 from typing import Any, NamedTuple
 
 import llvmlite.binding
 import numba
+import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.files import lock, write_bytes
-from dem.base.plugins import note
 from dem.base.source_hash import PACKAGE, UNREADABLE, cache_folder, code_hash, codes, digest
 
 CHECKSUM = "checksum"
@@ -110,26 +111,18 @@ def checksum(folder: Path) -> str:
 
 def name_of(binding, signature) -> str | None:
     """Name of the folder of a kernel; None where a function may depend on more than its file says."""
-    files = set()
+    files = {Path(__file__).with_name(f"{name}.py") for name in ("cache", "intrinsics", "kernel")}
     for function in binding.copies:
         file = Path(function.__code__.co_filename)
         is_whole = function.__module__ != "__main__" and "<locals>" not in function.__qualname__
         if not (is_whole and file.suffix == ".py" and file.is_file()):
             return None
-        files.add(file.resolve())
-    own = {file for file in files if file.is_relative_to(PACKAGE)}
+        if file.resolve().is_relative_to(PACKAGE):
+            files.add(file.resolve())
+    if any(hasattr(value, "py_func") for value in binding.constants.values()):
+        return None  # Numba compiled it, and what it calls
     try:
-        code = codes(
-            sorted(
-                own
-                | {
-                    Path(__file__),
-                    Path(__file__).with_name("kernel.py"),
-                    Path(__file__).with_name("intrinsics.py"),
-                }
-            )
-        )
-        users = [code_hash(note(file)) for file in sorted(files - own)]
+        code = codes(sorted(files))
     except UNREADABLE:
         return None
     processor = (
@@ -142,13 +135,25 @@ def name_of(binding, signature) -> str | None:
         os.environ.get("NUMBA_CPU_NAME"),
         numba.config.BOUNDSCHECK,
     )
-    names = sorted(f"{function.__module__}.{function.__qualname__}" for function in binding.copies)
+    functions = sorted(map(spelled, binding.copies))
     constants = sorted(f"{name} {spelled(value)}" for name, value in binding.constants.items())
     return digest(
-        code_hash(code), *users, *map(str, (signature, processor, versions)), *names, *constants
+        code_hash(code), *map(str, (signature, processor, versions)), *functions, *constants
     )
 
 
 def spelled(value: Any) -> str:
-    """A constant as a text that is the same in all processes."""
+    """A constant, or a function with the code that Python has, as a text that is the same in all
+    processes; without its docstring."""
+    if isinstance(value, FunctionType):
+        code, words = value.__code__, value.__doc__
+        parts = tuple(constant for constant in code.co_consts if constant != words)
+        names = value.__module__, value.__qualname__
+        value = (*names, value.__defaults__, code.replace(co_consts=parts))
+    if isinstance(value, CodeType):
+        value = value.co_code, value.co_names, value.co_consts
+    if isinstance(value, tuple):
+        return f"{type(value).__qualname__} {[*map(spelled, value)]}"
+    if isinstance(value, np.ndarray):
+        value = value.tolist()  # whose text is whole
     return getattr(value, "__qualname__", None) or getattr(value, "__name__", None) or repr(value)

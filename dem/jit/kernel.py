@@ -20,7 +20,7 @@ from collections.abc import Callable
 from contextlib import contextmanager, suppress
 from dis import get_instructions
 from pathlib import Path
-from types import CellType, FunctionType
+from types import CellType, FunctionType, ModuleType
 from typing import Any
 
 import numba
@@ -89,6 +89,9 @@ class Binding:
         is_function = type(value) is FunctionType
         if not is_function or value in INTRINSICS:
             self.constants[f"{function.__module__}.{name}"] = value
+            if isinstance(value, ModuleType):
+                for attribute in {*function.__code__.co_names} & vars(value).keys():
+                    self.constants[f"{value.__name__}.{attribute}"] = vars(value)[attribute]
             return INTRINSICS[value] if is_function and not numba.config.DISABLE_JIT else value
         if value in self.copies:
             return self.copies[value]

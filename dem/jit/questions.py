@@ -5,13 +5,8 @@ at each call in Python, and once for a kernel (dem.jit.kernel), where nothing is
 """
 
 import functools
-import sys
-from contextlib import suppress
-from pathlib import Path
 
 from dem.base.errors import InputError
-from dem.base.plugins import note
-from dem.base.source_hash import PACKAGE, UNREADABLE
 
 
 def question(stub):
@@ -55,7 +50,3 @@ def register(cls, *functions, questions, members, usual, **renamed):
             )
     for name, asked in known.items():
         asked.answers[cls] = functions.get(name, asked.__wrapped__)
-    file = getattr(sys.modules.get(cls.__module__), "__file__", None)
-    if file and not Path(file).resolve().is_relative_to(PACKAGE):
-        with suppress(*UNREADABLE):
-            note(Path(file).resolve())  # as Python has read it
