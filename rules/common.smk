@@ -118,7 +118,7 @@ def to_make(wildcards):
 @cache
 def code_of(*names, runs=False):
     """Hash of the code of files and folders, and of what they import of studies; runs: also of what makes runs."""
-    files = [path for file in files_of(names, HERE) for path in with_imports(file)]
+    files = [path for file in files_of(names, HERE) for path in with_imports(file, HERE)]
     return code_hash(codes(files, HERE) | (run_codes() if runs else {}))
 
 

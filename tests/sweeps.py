@@ -1,7 +1,6 @@
 """Small sweeps that several tests share, made whole in a folder; runs that cost nothing."""
 
 import json
-import sys
 from contextlib import chdir
 from pathlib import Path
 
@@ -184,8 +183,6 @@ def drawn(observed: bool = False, **values) -> Path:
 
     observed: whether the runs have a bed and a checkpoint, and record what those of the paper do.
     """
-    # processes that this one starts have its path, and must find no experiment of another test
-    sys.path[:] = [name for name in sys.path if not name or not Path(name, "drawn.py").exists()]
     Path("drawn.py").write_text(DRAWN + observed * OBSERVED)
     Path("sweep.yaml").write_text(yaml.safe_dump(VALUES | values))
     if not Path("orders.json").exists():

@@ -1,15 +1,17 @@
 """Python files of a user beside a sweep file: shapes, laws, observables and kinds of experiment.
 
 `kind: stones.Stone` is the class Stone of stones.py in the folder of the sweep file;
-`experiment: rest.py` and `observables: [drag, rotation.py]` are files there. They are modules like
-any other, found where Python has none of their name. Only `load` imports one, for who makes runs or
-draws shapes as they are; all others parse it.
+`experiment: rest.py` and `observables: [drag, rotation.py]` are files there. Each is a module named by
+its code, so that an edited file, or one of that name in another folder, is another module. Only
+`load` imports one, for who makes runs or draws shapes as they are; all others parse it.
 """
 
+import builtins
 import importlib
 import os
 import sys
-from importlib.machinery import PathFinder
+from functools import partial
+from importlib.machinery import FileFinder, SourceFileLoader
 from pathlib import Path
 from types import ModuleType
 
@@ -17,8 +19,7 @@ from dem.base import source_hash
 from dem.base.constants import constants, definitions
 from dem.base.errors import InputError
 
-_beside: list[str] = []  # the folder of the last of such files that was imported
-_imported: dict[Path, dict[str, str]] = {}  # code of the files of users as this process runs them
+OWN = "dem_own_"  # start of the names of such modules
 
 
 def is_plugin(word) -> bool:
@@ -29,10 +30,9 @@ def is_plugin(word) -> bool:
 
 def with_folder(data: dict, folder: Path) -> dict:
     """Values of a file; `beside`, where files of a user are, is its folder if it names some."""
-    if isinstance(other := data.get("beside"), str):
-        return data | {"beside": str((folder / other).resolve())}
-    if data.get("beside") is None and any(map(is_plugin, _words(data))):
-        return data | {"beside": str(folder.resolve())}
+    other = data.get("beside")
+    if isinstance(other, str) or (other is None and any(map(is_plugin, _words(data)))):
+        return data | {"beside": str((folder / (other or "")).resolve())}
     return data
 
 
@@ -62,7 +62,7 @@ def find(key: str, word: str, beside: str | None, known: tuple[str, ...]) -> Pat
             "(--shapes FOLDER on the command line, beside in a configuration)."
         )
     file = Path(beside, f"{word.partition('.')[0]}.py")
-    if file.stem in known:
+    if file.stem in (*known, "dem"):
         raise InputError(
             f"{start}{file.stem} is a name of this package; give your file another name."
         )
@@ -111,66 +111,63 @@ def refresh() -> None:
 
 
 def load(file: Path) -> ModuleType:
-    """Import a file, of this package or of a user.
-
-    Raises InputError where it cannot be imported, or has changed since this process imported it:
-    Python would go on with its old code.
-    """
+    """Import a file, of this package or of a user as it was planned; raises InputError where it
+    cannot be imported."""
     if file.is_relative_to(source_hash.PACKAGE):
-        return importlib.import_module(_name(file, source_hash.ROOT))
-    if note(file) != source_hash.planned_codes(file):
-        raise InputError(source_hash.EDITED.format(file))
-    files = {
-        _name(path, file.parent): path.resolve()
-        for path in source_hash.with_imports(file)
-        if path.is_relative_to(file.parent)
-    }
-    for name, path in files.items():
-        imported = _file_of(name)  # perhaps from another folder of files of users
-        if imported != path and any(imported.is_relative_to(other.parent) for other in _imported):
-            sys.modules.pop(name)
-    _beside[:] = [str(file.parent)]
-    importlib.invalidate_caches()
-    prefix, sys.pycache_prefix = sys.pycache_prefix, os.devnull  # whose times are of seconds
+        name = file.relative_to(source_hash.ROOT).with_suffix("").parts
+        return importlib.import_module(".".join(name))
     try:
-        module = importlib.import_module(file.stem)
+        package = _package(file, source_hash.planned_codes(file))
+        return importlib.import_module(f"{package.__name__}.{file.stem}")
     except Exception as error:
-        del _imported[file]
         words = " ".join(f"{type(error).__name__}: {error}".split())
         raise InputError(f"{file}: it cannot be imported ({words}).") from error
-    finally:
-        sys.pycache_prefix = prefix
-    for name, path in files.items():
-        if name in sys.modules and _file_of(name) != path:
-            raise InputError(
-                f"{path}: Python has another module named {name}, which is installed; give the "
-                "file another name."
-            )
-    return module
 
 
-class _Last:
-    """Finds files beside the last one. On Python's path, processes that it starts would have their folder."""
+def _package(file: Path, codes: dict[str, str]) -> ModuleType:
+    """The package of a file of a user, which has its folder, and a name of its code and of that of
+    what it imports from there. codes: those that files of the folder must have."""
+    name = f"{OWN}{source_hash.code_hash(source_hash.planned_codes(file))[:16]}"
+    package = sys.modules.get(name)
+    if package is None or package.__path__ != [str(file.parent)]:
+        for module in [*sys.modules]:
+            if module.startswith(name):  # of the same code in another folder
+                del sys.modules[module]
+        package = sys.modules[name] = ModuleType(name)
+        package.__path__, package.codes = [str(file.parent)], codes
+    return package
+
+
+class _Loader(SourceFileLoader):
+    """Runs the modules of such packages, without bytecode, whose times are of seconds."""
 
     @staticmethod
     def find_spec(name, path=None, target=None):
-        return None if path else PathFinder.find_spec(name, _beside)
+        if path and name.startswith(OWN):
+            return FileFinder(path[0], (_Loader, [".py"])).find_spec(name)
+        return None
+
+    def exec_module(self, module):
+        package = sys.modules[module.__name__.partition(".")[0]]
+        now = source_hash.codes([Path(self.path)], Path(*package.__path__))
+        if now | package.codes != package.codes | now:
+            raise InputError(
+                f"{self.path} has changed since its run was planned; run the same again."
+            )
+        vars(module)["__builtins__"] = vars(builtins) | {"__import__": partial(_import, package)}
+        exec(self.source_to_code(self.get_data(self.path), self.path), vars(module))
 
 
-sys.meta_path.append(_Last)
+sys.meta_path.insert(0, _Loader)  # for PathFinder would run these in its own way
 
 
-def _file_of(name: str) -> Path:
-    """The file of the module that Python has by a name; the root of the disk if it has none."""
-    return Path(getattr(sys.modules.get(name), "__file__", None) or "/").resolve()
-
-
-def note(file: Path) -> dict[str, str]:
-    """Note the code of a file that is being imported, and of what it imports; returns it."""
-    return _imported.setdefault(file, source_hash.plugin_codes(file))
-
-
-def _name(file: Path, folder: Path) -> str:
-    """Name of a file as a module."""
-    stem = file.parent if file.name == "__init__.py" else file.with_suffix("")
-    return ".".join(stem.relative_to(folder).parts)
+def _import(package, name, globals=None, locals=None, fromlist=(), level=0):
+    """Python's own, but what is in the folder of a package comes first: a file in its own package, so
+    that it is one module for all who import it, a folder in that of who imports it."""
+    head = name.partition(".")[0]
+    file, folder = f"{head}.py", f"{head}/"
+    if level == 0 and any(path.startswith((file, folder)) for path in package.codes):
+        if file in package.codes:
+            package = _package(Path(*package.__path__, file), package.codes)
+        globals, level = {"__package__": package.__name__}, 1
+    return __import__(name, globals, locals, fromlist, level)

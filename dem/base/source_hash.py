@@ -12,7 +12,6 @@ import os
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from functools import cache
-from itertools import product
 from pathlib import Path
 
 from platformdirs import user_cache_path
@@ -71,7 +70,7 @@ def codes(files: Iterable[Path], folder: Path = ROOT) -> dict[str, str]:
     hashes = {}
     for file in files:
         start = ROOT if file.is_relative_to(PACKAGE) else folder
-        hashes[file.relative_to(start).as_posix()] = _code(_content(file))
+        hashes[file.relative_to(start).as_posix()] = code(_content(file))
     return hashes
 
 
@@ -93,6 +92,8 @@ def run_codes(*plugins: Path) -> dict[str, str]:
     hashes = _codes_of_all_runs()
     for plugin in plugins:
         hashes = hashes | planned_codes(plugin)
+        if not plugin.is_relative_to(PACKAGE):
+            hashes |= codes(files_of(PLUGINS))  # any of which it may use
     return hashes
 
 
@@ -102,55 +103,44 @@ def run_hash(*plugins: Path) -> str:
     return code_hash(run_codes(*plugins))
 
 
-def plugin_codes(plugin: Path) -> dict[str, str]:
-    """Hash of the code of a file as it is now; for one of a user, of all that it may use of its
-    folder and of PLUGINS.
-
-    The folder itself is in no hash.
-    """
-    if plugin.is_relative_to(PACKAGE):
-        return codes([plugin])
-    return codes(with_imports(plugin), _top(plugin)) | codes(files_of(PLUGINS))
+@cache
+def planned_codes(file: Path) -> dict[str, str]:
+    """Hash of the code of a file, and of those of its folder that it imports, as they were when runs
+    were planned; the folder itself is in no hash. Raises UNREADABLE."""
+    return codes(with_imports(file), file.parent)
 
 
-planned_codes = cache(plugin_codes)  # as it was when runs were planned
-
-
-def with_imports(file: Path) -> list[Path]:
-    """A file, and the files of its folder that it imports, directly or not; raises UNREADABLE."""
+def with_imports(file: Path, root: Path | None = None) -> list[Path]:
+    """A file, and the files that it imports from a folder, directly or not; its own if none is
+    given. Raises UNREADABLE."""
     files, queue = set(), [file]
     while queue:
         path = queue.pop()
         if path not in files and path.is_file():
             files.add(path)
-            queue += _imports(path, {file.parent, _top(file)})
+            queue += _imports(path, root or file.parent)
     return sorted(files)
 
 
-def _imports(file: Path, folders: set[Path]) -> Iterator[Path]:
-    """Where the modules that a file imports would be in some folders."""
+def _imports(file: Path, root: Path) -> Iterator[Path]:
+    """Where the modules that a file imports would be in a folder."""
     for node in ast.walk(ast.parse(file.read_bytes(), str(file))):
         if isinstance(node, ast.Import | ast.ImportFrom):
             level, module = getattr(node, "level", 0), getattr(node, "module", None)
-            starts = {file.parents[level - 1]} if level else folders
-            for start, alias in product(starts, node.names):
+            start = file.parents[level - 1] if level else root
+            for alias in node.names:
                 path = start.joinpath(*f"{module or ''}.{alias.name}".split("."))
                 for stem in (path, *path.parents):
-                    if start in stem.parents and not stem.is_relative_to(PACKAGE):
+                    if start in stem.parents and not stem.is_relative_to(start / PACKAGE.name):
                         package = stem / "__init__.py"
                         yield package if package.is_file() else stem.with_suffix(".py")
-
-
-def _top(file: Path) -> Path:
-    """The folder that holds a file, or the outermost package that the file is in."""
-    return next(folder for folder in file.parents if not (folder / "__init__.py").is_file())
 
 
 def refuse_edits() -> None:
     """Raise InputError where a file of this package has changed since this process read it."""
     for file, content in _first_read.items():
         now = file.read_bytes()
-        if now != content and _code(now) != _code(content):
+        if now != content and code(now) != code(content):
             raise InputError(EDITED.format(file))
 
 
@@ -183,7 +173,7 @@ def _content(file: Path) -> bytes:
 
 
 @cache
-def _code(content: bytes) -> str:
+def code(content: bytes) -> str:
     return digest(repr(_plain(ast.parse(content))))[:16]
 
 

@@ -2,7 +2,6 @@
 
 import logging
 import platform
-import sys
 import warnings
 from asyncio import CancelledError
 from pathlib import Path
@@ -72,8 +71,6 @@ def _make_batch(task) -> bytes | None:
 
     worker = get_worker()
     state, folder = worker.state.tasks[worker.get_current_task()], Path(worker.local_directory)
-    # the scheduler of a LocalCluster has its copies of the files in a folder beside the worker's
-    sys.path[:] = [path for path in sys.path if Path(path).parent != folder.parent]
 
     def progress(done, failed):
         if state.state == "cancelled":

@@ -16,6 +16,7 @@ from filelock import Timeout
 
 from dem.base.errors import InputError
 from dem.base.files import arrays_of, bytes_of, lock, set_aside, write_arrays, write_bytes
+from dem.base.plugins import refresh
 from dem.base.provenance import compilers
 from dem.base.source_hash import digest
 from dem.experiment.config import of_values
@@ -100,8 +101,11 @@ class Store:
         left = wanted - rows.keys() if kept else ()
         return rows | {run: row for run in left if (row := self.kept(run))}
 
-    def replicates(self, batch: str) -> list[Replicate]:
-        """What the runs of a batch are; raises InputError where its plan is not of today's code."""
+    def replicates(self, batch: str, again: bool = True) -> list[Replicate]:
+        """What the runs of a batch are; raises InputError where its plan is not of today's code.
+
+        again: whether files of a user are then read once more, because a worker lives on.
+        """
         path = self.plan_of(batch)
         with suppress(FileNotFoundError):
             content = bytes_of(path)
@@ -111,6 +115,9 @@ class Store:
             replicates = [of_values(values | self.values) for values in json.loads(body)]
             if json.loads(head) == [run.id for run in replicates]:
                 return replicates
+        if again:
+            refresh()
+            return self.replicates(batch, again=False)
         raise InputError(
             f"{path}: it is no plan of a batch for this version of the code with {compilers()}; "
             "start the sweep, and workers that live on, again."

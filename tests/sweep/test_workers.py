@@ -56,11 +56,6 @@ def test_a_worker_that_does_not_see_the_store_sends_the_file_of_a_batch(monkeypa
     assert len(made()) == 4 and np.isfinite(contents(Path("results/drawn/drawn.nc"))["force"]).all()
 
 
-def without_folder(folder):
-    """A worker of another machine has no folder of the client on its path."""
-    sys.path[:] = [path for path in sys.path if path != folder]
-
-
 def test_a_cluster_of_dask_leaves_what_this_process_leaves(folder, monkeypatch):
     """Also where its workers see neither the store of the client nor files of the user; and it stays open.
 
@@ -88,7 +83,6 @@ def test_a_cluster_of_dask_leaves_what_this_process_leaves(folder, monkeypatch):
             Path(path).write_text(Path(path).read_text() + "\n1 / 0\n")
 
         for sent in (task_of, lambda plan: (*task_of(plan)[:2], 0)):
-            client.run(without_folder, str(folder))
             monkeypatch.setattr(cluster, "task_of", sent)
             shutil.rmtree("results")
             assert forces(client) == alone
