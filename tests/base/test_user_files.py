@@ -164,7 +164,7 @@ def test_an_edited_shape_is_another_class(file):
     first = first_run(file).kind.shape
     assert plugins.load(file.with_name("product.py")).Pebble is first
     write(file.parent, pebbles=SHAPE.replace("0.08", "0.07"))
-    assert first_run(file).kind.shape._field_defaults == {"bulge": 0.07}
+    assert first_run(file).kind.shape.of_size([1e-3], 1.0).bulge == 0.07
     write(file.parent, pebbles=f"{SHAPE}# a comment\n")
     assert first_run(file).kind.shape is first
 

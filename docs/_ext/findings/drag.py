@@ -16,7 +16,7 @@ from dem.base.statistics import Estimate, half_interval, ratio_interval
 from dem.report.info import drag_table
 from studies.common.findings import Findings, estimate, interval, numbers, span
 
-__all__ = ["drag", "flow", "precise", "snapshots"]
+__all__ = ["drag", "flow", "precise", "scene", "snapshots"]
 
 DATA = Path(__file__).parents[2] / "data"
 PAPER = {"c1": "1295", "e0": "1405"}  # N, section 3.2
@@ -296,4 +296,12 @@ class Snapshots(Findings):
         return float(self._ahead.mean())
 
 
+class Scene(Findings):
+    """A drum with a blade, of the page about scenes."""
+
+    name, command, folder = "scene", "dem sweep config/scenes/drum.yaml -j1", DATA
+    source = "drum/scene.nc"
+
+
 drag, precise, flow, snapshots = Drag(), Precise(), Flow(), Snapshots()
+scene = Scene()
