@@ -7,16 +7,17 @@ that change together, or a design over ranges.
 
 import math
 import re
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
-from dem.base.types import SEEDS, Coefficient, Label, Number, Section, parsed, written
-from dem.experiment.config import HERTZ, Configuration, Entry, entries
+from dem.base.types import SEEDS, Label, Number, parsed, written
+from dem.experiment.config import Configuration, Entry, entries
 from dem.experiment.observables import OBSERVABLES
 from dem.experiment.sections import RunSection
 from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
 from dem.sweep import design
+from dem.sweep.derive import Derive
 from dem.sweep.precision import MOST_RUNS, Until
 
 RUN_KEYS = tuple(RunSection.model_fields)  # of a run, beside the values of its configuration
@@ -27,16 +28,6 @@ RUNS = {
 RUNS["case"] = RUNS["shape"]._replace(path="case")  # a row of the table
 TABLES = {"case": "cases", "shape": "shapes"}  # of labels
 POINT = "point of the design"  # long name of an axis that is a design
-
-
-class Derive(Section):
-    """A value that follows from another block's result: the fraction as far from jamming as that of
-    another shape, or the one at its load."""
-
-    derive: Literal["equal_distance", "equal_load"]
-    shape: str | None = None  # that is compared with; the run's own if absent
-    friction: Coefficient = 0.0
-    """friction of beds that were grown"""
 
 
 class Axis(NamedTuple):
@@ -120,8 +111,8 @@ def changes(values, sweep: Configuration, where: str) -> dict:
     for path, value in values.items():
         _check_known(path, [*sweep.entries, *RUN_KEYS], where)
         key, entry = f"{where}.{path}", RUNS.get(path) or sweep.entries[path]
-        if path == "packing.fraction" and isinstance(value, dict) and "derive" in value:
-            changed[path] = _derived(value, sweep, key)
+        if isinstance(value, dict) and "derive" in value and path in sweep.entries:
+            changed[path] = Derive(key, value)
         else:
             spec = value if isinstance(value, dict) else [value]
             changed[path] = _values(spec, entry, sweep, key)[0]
@@ -134,25 +125,6 @@ def _check_known(path, paths, where: str) -> None:
         raise InputError(
             f"{where}: {path} is no value that can vary{did_you_mean(path, paths, '')}."
         )
-
-
-def _derived(spec: dict, sweep: Configuration, key: str) -> Derive:
-    """How a packing fraction follows from another result."""
-    derived = parsed(Derive, spec, key)
-    if derived.derive == "equal_load" and derived.friction:
-        raise InputError(
-            f"{key} has a friction; equal_load holds for beds without friction, leave friction out."
-        )
-    if derived.derive == "equal_load" and sweep.law_name != HERTZ:
-        raise InputError(
-            f"{key} is equal_load, and contact.law {sweep.law_name}; loads of jamming compare under "
-            "Hertz's law alone, derive equal_distance."
-        )
-    if derived.shape not in (None, *sweep.shapes):
-        raise InputError(
-            f"{key} has the shape {derived.shape!r}{did_you_mean(derived.shape, sweep.shapes)}."
-        )
-    return derived
 
 
 def changes_of_words(configuration: Configuration, words: list[str]) -> dict:

@@ -1,95 +1,47 @@
-"""Values derived from another block's result: packing fractions at equal distance from jamming."""
+"""A value that follows from the results of other blocks: the experiment of these gives it."""
 
-from pathlib import Path
-from typing import NamedTuple
-
-import numpy as np
-import pandas as pd
-import xarray as xr
+from typing import Any, NamedTuple
 
 from dem.base.errors import InputError
+from dem.base.messages import did_you_mean
+from dem.base.types import parsed, written
 from dem.experiment.run import Replicate
-from dem.io.lazily import open_lazily
-from dem.sweep.axis import Derive
 
 
-class Jamming(NamedTuple):
-    """Beds that were grown until they jam.
+class Derive(NamedTuple):
+    """A value that follows from results: its key in the file, and the group there."""
 
-    beds: a table of kind (text), friction while they grow (1), fraction (1) at which they jam,
-          slope of load^(2/3) against fraction, and diameter (m) that loads are measured by
+    key: str
+    group: dict[str, Any]
+
+
+def derived(
+    sweep, name: str, results: dict[str, list] | None, wanted: Derive, path: str, run: Replicate
+) -> Any:
+    """The value at a path of a run of a block; raises InputError where it cannot be derived.
+
+    results: files of the blocks that it needs, open; the value is that of the sweep file if absent
     """
-
-    beds: pd.DataFrame
-
-    def of(self, kind: str, column: str, friction: float = 0.0) -> np.ndarray:
-        """A column of the beds of a kind; raises InputError if there are none."""
-        beds = self.beds[(self.beds.kind == kind) & np.isclose(self.beds.friction, friction)]
-        if beds.empty:
-            raise InputError(f"no bed {kind} at friction {friction:g} was grown until it jams.")
-        return beds[column].to_numpy()
-
-    def mean(self, kind: str, column: str, friction: float = 0.0) -> float:
-        """The mean of a column, without beds that did not jam."""
-        return float(xr.DataArray(self.of(kind, column, friction)).mean())
-
-    def at_distance(self, kind: str, other: str, fraction: float, friction: float) -> float:
-        """Where a kind is as far from jamming as another is at a packing fraction."""
-        jams, other_jams = (self.mean(name, "fraction", friction) for name in (kind, other))
-        return jams + fraction - other_jams
-
-    def at_load(self, kind: str, other: str, fraction: float) -> float:
-        """Where a kind has the load on the walls that another has at a packing fraction.
-
-        Where that one bears none, below jamming, distances are all there is to compare.
-        """
-        distance = fraction - self.mean(other, "fraction")
-        if distance > 0.0:
-            size, other_size = (float(self.of(name, "diameter")[0]) for name in (kind, other))
-            ratio = (other_size / size) ** (2 / 3)
-            distance = distance * self.mean(other, "slope") / self.mean(kind, "slope") * ratio
-        return self.mean(kind, "fraction") + distance
-
-
-def jamming_of(paths: list[Path]) -> Jamming:
-    """Jamming fractions from combined files of the experiment jamming; a bed in two counts once."""
-    columns = {
-        "run_id": "run_id",
-        "bed_family": "kind",
-        "jam_friction": "friction",
-        "jam_fraction": "fraction",
-        "jam_slope": "slope",
-        "diameter": "diameter",
-    }
-    tables = []
-    for path in paths:
-        with open_lazily(path) as dataset:
-            tables.append(dataset[list(columns)].to_dataframe()[list(columns)])
-    return Jamming(pd.concat(tables).drop_duplicates("run_id").rename(columns=columns))
-
-
-def derived_by(sweep, paths: list[Path]):
-    """Gives the values that a sweep derives from the combined files of other blocks."""
-    jamming = jamming_of(paths)
-
-    def value(wanted: Derive, run: Replicate) -> float:
-        shape, fraction = wanted.shape or run.label, run.configuration.packing.fraction
-        if fraction is None:
-            raise InputError(
-                f"{wanted.derive} compares beds of one packing.fraction; {run.label} has "
-                "packing.pressure."
-            )
-        other = Replicate(sweep.changed({}, shape), shape, 1.0, 0)
-        kinds = run.bed_family, other.bed_family
-        try:
-            if wanted.derive == "equal_load":
-                return jamming.at_load(*kinds, fraction)
-            return jamming.at_distance(*kinds, fraction, wanted.friction)
-        except InputError:
-            files = ", ".join(map(str, paths))
-            raise InputError(
-                f"{wanted.derive} needs beds like those of {run.label} and {shape} that were grown "
-                f"at friction {wanted.friction:g} until they jam; they are not in {files}."
-            ) from None
-
-    return value
+    key, options = wanted.key, dict(wanted.group)
+    asked, shape = str(options.pop("derive")), options.pop("shape", None) or run.label
+    if shape not in sweep.shapes:
+        raise InputError(f"{key} has the shape {shape!r}{did_you_mean(shape, sweep.shapes)}.")
+    blocks = {other: sweep.block(other).first.configuration.module for other in sweep.needed(name)}
+    if not blocks:
+        raise InputError(f"{key} derives a value; needs must name the blocks that it is from.")
+    known = {each: experiment for experiment in blocks.values() for each in experiment.derives}
+    if asked not in known:
+        raise InputError(
+            f"{key}.derive is {asked!r}, which no block in needs gives{did_you_mean(asked, known)}."
+        )
+    experiment = known[asked]
+    table, asks = experiment.derives[asked]
+    options = dict(parsed(experiment.section(table), options, key))
+    for at, (right, why) in asks.items():
+        if (given := options.get(at, run.configuration.at(at))) not in (right, None):
+            raise InputError(f"{key} is {asked}, and {at} {written(given)}; {why}.")
+    if results is None:
+        return run.configuration.at(path)
+    files = [file for other in blocks if asked in blocks[other].derives for file in results[other]]
+    other = Replicate(sweep.changed({}, shape), shape, 1.0, 0)
+    return experiment.derive(asked, files, run, other, **options)

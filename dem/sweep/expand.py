@@ -1,26 +1,23 @@
 """A block of a sweep: its axes, and the runs at the points of their grid."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
 from math import prod
-from typing import Any
 
 import numpy as np
 
 from dem.base.errors import InputError
 from dem.experiment.config import Configuration, Entry
 from dem.experiment.run import Replicate
-from dem.sweep.axis import RUN_KEYS, Axis, Derive, axis_of, changes, name_of
+from dem.sweep.axis import RUN_KEYS, Axis, axis_of, changes, name_of
+from dem.sweep.derive import Derive, derived
 from dem.sweep.precision import MOST_RUNS, GridPoint, Until
 
 WORDS = ("needs", "values")  # of a block, beside what varies
 SAME = "cylinder.stroke", "shear.strain", "experiment"  # beside the sizes of runs
-
-# gives a value: what is asked for (a group with `derive`), values of the run so far
-Derived = Callable[[dict, Replicate], Any]
 
 
 @dataclass(eq=False)
@@ -157,12 +154,13 @@ def _varying(values: list, axes: list[Axis], kept: list[str]) -> tuple[tuple[str
 def expand(
     sweep,
     name: str,
-    derived: Derived | None = None,
+    results: dict[str, list] | None = None,
     counts: dict[GridPoint, int] | None = None,
 ) -> Block:
     """All runs of a block of a sweep; raises InputError that names key and value.
 
-    derived: gives the values that follow from another block's result; those of the file if absent.
+    results: files of each block that it needs, open; values that follow from them are those of the
+             sweep file if absent.
     counts: replicates at each point after some rounds; those of the first round if absent.
     """
     block = sweep.named(name)
@@ -188,18 +186,13 @@ def expand(
     same = (*SAME, *recorded, *sweep.module.table("SIZES").values())
     if same := [path for path in same if path in ways.keys() - fixed.keys()]:
         raise InputError(f"{where} varies {same[0]}, which runs of one block share; use blocks.")
-    points = fixed, *(point for axis in axes for point in axis.points)
-    is_derived = any(isinstance(point.get("packing.fraction"), Derive) for point in points)
-    if is_derived and "needs" not in block:
-        raise InputError(
-            f"{where} derives values; needs must name the blocks that it takes them from."
-        )
     if twice := [path for path, count in ways.items() if count > 1]:
         raise InputError(f"{where} varies {min(twice)} in two ways; name it once.")
     most = prod(axis.until.most if axis.until else len(axis.points) for axis in axes)
     if most > MOST_RUNS:
         raise InputError(f"{where} has {most:,} runs; it must have at most {MOST_RUNS:,}.")
-    grid = Block(name, axes, _runs(sweep, where, fixed, axes, derived, counts), fixed)
+    find = partial(derived, sweep, name, results)
+    grid = Block(name, axes, _runs(sweep, where, fixed, axes, find, counts), fixed)
     first = grid.first.configuration
     experiment = first.module
     names = [*grid.dims, *map(name_of, ways.keys() - {axis.entry.path for axis in axes})]
@@ -217,7 +210,7 @@ def expand(
     return grid
 
 
-def _runs(sweep, where, fixed, axes, derived, counts) -> dict[GridPoint, Replicate]:
+def _runs(sweep, where, fixed, axes, find, counts) -> dict[GridPoint, Replicate]:
     """The run at each point of the grid; runs that differ in seed alone share a configuration."""
     configurations, runs = {}, {}
     seeded = next((at for at, axis in enumerate(axes) if axis.until), None)
@@ -232,7 +225,7 @@ def _runs(sweep, where, fixed, axes, derived, counts) -> dict[GridPoint, Replica
         density = density or sweep.density_of(shape)
         key = shape, density, repr(values)
         if key not in configurations:
-            configurations[key] = _resolved(sweep, shape, density, values, derived)
+            configurations[key] = _resolved(sweep, shape, density, values, find)
         try:
             runs[point] = configurations[key].replicate(shape, density, seed)
         except InputError as error:
@@ -240,11 +233,13 @@ def _runs(sweep, where, fixed, axes, derived, counts) -> dict[GridPoint, Replica
     return runs
 
 
-def _resolved(sweep, shape: str, density: float, values: dict, derived) -> Configuration:
+def _resolved(sweep, shape: str, density: float, values: dict, find) -> Configuration:
     """The configuration of a run; what is derived from another result comes last."""
-    plain = {path: value for path, value in values.items() if not isinstance(value, Derive)}
+    wanted = {path: value for path, value in values.items() if isinstance(value, Derive)}
+    plain = {path: value for path, value in values.items() if path not in wanted}
     configuration = sweep.changed(plain, shape)
-    if derived is None or plain == values:
+    if not wanted:
         return configuration
-    fraction = derived(values["packing.fraction"], Replicate(configuration, shape, density, 0))
-    return sweep.changed(plain | {"packing.fraction": fraction}, shape)
+    run = Replicate(configuration, shape, density, 0)
+    found = {path: find(value, path, run) for path, value in wanted.items()}
+    return sweep.changed(plain | found, shape)

@@ -4,6 +4,7 @@ import json
 import math
 import os
 from collections.abc import Iterable, Iterator
+from contextlib import ExitStack
 from functools import cached_property
 from itertools import chain, takewhile
 from pathlib import Path
@@ -14,6 +15,7 @@ from dem.base.errors import InputError, RunError
 from dem.base.yaml_file import read
 from dem.experiment.run import Replicate
 from dem.io.dataset import BY_CASE
+from dem.io.lazily import open_lazily
 from dem.packing.cost import near_jamming
 from dem.sweep.combine import combine_block, combined_runs
 from dem.sweep.config import CONFIG, Sweep, load, parse, save
@@ -119,10 +121,13 @@ class SweepState:
             block = self.sweep.block(name)
             if not self.is_known(name):
                 return block
-            if needed := self.needed(name):
-                from dem.sweep.derive import derived_by  # with xarray, which a plan does not need
-
-                block = expand(self.sweep, name, derived_by(self.sweep, needed))
+            if needed := self.sweep.needed(name):
+                with ExitStack() as stack:
+                    results = {
+                        other: [stack.enter_context(open_lazily(f)) for f in self.combined(other)]
+                        for other in needed
+                    }
+                    block = expand(self.sweep, name, results)
             self._rounds[name] = [block]
             while self.grow(name):
                 pass

@@ -9,7 +9,7 @@ import xarray as xr
 from scipy.stats import sem, t
 
 from dem.base.statistics import LEVEL, Estimate
-from dem.sweep.derive import Jamming
+from dem.experiment.kinds.jamming import Jamming
 from studies.claims.evidence import reference, rows, with_case
 from studies.claims.influence import plane
 

@@ -99,26 +99,10 @@ if "claims" in NAMES:
 
     TESTED = ROOT / "docs/data/flow.nc"
 
-    def derived(**value):
-        """The claims with a value that is derived otherwise, by nothing if it is absent."""
-
-        def call():
-            values = values_of("claims")
-            matched = values["sweep"]["blocks"]["matched"]
-            if value:
-                matched["setting"]["equal load"]["packing.fraction"] = value
-            else:
-                del matched["needs"]
-            parse(values)
-
-        return call
-
     CALLS |= {
         "margin is nan": lambda: verbs.test(TESTED, margin=np.nan),
         "it holds no drag; name drag.nc": lambda: verbs.test(TESTED),
         "has no replicates; see studies": made(results.make),
-        "has the shape 'z9'": derived(derive="equal_load", shape="z9"),
-        "matched derives values; needs must name": derived(),
     }
 
 if "stability" in NAMES:

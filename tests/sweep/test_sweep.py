@@ -4,6 +4,7 @@ import json
 import math
 import os
 import shutil
+from itertools import permutations
 from pathlib import Path
 
 import numpy as np
@@ -18,12 +19,12 @@ from sweeps import SMOKE, drawn, of_file, varied
 import dem
 from dem.analysis.tables import TextTable
 from dem.base.errors import InputError
+from dem.experiment.kinds.jamming import Jamming
 from dem.figures.catalogue import draw
 from dem.report.info import drag_table
 from dem.report.status import status
 from dem.sweep.combine import combine, combine_block
 from dem.sweep.config import merged, parse
-from dem.sweep.derive import Jamming
 from dem.sweep.grouping import plan_batches
 from dem.sweep.prune import prune, sweeps, usage
 from dem.sweep.state import SweepState
@@ -233,16 +234,30 @@ VARIABLES = {"height": (("place",), "m", "height")}
 def axes(configuration):
     return {"place": [k * configuration.echo.gap for k in range(3)]}
 
+DERIVES = {"top": ({}, {})}
+
 def run(replicate, bed=None, progress=None):
     return {"height": [replicate.seed] * 3}
+
+def derive(name, results, *runs):
+    return results[0]["height"].max().item()
 """
 
 
-def test_runs_with_other_coordinates_are_not_combined(folder):
-    """As those of an experiment whose places depend on a value that varies; runs of one value are."""
+def echoed(sweep):
     Path("echo.py").write_text(ECHO)
-    values = {"experiment": "echo.py", "beside": str(folder), "cylinder": None, "record": None}
-    one, two = (small(C1 | {"echo.gap": gaps}, **values) for gaps in ([2.0], [1.0, 2.0]))
+    return small(sweep, experiment="echo.py", beside=".", cylinder=None, record=None)
+
+
+def test_an_experiment_gives_values_to_another_block():
+    then = C1 | {"needs": "a", "values": {"gravity": {"derive": "top"}}}
+    sweep = echoed({"blocks": {"a": C1 | {"seed": [2, 3]}, "b": then}})
+    assert combined(sweep, "b")["gravity"] == 3
+
+
+def test_runs_with_other_coordinates_are_not_combined():
+    """As those of an experiment whose places depend on a value that varies; runs of one value are."""
+    one, two = (echoed(C1 | {"echo.gap": gaps}) for gaps in ([2.0], [1.0, 2.0]))
     assert combined(one)["place"].values.tolist() == [0.0, 2.0, 4.0]
     words = "the coordinate place must be the same in all runs of drag; use blocks"
     with pytest.raises(InputError, match=words):
@@ -251,21 +266,15 @@ def test_runs_with_other_coordinates_are_not_combined(folder):
 
 def test_beds_at_equal_load_bear_the_same_force():
     """Force per length over E*: load times diameter, where load^(2/3) is slope times distance from jamming."""
-    beds = {
-        "kind": ["a", "b"],
-        "fraction": [0.83, 0.85],
-        "slope": [0.5, 0.8],
-        "diameter": [1e-3, 3e-3],
-    }
-    jamming = Jamming(pd.DataFrame(beds).assign(friction=0.0))
+    rows = ("a", 0, 0.83, 0.5, 1e-3), ("b", 0, 0.85, 0.8, 3e-3)
+    beds = pd.DataFrame(rows, columns=["kind", "friction", "fraction", "slope", "diameter"])
 
-    def force(kind, fraction):
-        _, jams, slope, diameter = (values[kind] for values in beds.values())
-        return diameter * (slope * (fraction - jams)) ** 1.5
+    def force(bed, fraction):
+        return bed.diameter * (bed.slope * (fraction - bed.fraction)) ** 1.5
 
-    for kind, other in ((0, 1), (1, 0)):
-        fraction = jamming.at_load("ab"[kind], "ab"[other], 0.88)
-        assert force(kind, fraction) == pytest.approx(force(other, 0.88))
+    for bed, other in permutations(beds.itertuples()):
+        fraction = Jamming(beds).at_load(bed.kind, other.kind, 0.88)
+        assert force(bed, fraction) == pytest.approx(force(other, 0.88))
 
 
 def test_values_on_an_axis_are_shown_apart(folder):

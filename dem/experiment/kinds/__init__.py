@@ -11,10 +11,13 @@ AXIS       variables along these dimensions, as VARIABLES
 ASKS       values that it asks for, by path, and why
 OBSERVED   True where it records record.observables, and takes bed and checkpoint
 BED_ALONE  True where it reads nothing but what makes the bed
+DERIVES    what follows from its results for runs of other blocks, name: (options, as VALUES; what it asks for, as ASKS)
 
 run(replicate, bed=None, progress=..., ...)   variables of a run by name; bed: at rest, packed here if None
 axes(configuration)                           values of the variables of AXIS, by name
 duration(replicate)                           time (s) that a run simulates, to estimate what it takes
+derive(name, results, replicate, other, ...)  a value of DERIVES for a run of another block; results: files of its
+                                              own runs, open; other: a run of the file to compare with; options
 All but run may be left out.
 """
 
@@ -94,6 +97,24 @@ class Experiment:
         if self.constants or not isinstance(given, dict):
             return self.constants.get("VALUES", {})
         return {name: (type(value)(), None, "") for name, value in given.items()}
+
+    @property
+    def derives(self) -> dict:
+        """Its DERIVES, where it has a function that gives them; raises InputError where they are none."""
+        table = self.constants.get("DERIVES", {}) if "derive" in definitions(self.file) else {}
+        try:
+            return {
+                name: (options, {at: (right, why) for at, (right, why) in asks.items()})
+                for name, (options, asks) in table.items()
+            }
+        except (AttributeError, TypeError, ValueError):
+            raise InputError(
+                f"experiment is {self.name!r}; its DERIVES must be plain values, name: (options, what it asks for)."
+            ) from None
+
+    def derive(self, *args, **options):
+        """A value of `derives` for a run of another block."""
+        return load(self.file).derive(*args, **options)
 
     def section(self, table: dict) -> type[Section]:
         """The section of such VALUES; raises InputError where they are none."""

@@ -160,11 +160,10 @@ def test_every_run_of_the_study_is_a_row(smallest):
 
 def test_derived_fractions_are_those_of_the_beds_in_the_file(smallest):
     """Each shape, aspect ratio and box is as far from jamming as the paper's bed is."""
-    _, dataset = smallest
+    dataset = smallest[1]
     jamming, kinds = jamming_in(dataset), set()
     names = ["run_part", "run_case", "run_setting", "run_x", "run_packing"]
-    columns = [dataset[name].values for name in names]
-    for part, case, words, x, packing in zip(*columns, strict=True):
+    for part, case, words, x, packing in dataset[names].to_dataframe()[names].to_numpy():
         if part in ("matched", "ratios", "scaling") and "equal" in words:
             kind, other = {
                 "matched": (case, "c1"),
