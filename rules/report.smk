@@ -23,7 +23,7 @@ rule report:
     output:
         f"{RESULTS}/report.html",
     params:
-        code=code_of("dem/report", *NUMBERS),
+        code=code_of("dem/report", "dem/figures/catalogue.py", *NUMBERS),
         studies=lambda w: {
             path.name: path.stat().st_mtime for name in ("*.txt", "provenance.html") for path in sorted(SWEEP.results.glob(name))
         },

@@ -7,7 +7,8 @@ CAPTION    what it shows
 CASES      it needs runs by case, or shape, and seed alone: {} for any; {"any": labels} or
            {"all": labels} of shapes, or {"densities": 2}
 AXES       it needs so many values along these axes: {"cylinder_velocity": 4}
-VARIABLES  the file must hold these; if absent drag of a file drag, granule_x of a file snapshots
+VARIABLES  the file must hold these; if absent drag of a file drag, granule_x of a file snapshots,
+           run_id of others
 """
 
 import lazy_loader

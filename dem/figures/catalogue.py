@@ -26,22 +26,34 @@ class FigureSpec(NamedTuple):
     axes: dict
     variables: tuple
 
-    def suffices(self, axes: tuple, coordinates: dict) -> bool:
-        """Whether it can be drawn of runs along axes, with coordinates: dimensions and values by
-        name."""
-        by_case = set(axes) in BY_CASE
+    def lack(self, held, axes: tuple, coordinates: dict, asked: bool = False) -> str:
+        """What runs along axes lack for it, in words; "" where they suffice.
+
+        held: variables of their file, or names of the files that they will give; coordinates:
+        dimensions and values by name; asked: for by name, and not with all others
+        """
+        absent, file = [name for name in self.variables if name not in held], f"{self.file}.nc"
+        if absent and file not in held:
+            return f"it holds no {absent[0]}, and {self.name} is drawn from that; name {file}"
+        by_case, shows = {*axes} in BY_CASE, f"{self.name} shows"
         if self.cases is None:
-            several = self.file != "drag" or not by_case
-            return several and all(_varies(coordinates, *axis) for axis in self.axes.items())
+            if self.file == "drag" and by_case and not asked:
+                return f"{shows} runs that differ in more than case, or shape, and seed"
+            few = [axis for axis in self.axes.items() if not _varies(coordinates, *axis)]
+            return f"{shows} {few[0][1]} values of {few[0][0]} or more" if few else ""
         if not by_case:
-            return False
+            return (
+                f"{shows} runs that differ in case, or shape, and seed alone; these differ in "
+                f"{', '.join(axes)}. Draw sweep"
+            )
         labels, density = (np.asarray(coordinates[name][1]) for name in ("shape", "density"))
-        shapes = {*labels[density == density[0]]}
-        return (
-            not shapes.isdisjoint(self.cases.get("any", shapes - {CHECK}))
-            and shapes.issuperset(self.cases.get("all", ()))
-            and np.unique(labels, return_counts=True)[1].max() >= self.cases.get("densities", 1)
-        )
+        shapes, least = {*labels[density == density[0]]}, self.cases.get("densities", 1)
+        some, every = self.cases.get("any", shapes - {CHECK}), self.cases.get("all", ())
+        if shapes.isdisjoint(some) or not shapes.issuperset(every):
+            known = " and ".join(every) or " or ".join(some) or f"shapes but {CHECK}"
+            return f"{shows} {known}, at the density of the first case"
+        few = np.unique(labels, return_counts=True)[1].max() < least
+        return f"{shows} a shape at {least} densities" if few else ""
 
 
 def _varies(coordinates: dict, name: str, least: int) -> bool:
@@ -63,7 +75,7 @@ def figures_of(package: str, folder: Path) -> dict[str, FigureSpec]:
             says["CAPTION"],
             says.get("CASES"),
             says.get("AXES", {}),
-            says.get("VARIABLES", VARIABLES.get(says["FILE"], ())),
+            says.get("VARIABLES", VARIABLES.get(says["FILE"], ("run_id",))),
         )
         for name, says in described(folder / "figures", "CAPTION").items()
     }
@@ -75,36 +87,39 @@ FIGURES = figures_of("dem", Path(__file__).parent.parent)
 def wanted(block, names: list[str] | None, figures: dict[str, FigureSpec] = FIGURES) -> list[str]:
     """Those figures that a sweep names, or all that its runs will suffice for; raises
     InputError."""
-    known = possible(block, figures)
+    given = _of_block(block)
     for name in names or ():
-        if name not in known:
-            hint = did_you_mean(name, known)
-            raise InputError(f"figures has {name!r}, for which these runs do not suffice{hint}.")
-    return known if names is None else names
+        if name not in figures:
+            raise InputError(f"figures has {name!r}{did_you_mean(name, figures)}.")
+        if lack := figures[name].lack(*given, asked=True):
+            raise InputError(f"figures has {name!r}: {lack}.")
+    return possible(block, figures) if names is None else names
 
 
 def possible(block, figures: dict[str, FigureSpec] = FIGURES) -> list[str]:
     """Names of the figures that the runs of a block will suffice for."""
+    given = _of_block(block)
+    return [name for name, figure in figures.items() if not figure.lack(*given)]
+
+
+def _of_block(block) -> tuple:
     coordinates = {axis.name: ((axis.name,), axis.coordinate) for axis in block.axes}
     coordinates |= {name: layout for name, (_, *layout) in block.labels().items()}
-    recorded = block.first.configuration.recorded
-    return [
-        name
-        for name, figure in figures.items()
-        if figure.file in recorded and figure.suffices(block.dims, coordinates)
-    ]
+    files = [f"{name}.nc" for name in block.first.configuration.recorded]
+    return files, block.dims, coordinates
 
 
 def drawable_from(dataset, figures: dict[str, FigureSpec] = FIGURES) -> list[str]:
     """Names of those of some figures that a file suffices for."""
+    given = of_file(dataset)
+    return [name for name, figure in figures.items() if not figure.lack(*given)]
+
+
+def of_file(dataset) -> tuple:
+    """Variables, axes and coordinates of the runs of a file, as `FigureSpec.lack` takes them."""
     axes = dataset.get("run_id", dataset).dims  # a study may have no runs
     labels = {*dataset.coords, *LABELS} & {*dataset.variables}
-    coordinates = {name: (dataset[name].dims, dataset[name]) for name in labels}
-    return [
-        name
-        for name, figure in figures.items()
-        if {*dataset.variables} >= {*figure.variables} and figure.suffices(axes, coordinates)
-    ]
+    return dataset.variables, axes, {name: (dataset[name].dims, dataset[name]) for name in labels}
 
 
 def draw(
@@ -148,23 +163,13 @@ def _draw(figure: FigureSpec, data: Path, folder: Path, options: dict) -> list[P
     from dem.figures.style import save
 
     with open_lazily(data) as dataset:
-        for name in figure.variables:
-            if name not in dataset.variables:
-                raise InputError(
-                    f"{data}: it holds no {name}, and {figure.name} is drawn from that; name "
-                    f"{figure.file}.nc."
-                )
-        if "drag" in figure.variables:
+        if "drag" in {*figure.variables} & {*dataset.variables}:
             require_drag(dataset, data)
+        if lack := figure.lack(*of_file(dataset), asked=True):
+            raise InputError(f"{data}: {lack}.")
         from dem.analysis.drag import by_case
 
         runs = dataset if figure.cases is None else by_case(dataset)
-        if runs is None:
-            dims = ", ".join(map(str, dataset["run_id"].dims))
-            raise InputError(
-                f"{data}: {figure.name} shows runs that differ in case, or shape, and seed alone; "
-                f"these differ in {dims}. Draw sweep."
-            )
         runs = runs if figure.file == "drag" else runs.load()
         try:
             drawing = import_module(figure.module).plot(runs, **options)

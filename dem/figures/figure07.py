@@ -20,10 +20,7 @@ MOST = 2.0  # with two or three runs an interval can be many times the mean: it 
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """Mean drag over the seeds at every displacement, smoothed, with its interval.
-
-    Raises InputError when no case is to be compared by shape.
-    """
+    """Mean drag over the seeds at every displacement, smoothed, with its interval."""
     labels = table1(dataset)
     dataset, columns = dataset.sel(case=labels), min(COLUMNS, len(labels))
     figure, panels = style.panels(len(labels), columns, 1.3, 2.7, sharex=True)

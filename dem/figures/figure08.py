@@ -8,7 +8,6 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.analysis.drag import change, find, summarise
-from dem.base.errors import InputError
 from dem.figures import style
 
 FILE = "drag"
@@ -25,13 +24,8 @@ CODES = {
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """Curves with intervals on the left, means within the window on the right.
-
-    Raises InputError when one of the two cases is missing.
-    """
+    """Curves with intervals on the left, means within the window on the right."""
     cases = {shape: find(dataset, shape) for shape in CODES}
-    if None in cases.values():
-        raise InputError("it takes cases of both shapes, c1 and e0, at the density of the first.")
     figure, (left, right) = style.panels(2, 2, 0.0, 5.0, sharey=True, width_ratios=(1.7, 1.0))
     numbers, ticks = summarise(dataset), []
     for place, (shape, label) in enumerate(cases.items()):

@@ -14,10 +14,7 @@ PAPER = {"c1": 1295.0}  # N, section 3.2
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """One bar per shape with its interval, its single runs and its value.
-
-    Raises InputError when no case is to be compared by shape.
-    """
+    """One bar per shape with its interval, its single runs and its value."""
     labels = table1(dataset)
     numbers = summarise(dataset).sel(case=labels)
     figure = Figure(figsize=(style.WIDTH, 5.2))

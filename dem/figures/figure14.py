@@ -7,7 +7,6 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.analysis.drag import change, densities, summarise
-from dem.base.errors import InputError
 from dem.figures import style
 
 FILE = "drag"
@@ -20,13 +19,8 @@ FILLS = (("#dfe8f2", ""), ("#8fb0d6", "///"), ("#4a6f9c", "xx"))  # colour and h
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """Bars side by side for the densities of one shape, with the change over the lowest.
-
-    Raises InputError when no shape is there at two densities.
-    """
+    """Bars side by side for the densities of one shape, with the change over the lowest."""
     groups = densities(dataset)
-    if not groups:
-        raise InputError("there is no shape at two densities in the data.")
     numbers = summarise(dataset).sel(case=[label for labels in groups.values() for label in labels])
     figure = Figure(figsize=(style.WIDTH, 5.2))
     axes = figure.subplots()

@@ -11,6 +11,7 @@ from PIL import Image
 from dem.analysis.tables import ROWS, number
 from dem.base.errors import InputError
 from dem.base.files import write_bytes
+from dem.figures.catalogue import FIGURES, of_file
 from dem.io.lazily import open_lazily
 from dem.report.info import LEGEND, drag_table, means_table
 
@@ -21,7 +22,7 @@ def build(drag: Path, output: Path) -> None:
     """Write the report of a folder of results, atomically; raises InputError for other files.
 
     It shows the means of a combined file, the pictures in the folder figures beside it, and the
-    tables of studies, STUDY.txt beside STUDY.nc.
+    tables of studies, STUDY.txt beside STUDY.nc. It says what the figures that are not there lack.
     """
     folder = Path(drag).parent
     with open_lazily(drag) as dataset:
@@ -47,6 +48,7 @@ def build(drag: Path, output: Path) -> None:
         ),
         more=len(table) - ROWS,
         figures=map(embedded, pictures),
+        left=left_out(Path(drag), {file.stem for file in pictures}),
         studies=[(file.stem, file.read_text(encoding="utf-8")) for file in texts],
         provenance="provenance.html" if (folder / "provenance.html").is_file() else "",
         now=f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
@@ -59,3 +61,16 @@ def embedded(file: Path) -> tuple[str, str, str]:
     with Image.open(file) as picture:
         caption = picture.info.get("Title", file.stem)
     return file.stem, caption, base64.b64encode(file.read_bytes()).decode()
+
+
+def left_out(drag: Path, drawn: set[str]) -> list[str]:
+    """Why figures are not drawn, of a file and of those beside it; one sentence each."""
+    sentences = []
+    for name, figure in FIGURES.items():
+        data = drag if figure.file == "drag" else drag.with_name(f"{figure.file}.nc")
+        lack = f"there is no {data.name}"
+        if data.is_file():
+            with open_lazily(data) as dataset:
+                lack = figure.lack(*of_file(dataset)) or f"draw it first: dem figure {name} {data}"
+        sentences += [f"{name} is left out: {lack}."] * (name not in drawn)
+    return sentences

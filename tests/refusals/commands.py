@@ -23,7 +23,7 @@ COMMANDS = {
     "figure all docs/data/drag.nc -o README.md": "output is 'README.md/all.svg'; it must be in a folder",
     "figure 13 config/smoke.yaml -o OUT": "there are figure07, figure08",
     "figure figure07 docs/data/flow.nc -o OUT": "it holds no drag, and figure07 is drawn from that",
-    "figure figure09 docs/data/drag.nc -o OUT": "figure09 is drawn from that; name snapshots.nc.",
+    "figure velocity docs/data/drag.nc -o OUT": "shows 4 values of cylinder_velocity",
     "figure figure07 docs/data/drag.nc --of drag -o OUT": "only the figure sweep shows another",
     "figure all docs/data/flow.nc -o OUT": "it holds nothing that a figure shows; name drag.nc.",
     "figure sweep docs/data/drag.nc --of lift -o OUT": "it has no lift; it has ",

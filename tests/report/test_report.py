@@ -81,6 +81,7 @@ def test_a_page_says_how_many_runs_there_are_and_needs_no_other_file(page):
     (picture,) = re.findall(r"<img [^>]*>", text)
     assert 'alt="Mean drag by shape"' in picture
     assert "a table of &lt;b&gt;claims&lt;/b&gt;" in text and "<b>one run" not in text
+    assert "figure09 is left out: there is no snapshots.nc" in text
 
 
 @quick

@@ -12,6 +12,7 @@ from studies.accuracy.budget.trial import NAMES, interval
 
 FILE = "budget"
 CAPTION = "By how much the mean drag is off, against processor time"
+VARIABLES = ("run_stroke",)
 TIMES = np.geomspace(3.0, 3600.0, 19)  # s
 LINES = {"default": (0, (5, 1.5)), "paper": (0, (1, 1)), "recommended": "-"}
 LABELS = {

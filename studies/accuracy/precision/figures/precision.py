@@ -11,6 +11,7 @@ from studies.accuracy.precision.stopping import OTHERS, ROUNDS
 
 FILE = "precision"
 CAPTION = "How often the mean is within 5 %, as was asked for, and how many runs it takes"
+VARIABLES = ("row_asked",)
 LINES = "-", (0, (5, 1.5)), (0, (3, 1, 1, 1)), (0, (1, 1)), "none"
 COLUMNS = {
     "Rounds that double": {
