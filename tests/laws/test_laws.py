@@ -261,8 +261,8 @@ OF_THE_PAGE = """
 from dem.sweep.config import load
 
 assert abs(after[1] - after[0] - 0.5) < 0.01
-for file, laws in ("cones.yaml", 5 * [Cone]), ("axis.yaml", [dem.Hertz, dem.Linear, Cone]):
-    assert [type(run.law) for run in load(file).block("drag").unique()] == laws
+for file, laws in ("cones.yaml", 5 * ["Cone"]), ("axis.yaml", ["Hertz", "Linear", "Cone"]):
+    assert [type(run.law).__name__ for run in load(file).block("drag").unique()] == laws
 """
 
 
