@@ -120,7 +120,7 @@ def read_snapshots(path: Path, select: list[str] = (), shapes: Path | str | None
     from dem.experiment.snapshots import snapshots_of  # with the kernels
 
     replicate, values = open_run(path, list(select), shapes)
-    if "granule_x" not in values:
+    if "snapshot_displacement" not in values or "granule_x" not in values:
         raise InputError(
             f"{path}: no snapshots of {replicate.words()} are kept; "
             "add snapshots to record.observables and run again."

@@ -22,7 +22,6 @@ def check_room(replicate) -> None:
     if label in c.fitting_shapes:
         return
     bed = replicate.bed_description
-    _check_solids(replicate)
     spread, sizes = bed.size_spread, [part.diameter for part in bed.parts]
     least, most = min(sizes) * (1.0 - spread), max(sizes) * (1.0 + spread)
     try:
@@ -33,22 +32,25 @@ def check_room(replicate) -> None:
         _check_box(replicate, bed.height(diameters), diameters.max())
 
 
-def _check_solids(replicate) -> None:
-    """Raise InputError where the solids of a scene cannot be where they are, by their names."""
+def _check_scene(replicate, height: float, largest: float, where: str) -> None:
+    """Raise InputError where the solids of a scene, by their names, or its rows of granules cannot be."""
     c, bed = replicate.configuration, replicate.bed_description
-    if not c.solids:
-        return
-    height = bed.height(bed.diameters)
     periods = periods_of(bed.width, height, bed.periodic)
-    solids = [solid.solid(height) for solid in bed.solids]
     try:
-        walls = walls_of(bed.width, height, periods)
-        Scene(Disc([1e-3 * bed.width]), walls=walls, solids=solids, periodic=periods)
+        Scene(
+            Disc([0.5 * largest]),
+            walls=walls_of(bed.width, height, periods),
+            solids=[solid.solid(height) for solid in bed.solids],
+            periodic=periods,
+        )
     except InputError as error:
         named = re.sub(
             r"solids\[(\d+)\]", lambda k: f"solids.{c.solid_names[int(k[1])]}", str(error)
         )
         raise InputError(named) from None
+    left, bottom, right, top = bed.region or (0.0, 0.0, bed.width, height)
+    if left < 0.0 or bottom < 0.0 or right > bed.width or top > height:
+        raise InputError(f"packing.region is {list(bed.region)}: {where}; it must be within.")
 
 
 def _check_box(replicate, height: float, largest: float) -> None:
@@ -58,6 +60,8 @@ def _check_box(replicate, height: float, largest: float) -> None:
     where = f"with shapes.{label} the box is {width:.4g} m by {height:.4g} m"
     if cylinder is not None:
         _check_cylinder(c, bed.solids, height, where)
+    if c.solids:
+        _check_scene(replicate, height, largest, where)
     length = max(length_of(part.form, largest) for part in bed.parts)
     if length > min(width, height):
         raise InputError(

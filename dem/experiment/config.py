@@ -33,6 +33,7 @@ from dem.experiment.box import check_room
 from dem.experiment.kinds import EXPERIMENTS, Experiment
 from dem.experiment.run import Replicate
 from dem.experiment.sections import (
+    CELLS,
     ContactSection,
     CylinderSection,
     EllipseSection,
@@ -62,11 +63,15 @@ SORTED = AfterValidator(
 # sections that only some experiments read
 SECTIONS = "cylinder", "record", "shear", "solids", "phases"
 NO_AXIS = "discs", "mixture", "region", "until"  # names of others that cannot
-CELLS = 60  # of the profile of a surface, where record.cells does not say it
 UNHASHED_KEYS = "beside", "record.window", "threads"  # that no number depends on
 FIXED_KEYS = *UNHASHED_KEYS, "record.observables"  # that cannot vary in a sweep
 # what runs have without these keys: said or not, they are one run
-USUAL = {"contact.law": HERTZ, "cylinder.outline": "circle", "cylinder.angle": 0.0}
+USUAL = {
+    "contact.law": HERTZ,
+    "cylinder.outline": "circle",
+    "cylinder.angle": 0.0,
+    "record.cells": CELLS,
+}
 
 
 class Configuration(Section):
@@ -155,7 +160,8 @@ class Configuration(Section):
         observed = record is not None and cylinder is not None and self.module.observed
         bed_alone = self.module.constants.get("BED_ALONE")
         if self.second is not None and cylinder is None:
-            raise ValueError("second is a cylinder beside another; give cylinder too")
+            other = "name it among solids" if self.phases else "give cylinder too"
+            raise ValueError(f"second is a cylinder beside another; {other}")
         if pressure is not None and "y" in self.periodic:
             raise ValueError(
                 f"packing.pressure is {pressure:g} Pa and periodic {self.periodic}; a pressure "
@@ -222,19 +228,26 @@ class Configuration(Section):
                     f"phases.{name}.until is rest and gravity 0; without gravity nothing comes to rest, "
                     "give gravity or a time"
                 )
-        for key in ("cells", "region"):
-            if self.record and getattr(self.record, key) is not None and not self.phases:
-                raise ValueError(f"record.{key} is given; only a scene has it, leave it out")
+        usual = {"cells": CELLS, "region": None}
+        if self.phases:
+            usual = {
+                "window": None,
+                "observables": RecordSection.model_fields["observables"].default,
+            }
+        for key, value in usual.items() if self.record else ():
+            if getattr(self.record, key) != value:
+                of = "has none" if self.phases else "alone has it"
+                raise ValueError(f"record.{key} is given; a scene {of}, leave it out")
+        if self.packing.preparation == "lattice" and not self.phases:
+            raise ValueError(
+                "packing.preparation is lattice; granules in rows have still to fall, in a phase of a "
+                "scene, let it be relaxed, grown or settled"
+            )
         if self.phases and not self.duration:
             raise ValueError(
                 f"phases.{name} is the last and has until; what is recorded needs a time"
             )
         return self
-
-    @property
-    def cells(self) -> int:
-        """Cells along x of the profile of the surface of a scene."""
-        return self.record.cells or CELLS
 
     @property
     def duration(self) -> float | None:

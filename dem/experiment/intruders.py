@@ -101,6 +101,11 @@ class Intruder:
         return Solid(self.outline, self.place(height), self.angle, **motion)
 
 
+def towards(direction: float | None) -> tuple[float, float]:
+    """Unit vector along a direction (rad), upwards if there is none."""
+    return (0.0, 1.0) if direction is None else (math.cos(direction), math.sin(direction))
+
+
 def intruders_of(configuration) -> tuple[Intruder, ...]:
     """The solids of a scene; else the cylinder and a second one, both centred in the box."""
     cylinder, second = configuration.cylinder, configuration.second

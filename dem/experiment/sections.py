@@ -38,6 +38,7 @@ from dem.dynamics.numerics import (
     StepFraction,
     check_stable,
 )
+from dem.experiment.intruders import towards
 from dem.experiment.observables import OBSERVABLES
 from dem.laws import LAWS
 from dem.material import Friction, Rolling
@@ -69,7 +70,10 @@ def _corners(region):
 
 
 Place = Annotated[Number, Unit("m")]
-Region = Annotated[tuple[Place, Place, Place, Place], AfterValidator(_corners)]
+Region = Annotated[
+    Annotated[tuple[Place, Place, Place, Place], AfterValidator(_corners)],
+    must("be left, bottom, right, top, in this order and apart"),
+]
 Angle = Annotated[Number, Unit("rad")]
 Spin = Annotated[
     Literal["free"] | Annotated[Number, Unit("rad s-1")],
@@ -92,25 +96,23 @@ class GranuleMaterialSection(SolidMaterialSection):
     """density; none: that of the run"""
 
 
-Outline = Literal["circle", "ellipse", "plate", "square", "wedge"]
+CELLS = 60
 
 
 class MovingSection(Section):
     """How a solid moves: along a direction, and about a point."""
 
     velocity: Annotated[Number, Unit("m s-1")] | None = None
-    """velocity along its direction; none: 0, in a phase that of before"""
+    """velocity along its direction; none: that of before, 0 at the start"""
     direction: Angle | None = None
-    """direction of the motion, anticlockwise from the right; none: upwards"""
-    spin: Spin | None = None
-    """angular velocity, or free: granules turn it, as a body of their mean density; none: 0, in a phase that of before"""
+    """direction of the motion, anticlockwise from the right; none: that of before, upwards at the start"""
+    spin: Annotated[Number, Unit("rad s-1")] | None = None
+    """angular velocity; none: that of before, 0 at the start"""
 
     @property
     def ahead(self) -> tuple[float, float]:
         """Unit vector along the motion."""
-        if self.direction is None:
-            return 0.0, 1.0
-        return math.cos(self.direction), math.sin(self.direction)
+        return towards(self.direction)
 
 
 class CylinderSection(MovingSection):
@@ -118,11 +120,15 @@ class CylinderSection(MovingSection):
     """diameter of the cylinder; length of a plate or an ellipse"""
     velocity: Speed
     """velocity of the cylinder, upwards if there is no direction"""
+    direction: Angle | None = None
+    """direction of the motion, anticlockwise from the right; none: upwards"""
+    spin: Spin | None = None
+    """angular velocity, or free: granules turn it, as a body of their mean density; none: 0"""
     start: Share
     """height of the cylinder's axis as a fraction of that of the box"""
     stroke: Length
     """distance over which the cylinder is drawn"""
-    outline: Outline | None = None
+    outline: Literal["circle", "ellipse", "plate", "square", "wedge"] | None = None
     """outline, as wide as the diameter; none: circle"""
     aspect_ratio: Annotated[AspectRatio, Field(gt=1)] | None = None
     """length over width of an ellipse or a plate; none: 2 or 6"""
@@ -156,10 +162,10 @@ class SecondSection(Section):
 
 
 class SolidSection(MovingSection):
-    outline: Outline | Literal["ring"]
+    outline: Literal["circle", "ellipse", "plate", "square", "wedge", "ring"]
     """outline, with its length from left to right and its tip upwards at an angle of 0"""
     diameter: Diameter
-    """diameter; length of a plate or an ellipse; of a ring that of the room inside"""
+    """diameter; length of a plate or an ellipse; of a ring, which has 36 plates, that of the room inside"""
     thickness: Length | None = None
     """thickness of a ring or a plate, width of an ellipse; none: a sixth of the diameter, half of it"""
     x: Place
@@ -176,6 +182,8 @@ class SolidSection(MovingSection):
     """friction at it; none: friction.cylinder"""
     material: SolidMaterialSection | None = None
     """material; none: rigid"""
+    spin: Spin | None = None
+    """angular velocity, or free: granules turn it, as a body of their mean density; none: 0"""
 
     @model_validator(mode="after")
     def _check(self):
@@ -210,8 +218,6 @@ class PhaseSection(Section):
         if (self.time is None) == (self.until is None):
             words = "both are given" if self.time else "neither is given"
             raise ValueError(f"it must have a time or until, and {words}")
-        if free := [name for name, moving in self.motion.items() if moving.spin == "free"]:
-            raise ValueError(f"motion.{free[0]}.spin is free; say that of solids.{free[0]}")
         return self
 
 
@@ -248,6 +254,14 @@ class PackingSection(Section):
 
     @model_validator(mode="after")
     def _check(self):
+        if self.preparation == "lattice":
+            if self.height is None:
+                raise ValueError("height is missing; granules in a lattice fill no box, give it")
+            if self.friction:
+                raise ValueError(
+                    f"friction is {self.friction:g} and preparation lattice; granules there do not meet, "
+                    "leave it out"
+                )
         given = {"fraction": self.fraction, "pressure": self.pressure, "height": self.height}
         if all(value is None for value in given.values()):
             raise ValueError("fraction is missing; give it, or a pressure in its place")
@@ -257,14 +271,6 @@ class PackingSection(Section):
                 f"height is {self.height:g} m and {key} {other:g}; one follows from the other, make one "
                 "of them null"
             )
-        if self.preparation == "lattice":
-            if self.height is None:
-                raise ValueError("height is missing; granules in a lattice fill no box, give it")
-            if self.friction:
-                raise ValueError(
-                    f"friction is {self.friction:g} and preparation lattice; granules there do not meet, "
-                    "leave it out"
-                )
         if self.region is not None and self.preparation != "lattice":
             raise ValueError("region is given; only a lattice has one, leave it out")
         if self.fraction is not None and self.pressure is not None:
@@ -374,8 +380,8 @@ class RecordSection(Section):
     """displacements of the mean drag's window; of no other experiment"""
     snapshots: Annotated[Count, Field(ge=2, le=10_000)]
     """snapshots of all granules"""
-    cells: Annotated[Count, Field(ge=1, le=10_000)] | None = None
-    """cells along x of the profile of the surface of a scene; none: 60"""
+    cells: Annotated[Count, Field(ge=1, le=10_000)] = CELLS
+    """cells along x of the profile of the surface of a scene"""
     region: Region | None = None
     """where granules are counted, of a scene: left, bottom, right, top; none: nowhere"""
     observables: Annotated[

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from dem.base.errors import InputError
 from dem.base.statistics import half_interval
 from dem.experiment.config import Configuration, of_results
 from dem.experiment.run import Replicate
@@ -30,12 +31,13 @@ def replicate_of(dataset: xr.Dataset, one: xr.Dataset) -> Replicate:
     values |= {name: one[name].item() for name in RUN_KEYS}
     run = of_results(values)
     for path in run.configuration.entries:
-        if (name := name_of(path)) in dataset.dims:
+        if (name := name_of(path)) in one.variables:
+            value = one[name].item()
             *groups, last = path.split(".")
             section = values
             for group in groups:
                 section = section[group]
-            section[last] = one[name].item()
+            section[last] = None if value == "null" else value
     return of_results(values)
 
 
@@ -71,10 +73,16 @@ def frames_of_point(dataset: xr.Dataset, one: xr.Dataset) -> Frames:
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
-    """The first seed of the first point of all axes above; means of its seeds below."""
+    """The first seed of the first point of all axes above; means of its seeds below. Raises InputError
+    where all of these failed."""
     beside = {dim: 0 for dim in dataset["run_id"].dims if dim != "seed"}
     runs = dataset.isel(beside)
-    one = runs.isel(seed=0).dropna("granule", subset=["granule_diameter"])
+    if "seed" not in runs.dims:
+        runs = runs.expand_dims("seed")
+    whole = np.flatnonzero(np.isfinite(runs["box_height"]))
+    if not len(whole):
+        raise InputError("all runs of the first point of this file failed; there is none to draw.")
+    one = runs.isel(seed=whole[0]).dropna("granule", subset=["granule_diameter"])
     frames, time = frames_of_point(dataset, one), runs["snapshot_time"].values
     size = np.array([json.loads(dataset.attrs["configuration"])["box_width"], one["box_height"]])
     edge = (
@@ -98,13 +106,12 @@ def plot(dataset: xr.Dataset) -> Figure:
             look = {"color": style.CASES[k % len(style.CASES)]}
             line = {"linestyle": style.LINES[k % len(style.LINES)], "label": str(name)}
             axes.plot(runs["time"], on.mean("seed"), **look, **line)
-            if on.sizes["seed"] > 1:
+            if len(whole) > 1:
                 style.band(axes, runs["time"], on.mean("seed"), half_interval(on), **look)
         axes.set(xlabel="Time (s)", ylabel=words)
     style.legend(figure, axes, ncols=4)
     point = ", ".join(f"{dim} {runs[dim].item()}" for dim in beside if dim in runs.coords)
-    seeds = f"{runs.sizes['seed']} seeds" if runs.sizes["seed"] > 1 else "one run"
-    figure.suptitle(
-        f"{dataset.attrs['title']}: {point}\n(above one run; below mean of {seeds}, 95 % intervals)"
-    )
+    several = f"; below mean of {len(whole)} seeds, 95 % intervals"
+    words = f"(one run{' above' + several if len(whole) > 1 else ''})"
+    figure.suptitle(f"{dataset.attrs['title']}: {point}\n{words}")
     return figure

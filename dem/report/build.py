@@ -65,9 +65,11 @@ def embedded(file: Path) -> tuple[str, str, str]:
 
 def left_out(drag: Path, drawn: set[str]) -> list[str]:
     """Why figures are not drawn, of a file and of those beside it; one sentence each."""
-    sentences = []
+    sentences, others = [], {figure.file for figure in FIGURES.values()} - {"drag"}
     for name, figure in FIGURES.items():
-        data = drag if figure.file == "drag" else drag.with_name(f"{figure.file}.nc")
+        if drag.stem in others and figure.file != drag.stem:
+            continue  # of another experiment
+        data = drag if figure.file in ("drag", drag.stem) else drag.with_name(f"{figure.file}.nc")
         lack = f"there is no {data.name}"
         if data.is_file():
             with open_lazily(data) as dataset:

@@ -100,7 +100,8 @@ def runs_table(path: Path, dataset: xr.Dataset) -> pd.DataFrame:
     values = values_of_runs(dataset)
     varied = [name for name in values if name not in LABELS and values[name].nunique() > 1]
     values = values[["shape", "density", "seed", *varied[:VARIED]]]
-    if record := replicate_of(path, dataset, 0).configuration.record:
+    record = replicate_of(path, dataset, 0).configuration.record
+    if record and record.window:
         dataset = dataset.assign_attrs(dict(zip(WINDOW, record.window, strict=True)))
     result = run_means(dataset, quantities_of(dataset)[:MEANS]).isel(seed=0)
     for quantity in result.values():

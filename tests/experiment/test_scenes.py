@@ -47,7 +47,7 @@ def test_a_scene_of_the_project_is_short_and_can_be_made(path):
     sweep = load(path)
     for run in sweep.block(next(iter(sweep.blocks))).unique():
         rows = run.configuration.changed(
-            {"packing.preparation": "lattice", "packing.friction": 0.0}, "disc"
+            {"packing.preparation": "lattice", "packing.friction": 0.0, "rolling": None}, "disc"
         )
         same = rows.replicate("disc", run.density, run.seed)
         bed = make_bed(same.bed_description)
@@ -74,17 +74,16 @@ def test_no_granule_is_lost():
 
 def test_a_solid_moves_as_the_phases_say_and_goes_on_where_none_names_it():
     """About its pivot; velocity and spin are those of the last phase that gave them."""
-    paddle = FLOOR | {"diameter": 2e-3, "x": 5e-3, "pivot_x": 4e-3}
-    phases = {
-        "turn": {"time": 2e-3, "motion": {"paddle": {"spin": 50.0, "velocity": 0.1}}},
-        "on": {"time": TIME},
-    }
+    paddle = FLOOR | {"diameter": 2e-3, "x": 5e-3, "pivot_x": 4e-3, "direction": 0.0}
+    turn, back = {"spin": 50.0, "velocity": 0.1}, {"velocity": -0.1}
+    phases = {"turn": turn, "on": {}, "back": back}
+    phases = {name: {"time": TIME, "motion": {"paddle": motion}} for name, motion in phases.items()}
     run = run_of(solids={"paddle": paddle}, phases=phases)
     values = run.configuration.module.run(run)
-    time = 2e-3 + np.array([0.0, 0.5, 1.0]) * TIME
-    np.testing.assert_allclose(values["solid_angle"][:, 0], 50.0 * time, rtol=1e-9)
-    np.testing.assert_allclose(values["solid_y"][:, 0], 2e-3 + 0.1 * time, rtol=1e-9)
-    np.testing.assert_allclose(values["solid_x"][:, 0], 4e-3, rtol=1e-12)
+    time = np.array([0.0, 0.5, 1.0]) * TIME
+    np.testing.assert_allclose(values["solid_angle"][:, 0], 50.0 * (2.0 * TIME + time), rtol=1e-9)
+    np.testing.assert_allclose(values["solid_x"][:, 0], 4e-3 + 0.1 * (2.0 * TIME - time), rtol=1e-9)
+    np.testing.assert_allclose(values["solid_y"][:, 0], 2e-3, rtol=1e-12)
 
 
 def test_the_order_of_phases_makes_another_run_and_that_of_solids_none():

@@ -18,7 +18,7 @@ def solid(**changes):
 
 CALLS = {
     "motion has 'gte', which is not one of solids; the nearest is gate": scene(phases__open__motion={"gte": {"spin": 1.0}}),
-    "motion.gate.spin is free; say that of solids.gate": scene(phases__open__motion={"gate": {"spin": "free"}}),
+    "phases.open.motion.gate.spin is 'free'": scene(phases__open__motion={"gate": {"spin": "free"}}),
     "granules turn it, because solids.left.spin is free": scene(phases__open__motion={"left": {"spin": 1.0}}, solids__left__spin="free"),
     "a time or until, and both are given": scene(phases__fill__time=1.0),
     "a time or until, and neither is given": scene(phases__fill__until=None),
@@ -35,11 +35,20 @@ CALLS = {
     "region is given; only a lattice has one": scene(packing__preparation="settled"),
     "solids.gate is 0.004 m inside wall 0": solid(x=0.0),
     "m inside solids.gate; put them beside": solid(y=0.0185),
+    "record.window is given; a scene has none": scene(record__window=[0.0, 1.0]),
+    "packing.region is [0.0, 0.0, 0.03, 0.05]: with shapes.disc the box is": scene(packing__region=[0.0, 0.0, 0.03, 0.05]),
+    "another; name it among solids": scene(second={"diameter": 1e-3, "gap": 1e-3}),
     "record.bins is 61; it must be a multiple": scene(record__bins=61),
 }  # fmt: skip
 FILES = {
     "solids is no section of the experiment drag": {
         "solids": {"a": {"outline": "circle", "diameter": 1e-3, "x": 0.0, "y": 0.0}}
     },
+    "granules in rows have still to fall": {
+        "packing.preparation": "lattice",
+        "packing.height": 0.02,
+        "packing.fraction": None,
+    },
+    "record.cells is given; a scene alone has it": {"record.cells": 9},
     "record.window is missing; give the displacements": {"record.window": None},
 }

@@ -39,13 +39,14 @@ SECTIONS = {"cylinder": False, "record": True}
 ASKS = {"packing.pressure": (None, "the bed is compressed")}
 BED_ALONE = True
 GROWN = {"friction": (0.0, "1", "coefficient of friction of the beds that were grown", {"ge": 0.0})}
-PRESSED = None, "it compares beds of one packing.fraction, leave packing.pressure out"
+PRESSED = None, "it compares beds of one packing.fraction, give that"
 DERIVES = {
-    "equal_distance": (GROWN, {"packing.pressure": PRESSED}),
+    "equal_distance": (GROWN, {"packing.pressure": PRESSED, "packing.height": PRESSED}),
     "equal_load": (
         GROWN,
         {
             "packing.pressure": PRESSED,
+            "packing.height": PRESSED,
             "friction": (0.0, "it holds for beds without friction, leave friction out"),
             "contact.law": (
                 "hertz",

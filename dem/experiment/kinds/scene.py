@@ -3,6 +3,8 @@
 A phase takes a time, or lasts until the granules are at rest; solids that it does not name move on.
 """
 
+from itertools import pairwise
+
 import numpy as np
 
 from dem.base.errors import RunError
@@ -10,20 +12,19 @@ from dem.contacts.layout import X, Y
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import make_bed
 from dem.experiment.config import Configuration
+from dem.experiment.intruders import towards
 from dem.experiment.run import Replicate
 from dem.experiment.scene import start
 from dem.jit.kernel import computing
 from dem.packing.random import Bed
 from dem.packing.settling import come_to_rest
+from dem.periodic import wrapped
 
 ON = "solid", "time"
 AT = "snapshot", "solid"
 N = ("time",)
 S = ("snapshot",)
 VARIABLES = {
-    "run_time": ((), "s", "processor time of the run, without compiling"),
-    "steps": ((), "1", "number of time steps of the run"),
-    "box_height": ((), "m", "height of the box"),
     "solid_force_x": (ON, "N", "force of the granules on the solid along x, mean of the bin"),
     "solid_force_y": (ON, "N", "force of the granules on the solid along y, mean of the bin"),
     "solid_torque": (ON, "N m", "torque of the granules about its position, mean of the bin"),
@@ -33,28 +34,33 @@ VARIABLES = {
     "kinetic_energy": (N, "J", "kinetic energy of the granules, end of the bin"),
     "coordination_number": (N, "1", "contacts of a granule with others, end of the bin"),
     "max_overlap": (N, "1", "greatest overlap over the smaller radius, end of the bin"),
-    "granule_x": (("snapshot", "granule"), "m", "centres of the granules along x"),
-    "granule_y": (("snapshot", "granule"), "m", "centres of the granules along y"),
+    "granule_x": (("snapshot", "granule"), "m", "centres of the granules along x, not wrapped"),
+    "granule_y": (("snapshot", "granule"), "m", "centres of the granules along y, not wrapped"),
     "granule_angle": (("snapshot", "granule"), "rad", "angles of the granules"),
     "granule_diameter": (("granule",), "m", "volume diameters of the granules"),
-    "surface_height": (("snapshot", "cell"), "m", "height of the highest granule in the cell"),
+    "surface_height": (
+        ("snapshot", "cell"),
+        "m",
+        "height of the highest granule over the cell, by the circles that hold granules",
+    ),
     "region_granules": (S, "1", "granules whose centre is in record.region"),
     "region_mass": (S, "kg", "mass of the granules whose centre is in record.region"),
+    "run_time": ((), "s", "processor time of the run, without compiling"),
+    "steps": ((), "1", "number of time steps of the run"),
+    "box_height": ((), "m", "height of the box"),
 }
 AXIS = {
     "time": (N, "s", "time since the last phase began, middle of the bin"),
     "snapshot_time": (S, "s", "time since the last phase began at the snapshot"),
     "solid": (("solid",), None, "name of the solid"),
-    "cell": (("cell",), "m", "middle of the cell along x"),
+    "cell": (("cell",), "1", "middle of the cell along x over the width of the box"),
 }
-STILL = (
-    1e-5  # of weight times diameter: mean kinetic energy of granules at rest, some of which rock
-)
+STILL = 1e-5  # of weight times diameter: mean kinetic energy at rest, while some granules rock
 SIZES = {
     "time": "record.bins",
     "snapshot": "record.snapshots",
     "solid": "solid_count",
-    "cell": "cells",
+    "cell": "record.cells",
 }
 NEEDED = {"region_granules": "record.region", "region_mass": "record.region"}
 SECTIONS = {"solids": True, "phases": True, "record": True}
@@ -83,13 +89,15 @@ def run(replicate: Replicate, bed: Bed | None = None, progress=lambda done: None
     c = replicate.configuration
     bed = bed or make_bed(replicate.bed_description)
     simulation, started = start(replicate, bed, threads=c.threads), computing()
-    velocities = [solid.velocity for solid in simulation.scene.solids]
+    moving = [[solid.velocity or 0.0, solid.direction] for solid in c.solids.values()]
     for name, phase in c.phases.items():
         for solid, motion in phase.motion.items():
             k = c.solid_names.index(solid)
-            if motion.velocity is not None:
-                velocities[k] = tuple(motion.velocity * part for part in motion.ahead)
-            simulation.set_velocity(velocities[k], k, motion.spin)
+            for part, value in enumerate((motion.velocity, motion.direction)):
+                moving[k][part] = moving[k][part] if value is None else value
+            speed, direction = moving[k]
+            velocity = tuple(speed * part for part in towards(direction))
+            simulation.set_velocity(velocity, k, motion.spin)
         if phase.until:
             _rest(replicate, simulation, name)
         elif name != [*c.phases][-1]:
@@ -131,13 +139,23 @@ def _rest(replicate: Replicate, simulation: Simulation, phase: str) -> None:
 
 def _look(replicate: Replicate, simulation: Simulation) -> dict:
     """What snapshots hold."""
-    record, state, shape = replicate.configuration.record, simulation.state, simulation.scene.shape
-    (x, y), seen, walls = state.position.T, simulation.world.boundaries, simulation.scene.walls
+    record, state = replicate.configuration.record, simulation.state
+    scene, seen = simulation.scene, simulation.world.boundaries
+    x, y = state.position.T
     look = {"granule_x": x, "granule_y": y, "granule_angle": state.angle}
-    look |= dict(zip(("solid_x", "solid_y"), seen.motion[len(walls) :, [X, Y]].T, strict=True))
-    look["solid_angle"] = seen.angle[len(walls) :]
-    radius, middles = shape.bounding_radius, axes(replicate.configuration)["cell"]
-    look["surface_height"] = [surface(middle - x, y, radius) for middle in middles]
+    look |= dict(
+        zip(("solid_x", "solid_y"), seen.motion[len(scene.walls) :, [X, Y]].T, strict=True)
+    )
+    look["solid_angle"] = seen.angle[len(scene.walls) :]
+    x, y = wrapped(state.position, scene.periodic).T
+    width, radius = replicate.configuration.box_width, scene.shape.bounding_radius
+    beside = (0.0, -width, width) if (scene.periodic or [None])[0] else (0.0,)
+    aside = np.concatenate([x + shift for shift in beside])
+    tops = np.tile(y, len(beside)), np.tile(radius, len(beside))
+    edges = np.linspace(0.0, width, record.cells + 1)
+    look["surface_height"] = [
+        surface(low - aside, high - aside, *tops) for low, high in pairwise(edges)
+    ]
     if record.region:
         left, bottom, right, top = record.region
         inside = (x >= left) & (x <= right) & (y >= bottom) & (y <= top)
@@ -146,11 +164,12 @@ def _look(replicate: Replicate, simulation: Simulation) -> dict:
     return look
 
 
-def surface(aside: np.ndarray, height: np.ndarray, radius: np.ndarray) -> float:
-    """Height (m) of the highest granule at some place, by the circles that hold them, 0 without one.
+def surface(low: np.ndarray, high: np.ndarray, height: np.ndarray, radius: np.ndarray) -> float:
+    """Height (m) of the highest granule between two places, by the circles that hold them, 0 without one.
 
-    aside (n,): from the centres to that place along x (m); height, radius (n,) in m.
+    low, high (n,): from the centres to these places along x (m); height, radius (n,) in m.
     """
-    over = np.abs(aside) < radius
-    tops = height[over] + np.sqrt(radius[over] ** 2 - aside[over] ** 2)
+    nearest = np.clip(0.0, low, high)
+    over = np.abs(nearest) < radius
+    tops = height[over] + np.sqrt(radius[over] ** 2 - nearest[over] ** 2)
     return float(tops.max(initial=0.0))
