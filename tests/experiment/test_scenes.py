@@ -66,7 +66,8 @@ def test_a_solid_bears_the_weight_that_lies_on_it():
 
 
 def test_no_granule_is_lost():
-    values = held()[1]
+    run, values = held()
+    assert run.configuration.module.axes["cell"].shape == values["surface_height"].shape[1:]
     assert (values["region_granules"] == 12).all()
     top = values["granule_y"] + 0.5 * values["granule_diameter"]
     np.testing.assert_allclose(values["surface_height"].max(axis=1), top.max(axis=1), rtol=0.02)

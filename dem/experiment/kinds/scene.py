@@ -73,9 +73,7 @@ def axes(configuration: Configuration) -> dict:
         "time": duration * (np.arange(record.bins) + 0.5) / record.bins,
         "snapshot_time": np.linspace(0.0, duration, record.snapshots),
         "solid": np.array(configuration.solid_names),
-        "cell": configuration.box_width
-        * (np.arange(configuration.cells) + 0.5)
-        / configuration.cells,
+        "cell": (np.arange(record.cells) + 0.5) / record.cells,
     }
 
 
