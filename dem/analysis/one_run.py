@@ -120,7 +120,9 @@ def read_snapshots(path: Path, select: list[str] = (), shapes: Path | str | None
     from dem.experiment.snapshots import snapshots_of  # with the kernels
 
     replicate, values = open_run(path, list(select), shapes)
-    if "snapshot_displacement" not in values or "granule_x" not in values:
+    if "solid_x" in values:
+        raise InputError(f"{path}: a scene has no film; draw it by dem figure scene {path}.")
+    if "granule_x" not in values:
         raise InputError(
             f"{path}: no snapshots of {replicate.words()} are kept; "
             "add snapshots to record.observables and run again."

@@ -1,14 +1,18 @@
 """Scenes from sweep files: solids bear what lies on them, move as phases say, and no granule is lost."""
 
+import json
 from functools import cache
 
 import numpy as np
 import pytest
+import xarray as xr
 from project import CONFIG
 
 import dem
 from dem.experiment.bed import make_bed
+from dem.experiment.kinds.scene import inside, surface
 from dem.experiment.scene import make_scene
+from dem.figures.scene import replicate_of
 from dem.sweep.config import load
 
 pytestmark = pytest.mark.quick
@@ -75,14 +79,19 @@ def test_no_granule_is_lost():
 
 def test_a_solid_moves_as_the_phases_say_and_goes_on_where_none_names_it():
     """About its pivot; velocity and spin are those of the last phase that gave them."""
-    paddle = FLOOR | {"diameter": 2e-3, "x": 5e-3, "pivot_x": 4e-3, "direction": 0.0}
+    paddle = FLOOR | {"diameter": 2e-3, "x": 5e-3, "pivot_x": 4e-3, "angle": 0.3, "direction": 0.0}
     turn, back = {"spin": 50.0, "velocity": 0.1}, {"velocity": -0.1}
     phases = {"turn": turn, "on": {}, "back": back}
     phases = {name: {"time": TIME, "motion": {"paddle": motion}} for name, motion in phases.items()}
     run = run_of(solids={"paddle": paddle}, phases=phases)
+    solid = run.bed_description.solids[0].solid(0.0)
+    ring = solid.placed(solid.position, solid.angle)
+    np.testing.assert_allclose(ring.min(axis=0) + ring.max(axis=0), [10e-3, 4e-3], rtol=1e-3)
     values = run.configuration.module.run(run)
     time = np.array([0.0, 0.5, 1.0]) * TIME
-    np.testing.assert_allclose(values["solid_angle"][:, 0], 50.0 * (2.0 * TIME + time), rtol=1e-9)
+    np.testing.assert_allclose(
+        values["solid_angle"][:, 0], 0.3 + 50.0 * (2.0 * TIME + time), rtol=1e-9
+    )
     np.testing.assert_allclose(values["solid_x"][:, 0], 4e-3 + 0.1 * (2.0 * TIME - time), rtol=1e-9)
     np.testing.assert_allclose(values["solid_y"][:, 0], 2e-3, rtol=1e-12)
 
@@ -100,3 +109,23 @@ def test_the_bed_of_a_scene_depends_on_where_solids_are_and_not_on_their_motion(
     first = run_of()
     assert run_of(solids={"floor": FLOOR | {"spin": 3.0}}).bed_id == first.bed_id
     assert run_of(solids={"floor": FLOOR | {"y": 2.1e-3}}).bed_id != first.bed_id
+
+
+def test_a_granule_beyond_a_periodic_side_is_in_the_box_on_the_other():
+    """In its region, and under the surface of the cells that it reaches into, on both sides."""
+    position, radius, sides = np.array([[8.9, 2.0], [4.0, 1.0]]), np.array([1.5, 0.5]), (8.0, None)
+    assert inside(position, (0.0, 0.0, 2.0, 3.0), sides).tolist() == [True, False]
+    heights = surface(position, radius, 8.0, 4, sides)
+    np.testing.assert_allclose(
+        heights, [3.5, 2.0 + np.sqrt(1.5**2 - 1.1**2), 1.5, 2.0 + np.sqrt(1.5**2 - 0.9**2)]
+    )
+
+
+def test_a_picture_is_of_the_values_of_its_point():
+    """Also along an axis of named points, whose values are no dimensions."""
+    run = run_of()
+    values = dict(run.coordinates, solids_floor_x=4.02e-3, solids_floor_friction="null")
+    one = xr.Dataset(coords={name: ((), value) for name, value in values.items()})
+    file = xr.Dataset(attrs={"configuration": json.dumps(run.configuration.values())})
+    drawn = replicate_of(file, one).configuration.solids["floor"]
+    assert (drawn.x, drawn.friction) == (4.02e-3, None)

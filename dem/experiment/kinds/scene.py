@@ -18,7 +18,7 @@ from dem.experiment.scene import start
 from dem.jit.kernel import computing
 from dem.packing.random import Bed
 from dem.packing.settling import come_to_rest
-from dem.periodic import wrapped
+from dem.periodic import Periods, wrapped
 
 ON = "solid", "time"
 AT = "snapshot", "solid"
@@ -145,29 +145,38 @@ def _look(replicate: Replicate, simulation: Simulation) -> dict:
         zip(("solid_x", "solid_y"), seen.motion[len(scene.walls) :, [X, Y]].T, strict=True)
     )
     look["solid_angle"] = seen.angle[len(scene.walls) :]
-    x, y = wrapped(state.position, scene.periodic).T
     width, radius = replicate.configuration.box_width, scene.shape.bounding_radius
-    beside = (0.0, -width, width) if (scene.periodic or [None])[0] else (0.0,)
-    aside = np.concatenate([x + shift for shift in beside])
-    tops = np.tile(y, len(beside)), np.tile(radius, len(beside))
-    edges = np.linspace(0.0, width, record.cells + 1)
-    look["surface_height"] = [
-        surface(low - aside, high - aside, *tops) for low, high in pairwise(edges)
-    ]
+    given = state.position, radius, width, record.cells, scene.periodic
+    look["surface_height"] = surface(*given)
     if record.region:
-        left, bottom, right, top = record.region
-        inside = (x >= left) & (x <= right) & (y >= bottom) & (y <= top)
-        mass = simulation.scene.mass[inside].sum()
-        look |= {"region_granules": inside.sum(), "region_mass": mass}
+        within = inside(state.position, record.region, scene.periodic)
+        look |= {"region_granules": within.sum(), "region_mass": scene.mass[within].sum()}
     return look
 
 
-def surface(low: np.ndarray, high: np.ndarray, height: np.ndarray, radius: np.ndarray) -> float:
-    """Height (m) of the highest granule between two places, by the circles that hold them, 0 without one.
+def inside(position: np.ndarray, region: tuple, periodic: Periods = None) -> np.ndarray:
+    """Which centres (n, 2) in m are in a region: left, bottom, right, top (m) of the box."""
+    x, y = wrapped(position, periodic).T
+    left, bottom, right, top = region
+    return (x >= left) & (x <= right) & (y >= bottom) & (y <= top)
 
-    low, high (n,): from the centres to these places along x (m); height, radius (n,) in m.
+
+def surface(
+    position: np.ndarray, radius: np.ndarray, width: float, cells: int, periodic: Periods = None
+) -> np.ndarray:
+    """Height (cells,) in m of the highest granule over each cell, by the circles that hold granules, 0
+    without one.
+
+    position (n, 2), radius (n,): of the granules (m); width: of the box (m), the cells side by side.
     """
-    nearest = np.clip(0.0, low, high)
-    over = np.abs(nearest) < radius
-    tops = height[over] + np.sqrt(radius[over] ** 2 - nearest[over] ** 2)
-    return float(tops.max(initial=0.0))
+    x, y = wrapped(position, periodic).T
+    images = (0.0, -width, width) if periodic and periodic[0] else (0.0,)
+    x = np.concatenate([x + shift for shift in images])
+    y, radius = np.tile(y, len(images)), np.tile(radius, len(images))
+    heights, edges = np.zeros(cells), np.linspace(0.0, width, cells + 1)
+    for cell, (low, high) in enumerate(pairwise(edges)):
+        nearest = np.clip(0.0, low - x, high - x)
+        over = np.abs(nearest) < radius
+        tops = y[over] + np.sqrt(radius[over] ** 2 - nearest[over] ** 2)
+        heights[cell] = tops.max(initial=0.0)
+    return heights
