@@ -4,7 +4,8 @@ SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from copy import copy
+from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Annotated, Any
 
@@ -252,6 +253,18 @@ class Scene:
                     f"{name} is {depth:.3g} m inside solids[{other}]; put them beside each other, or "
                     "make one solid of both."
                 )
+
+    def moved(self, position: np.ndarray, angle: np.ndarray, planes: np.ndarray) -> "Scene":
+        """The scene later on, when its motion may have brought solids into walls or others.
+
+        position (k, 2) in m, angle (k,) in rad: of the solids; planes (w, 3): of the walls.
+        """
+        later, places = copy(self), zip(self.solids, position, angle, strict=True)
+        solids = tuple(replace(one, position=tuple(at), angle=turn) for one, at, turn in places)
+        walls = [replace(wall, plane=row) for wall, row in zip(self.walls, planes, strict=True)]
+        object.__setattr__(later, "solids", solids)
+        object.__setattr__(later, "walls", tuple(walls))
+        return later
 
     @property
     def materials(self) -> tuple[Material, ...]:

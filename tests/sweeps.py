@@ -153,7 +153,13 @@ def run(replicate, bed=None, progress=lambda done: None, checkpoint=None):
     return values | {"force": force, "offset": offset}
 '''
 OBSERVED = """
-OBSERVED = True
+OBSERVED = ("drag", "snapshots")
+AXIS = {
+    "displacement": (("displacement",), "m", "displacement"),
+    "displacement_bounds": (("displacement", "bound"), None, None),
+    "wall": (("wall",), None, "wall of the box"),
+    "snapshot_displacement": (("snapshot",), "m", "displacement at the snapshot"),
+}
 SIZES = {"displacement": "record.bins", "snapshot": "record.snapshots", "bound": 2, "wall": 4}
 
 

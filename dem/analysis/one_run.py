@@ -1,22 +1,23 @@
 """One run of a file of results, found by its values: `case=c1 seed=1`.
 
 The file is one of runs (a batch of the store, or what `dem simulate` writes), or the combined file
-of a sweep, whose runs are in the store.
+of a sweep, which has all granules itself, or whose runs are in the store.
 """
 
 import json
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
-from dem.experiment.config import of_results
+from dem.experiment.config import Configuration, of_results
 from dem.experiment.run import Replicate
 from dem.io.dataset import LABELS
 from dem.io.lazily import open_lazily
-from dem.sweep.axis import is_written
+from dem.sweep.axis import RUN_KEYS, is_written, name_of
 from dem.sweep.store import Store
 
 SHOWN = 8  # values of an axis that a sentence lists
@@ -34,6 +35,16 @@ def open_run(
         if "run_id" not in dataset.variables:
             raise InputError(f"{path}: it holds no runs; name drag.nc or a file of runs.")
         run, combined = selected(values_of_runs(dataset), select), "run" not in dataset.dims
+        if combined and "granule_x" in dataset.variables:
+            runs = dataset["run_id"]
+            (place,) = np.argwhere(runs.values == run)[:1]
+            one = dataset.isel(dict(zip(runs.dims, place.tolist(), strict=True)))
+            one = one.dropna("granule", subset=["granule_diameter"])  # others may have more
+            if not one.sizes["granule"]:
+                raise InputError(f"{path}: the run with {' '.join(select)} failed.")
+            replicate = replicate_at(dataset, one, shapes)
+            replicate.point = tuple(select)
+            return replicate, {str(k): variable.values for k, variable in one.variables.items()}
     path = batch_of(path, run) if combined else path
     with open_lazily(path) as dataset:
         row = dataset["run_id"].values.tolist().index(run)
@@ -63,6 +74,23 @@ def batch_of(path: Path, run: str) -> Path:
 def replicate_of(path: Path, dataset: xr.Dataset, row: int, shapes=None) -> Replicate:
     """What a run of a batch is."""
     return of_results(json.loads(dataset.attrs["values"])[row], str(path), shapes)
+
+
+def replicate_at(dataset: xr.Dataset, one: xr.Dataset, shapes=None) -> Replicate:
+    """The run of one point of a combined file, with what varies there."""
+    values = json.loads(dataset.attrs["configuration"])
+    values = {name: values[name] for name in Configuration.read if name in values}
+    values |= {name: one[name].item() for name in RUN_KEYS}
+    run = of_results(values, folder=shapes)
+    for path in run.configuration.entries:
+        if (name := name_of(path)) in one.variables:
+            value = one[name].item()
+            *groups, last = path.split(".")
+            section = values
+            for group in groups:
+                section = section[group]
+            section[last] = None if value == "null" else value
+    return of_results(values, folder=shapes)
 
 
 def values_of_runs(dataset: xr.Dataset) -> pd.DataFrame:
@@ -120,8 +148,6 @@ def read_snapshots(path: Path, select: list[str] = (), shapes: Path | str | None
     from dem.experiment.snapshots import snapshots_of  # with the kernels
 
     replicate, values = open_run(path, list(select), shapes)
-    if "solid_x" in values:
-        raise InputError(f"{path}: a scene has no film; draw it by dem figure scene {path}.")
     if "granule_x" not in values:
         raise InputError(
             f"{path}: no snapshots of {replicate.words()} are kept; "

@@ -81,8 +81,8 @@ def draw(
         "Which run, by values that differ between runs, such as case=c1 seed=1.",
         metavar="NAME=VALUE",
     ) = None,
-    displacement: option(
-        float | None, "Displacement of a picture, m; half the stroke if absent."
+    at: option(
+        float | None, "Displacement of a picture, m, or time in a scene, s; the middle if absent."
     ) = None,
     color: option(str, "Colour by speed, force, layer or cluster.") = "speed",
     forces: option(
@@ -110,7 +110,7 @@ def draw(
         if output.suffix.lower() in FILMS:
             film(motion, output, color, forces, update)
         elif output.suffix.lower() in PICTURES:
-            picture(motion, output, displacement, color, forces)
+            picture(motion, output, at, color, forces)
         else:
             export(motion, output, update)
 

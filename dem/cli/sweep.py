@@ -4,7 +4,7 @@ from contextlib import nullcontext
 from pathlib import Path
 
 from dem.base.messages import say
-from dem.cli.options import PAPER, ConfigOption, OutputOption, argument, option, writes
+from dem.cli.options import OUTPUT, PAPER, ConfigOption, OutputOption, argument, option, writes
 from dem.cli.show import print_or_write, watched
 from dem.io.progress import bar
 
@@ -143,7 +143,7 @@ def simulate(
     shape: option(str, "Label of a shape in the configuration, such as c1."),
     density: option(float, "Density of the granules, kg/m3, such as 3900."),
     seed: option(int, "Seed of the random bed."),
-    output: OutputOption,
+    output: option(Path | None, "netCDF file to write.", *OUTPUT, callback=writes(".nc")) = None,
     values: argument(
         list[str] | None,
         "Values that replace those of the configuration, such as friction.granule=0.2.",
@@ -161,18 +161,22 @@ def simulate(
         "File that saves the run every minute; a stopped run resumes from it.",
         callback=writes(),
     ) = None,
+    describe: option(
+        bool, "Print the run as a sweep file of its own, and make nothing.", "--describe"
+    ) = False,
 ):
-    """Make one run: draw the cylinder through one bed and record the forces on it.
+    """Make one run: pack its bed, move what moves, and record the forces.
 
     Example: dem simulate --shape c1 --density 3900 --seed 1 friction.granule=0.2 -o run.nc
     """
     from dem.base.errors import InputError
+    from dem.base.yaml_file import text_of
     from dem.experiment import run_checkpoint
     from dem.experiment.bed import make_bed
     from dem.packing.cost import progress
     from dem.sweep.axis import changes_of_words
     from dem.sweep.batch import write_one
-    from dem.sweep.config import load
+    from dem.sweep.config import described, load
     from dem.sweep.state import slow_beds
 
     file = load(config)
@@ -180,10 +184,15 @@ def simulate(
     changes = changes_of_words(file, values or []) | ({"threads": threads} if threads else {})
     changed = file.changed(changes, shape)
     run = changed.replicate(shape, density, seed)
-    if (experiment := run.configuration.experiment) != "drag":
+    if describe:
+        print(text_of(described(run)), end="")
+        return
+    if output is None:
+        raise InputError("output is missing; name a file to write, such as -o run.nc.")
+    if not run.configuration.module.observed:
         raise InputError(
-            f"{config}: experiment is {experiment}; dem simulate makes only runs of drag, dem "
-            "sweep all others."
+            f"{config}: experiment is {run.configuration.experiment}; dem simulate makes only runs "
+            "of drag and scene, dem sweep all others."
         )
     half_packed = None
     if checkpoint:

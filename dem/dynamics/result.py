@@ -2,7 +2,6 @@
 
 import os
 from copy import deepcopy
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, Self, cast
 
@@ -280,14 +279,9 @@ class Result(NamedTuple):
         >>> [len(result.contacts(frame).force) for frame in range(3)]
         [0, 1, 0]
         """
-        scene, planes = self.scene, self.walls[frame]
-        places = zip(self.solid_position[frame], self.solid_angle[frame], strict=True)
-        solids = [
-            replace(solid, position=position, angle=angle)
-            for solid, (position, angle) in zip(scene.solids, places, strict=True)
-        ]
-        walls = [replace(wall, plane=row) for wall, row in zip(scene.walls, planes, strict=True)]
-        scene = replace(scene, walls=walls, solids=solids)
+        scene = self.scene.moved(
+            self.solid_position[frame], self.solid_angle[frame], self.walls[frame]
+        )
         state = State(*(getattr(self, name)[frame] for name in ARRAYS))
         from dem.dynamics.simulation import Simulation  # which imports this file
 

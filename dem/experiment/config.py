@@ -30,6 +30,7 @@ from dem.base.types import (
     unit_of,
 )
 from dem.experiment.box import check_room
+from dem.experiment.cylinder import as_scene
 from dem.experiment.kinds import EXPERIMENTS, Experiment
 from dem.experiment.run import Replicate
 from dem.experiment.sections import (
@@ -184,13 +185,9 @@ class Configuration(Section):
                 f"contact.law is cohesive; the experiment {self.experiment} compresses its bed, and "
                 "beds are packed without attraction: let law be hertz"
             )
-        if record is not None and not record.window and self.module.observed:
+        if observed and not record.window:
             raise ValueError("record.window is missing; give the displacements of the mean drag")
-        if (
-            record is not None
-            and (observed or self.phases)
-            and record.bins % (record.snapshots - 1)
-        ):
+        if record is not None and self.module.observed and record.bins % (record.snapshots - 1):
             raise ValueError(
                 f"record.bins is {record.bins}; it must be a multiple of record.snapshots - 1, "
                 f"which is {record.snapshots - 1}, so that every snapshot falls on the end of a bin"
@@ -228,12 +225,7 @@ class Configuration(Section):
                     f"phases.{name}.until is rest and gravity 0; without gravity nothing comes to rest, "
                     "give gravity or a time"
                 )
-        usual = {"cells": CELLS, "region": None}
-        if self.phases:
-            usual = {
-                "window": None,
-                "observables": RecordSection.model_fields["observables"].default,
-            }
+        usual = {"window": None} if self.phases else {"cells": CELLS, "region": None}
         for key, value in usual.items() if self.record else ():
             if getattr(self.record, key) != value:
                 of = "has none" if self.phases else "alone has it"
@@ -260,11 +252,17 @@ class Configuration(Section):
         middle = (np.arange(self.record.bins) + 0.5) / self.record.bins * self.cylinder.stroke
         return (middle >= self.record.window[0]) & (middle <= self.record.window[1])
 
+    @cached_property
+    def scene(self) -> "Configuration":
+        """The same with solids and phases in place of a cylinder."""
+        if self.cylinder is None:
+            return self
+        return self.model_construct(**dict(self) | as_scene(self))
+
     @property
     def solid_names(self) -> list[str]:
         """Names of the solids that are in the bed."""
-        drawn = ("cylinder", self.cylinder), ("second", self.second)
-        return [*self.solids] or [name for name, section in drawn if section]
+        return [*self.scene.solids]
 
     @property
     def solid_count(self) -> int:
@@ -274,7 +272,9 @@ class Configuration(Section):
     @property
     def observables(self) -> tuple[str, ...]:
         """What is recorded, as record.observables names it."""
-        return self.record.observables if self.record else ()
+        if self.record is None:
+            return ()
+        return self.record.observables or self.module.constants.get("OBSERVED", ())
 
     @property
     def recorded(self) -> tuple[str, ...]:
@@ -325,7 +325,7 @@ class Configuration(Section):
             path: value
             for path, value in by_path(values).items()
             if path not in UNHASHED_KEYS and value != USUAL.get(path)
-        }
+        } | {"record.observables": self.observables}
         for label, shape in self.shapes.items():
             if shape.mixture:
                 parts = {name: shapes[name] | {"granules": s} for name, s in shape.mixture.items()}

@@ -7,7 +7,7 @@ from pathlib import Path
 from dem.base.provenance import compilers
 from dem.base.source_hash import digest, run_hash
 
-LAYOUT = 3  # of the files of runs: raise it where a variable comes, goes or has another meaning
+LAYOUT = 4  # of the files of runs: raise it where a variable comes, goes or has another meaning
 
 
 class Identity:

@@ -15,7 +15,7 @@ RATIOS = {
     "ellipse": 2.0,
     "plate": 6.0,
     "ring": 6.0,
-}  # length over width, where cylinder.aspect_ratio is none
+}  # length over width, where the thickness is none
 ROUNDED = 1.0 / 12.0  # of the diameter: radius of the corners of a square or a wedge
 # by outline: corners, anticlockwise, over half the width between them; those of a wedge are lower by sqrt(3)
 CORNERS = {
@@ -35,8 +35,8 @@ class Intruder:
         Name of the outline.
     diameter : float
         Its length (m).
-    aspect_ratio : float or None
-        Length over width of an ellipse or a plate, diameter over thickness of a ring, without unit.
+    thickness : float or None
+        Width of an ellipse or a plate, thickness of a ring (m).
     x : float
         Place of the axis along x (m).
     start, offset : float
@@ -49,7 +49,7 @@ class Intruder:
 
     kind: str
     diameter: float
-    aspect_ratio: float | None
+    thickness: float | None
     x: float
     start: float
     offset: float
@@ -59,7 +59,7 @@ class Intruder:
     @cached_property
     def outline(self) -> Disc | Ellipse | Polygon | list[Polygon]:
         """The outline, with its length along x, and a tip upwards."""
-        width = self.diameter / (self.aspect_ratio or 1.0)
+        width = self.thickness or self.diameter
         if self.kind == "circle":
             return Disc([0.5 * self.diameter])
         if self.kind == "ellipse":
@@ -107,30 +107,8 @@ def towards(direction: float | None) -> tuple[float, float]:
 
 
 def intruders_of(configuration) -> tuple[Intruder, ...]:
-    """The solids of a scene; else the cylinder and a second one, both centred in the box."""
-    cylinder, second = configuration.cylinder, configuration.second
-    if cylinder is None:
-        return tuple(map(intruder_of, configuration.solids.values()))
-    width = configuration.box_width
-    kind, dx, dy = cylinder.outline or "circle", 0.0, 0.0
-    if second is not None:
-        (x, y), apart = cylinder.ahead, second.gap + 0.5 * (cylinder.diameter + second.diameter)
-        beside, along = apart * math.cos(second.bearing), apart * math.sin(second.bearing)
-        dx, dy = beside * y + along * x, along * y - beside * x
-    ratio = (cylinder.aspect_ratio or RATIOS[kind]) if kind in RATIOS else None
-    first = Intruder(
-        kind=kind,
-        diameter=cylinder.diameter,
-        aspect_ratio=ratio,
-        x=0.5 * width - 0.5 * dx,
-        start=cylinder.start,
-        offset=-0.5 * dy,
-        angle=cylinder.angle or 0.0,
-    )
-    if second is None:
-        return (first,)
-    place = 0.5 * width + 0.5 * dx, cylinder.start, 0.5 * dy
-    return first, Intruder("circle", second.diameter, None, *place, 0.0)
+    """Those of a configuration."""
+    return tuple(map(intruder_of, configuration.scene.solids.values()))
 
 
 def intruder_of(solid) -> Intruder:
@@ -138,15 +116,15 @@ def intruder_of(solid) -> Intruder:
     x = solid.x if solid.pivot_x is None else solid.pivot_x
     y = solid.y if solid.pivot_y is None else solid.pivot_y
     c, s, dx, dy = math.cos(solid.angle), math.sin(solid.angle), solid.x - x, solid.y - y
-    ratio = RATIOS.get(solid.outline)
-    if solid.thickness is not None:
-        ratio = solid.diameter / solid.thickness
+    thickness = solid.thickness
+    if thickness is None and solid.outline in RATIOS:
+        thickness = solid.diameter / RATIOS[solid.outline]
     return Intruder(
         kind=solid.outline,
         diameter=solid.diameter,
-        aspect_ratio=ratio,
+        thickness=thickness,
         x=x,
-        start=0.0,
+        start=solid.start,
         offset=y,
         angle=solid.angle,
         shift=(c * dx + s * dy, c * dy - s * dx) if dx or dy else None,

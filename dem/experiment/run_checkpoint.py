@@ -1,7 +1,8 @@
-"""A run of the experiment that can be stopped and continued, bit for bit."""
+"""A run that can be stopped and continued, bit for bit."""
 
+import time
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -11,23 +12,42 @@ from dem.base.files import arrays_of, write_arrays
 from dem.dynamics.result import Record
 from dem.dynamics.simulation import Simulation
 from dem.experiment.run import Replicate
+from dem.jit.kernel import computing
 from dem.scene import ARRAYS, State
+
+SAVED_EVERY = 60.0  # s between two checkpoints
 
 
 @dataclass
 class PartialRun:
     """What a run has so far.
 
+    phase:   number of phases that began
+    began:   when the last of these did (s)
     records: of the pieces that are done
     states:  at the snapshots
     looks:   values of observables at the snapshots, by name
-    spent:   processor time (s)
+    before:  processor time (s) before this process
     """
 
-    records: list[Record]
-    states: list[State]
-    looks: list[dict]
-    spent: float = 0.0
+    phase: int = 0
+    began: float = 0.0
+    records: list[Record] = field(default_factory=list)
+    states: list[State] = field(default_factory=list)
+    looks: list[dict] = field(default_factory=list)
+    before: float = 0.0
+    started: float = field(default_factory=computing)
+    saved_at: float = field(default_factory=time.monotonic)
+
+    @property
+    def bins(self) -> int:
+        """How many bins are done."""
+        return sum(len(record.time_step) for record in self.records)
+
+    @property
+    def spent(self) -> float:
+        """Processor time (s)."""
+        return self.before + computing() - self.started
 
     @property
     def record(self) -> Record:
@@ -35,16 +55,20 @@ class PartialRun:
         return Record(*map(np.concatenate, zip(*self.records, strict=True)))
 
     def save(self, path: Path, replicate: Replicate, simulation: Simulation) -> None:
-        """Write a checkpoint, whole or not at all."""
+        """Write a checkpoint, whole or not at all, where the last one is old."""
+        if time.monotonic() - self.saved_at <= SAVED_EVERY:
+            return
         groups = {
             "simulation": simulation.checkpoint(),
-            "record": self.record._asdict(),
+            "record": self.record._asdict() if self.records else {},
             "states": {name: [getattr(state, name) for state in self.states] for name in ARRAYS},
             "run": {"id": replicate.id, "spent": self.spent},
+            "scene": {"phase": self.phase, "began": self.began},
         }
         groups |= {f"look{number}": look for number, look in enumerate(self.looks)}
         arrays = {f"{group}.{k}": v for group, values in groups.items() for k, v in values.items()}
         write_arrays(path, arrays)
+        self.saved_at = time.monotonic()
 
 
 def saved(path: Path, replicate: Replicate) -> dict | None:
@@ -74,4 +98,6 @@ def resumed(path: Path, replicate: Replicate, simulation: Simulation) -> Partial
     columns = zip(*(groups["states"][name] for name in ARRAYS), strict=True)
     states = [State(**dict(zip(ARRAYS, values, strict=True))) for values in columns]
     looks = [groups[f"look{number}"] for number in range(len(states))]
-    return PartialRun([Record(**groups["record"])], states, looks, float(groups["run"]["spent"]))
+    records = [Record(**groups["record"])] if groups["record"] else []
+    place = int(groups["scene"]["phase"]), float(groups["scene"]["began"])
+    return PartialRun(*place, records, states, looks, float(groups["run"]["spent"]))

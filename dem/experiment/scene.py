@@ -43,7 +43,7 @@ def make_scene(replicate: Replicate, bed: Bed) -> Scene:
 
 
 def _coefficients(section) -> dict:
-    """Values of a section by the names of the library, where the cylinder is a solid."""
+    """Values of a section by the names of the library, which says solid."""
     return {"solid" if name == "cylinder" else name: value for name, value in section}
 
 
@@ -71,18 +71,17 @@ def _walls(replicate: Replicate, bed: Bed) -> list[Wall]:
 
 
 def solids(replicate: Replicate, height: float) -> tuple[Solid, ...]:
-    """The cylinder, and a second one, at their start in a bed of a height (m); none without one."""
-    c, description, drawn = replicate.configuration, replicate.bed_description, []
+    """The solids at their start in a bed of a height (m)."""
+    description, drawn = replicate.bed_description, []
     height = description.start_height(height)
-    sections = (c.cylinder, c.second) if c.cylinder else c.solids.values()
-    for section, intruder in zip(sections, description.solids, strict=False):
-        moving = c.cylinder or section
-        free, material = section.spin == "free", moving.material
+    sections = replicate.configuration.scene.solids.values()
+    for section, intruder in zip(sections, description.solids, strict=True):
+        free, material = section.spin == "free", section.material
         solid = intruder.solid(
             height,
-            velocity=tuple((moving.velocity or 0.0) * component for component in moving.ahead),
+            velocity=tuple((section.velocity or 0.0) * component for component in section.ahead),
             spin=0.0 if free else section.spin or 0.0,
-            friction=getattr(section, "friction", None),
+            friction=section.friction,
             material=material and replicate.material_of(material),
         )
         if free:
@@ -93,7 +92,7 @@ def solids(replicate: Replicate, height: float) -> tuple[Solid, ...]:
 
 
 def start(replicate: Replicate, bed: Bed, **options) -> Simulation:
-    """The bed at rest with the cylinder at its start; options of the Simulation count before those
+    """The bed at rest with the solids at their start; options of the Simulation count before those
     of the configuration. Raises RunError where that cannot be."""
     numerics = replicate.configuration.numerics.model_dump()
     return Simulation(make_scene(replicate, bed), bed.state, **numerics | options)

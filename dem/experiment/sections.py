@@ -170,8 +170,10 @@ class SolidSection(MovingSection):
     """thickness of a ring or a plate, width of an ellipse; none: a sixth of the diameter, half of it"""
     x: Place
     """place of the middle along x at the start"""
-    y: Place
-    """place of the middle along y at the start"""
+    y: Place = 0.0
+    """place of the middle along y at the start, above that of start"""
+    start: Annotated[Coefficient, Field(lt=1)] = 0.0
+    """height from which y counts, as a fraction of that of the box"""
     angle: Angle = 0.0
     """angle at the start, anticlockwise"""
     pivot_x: Place | None = None
@@ -187,6 +189,8 @@ class SolidSection(MovingSection):
 
     @model_validator(mode="after")
     def _check(self):
+        if not {"y", "start"} & self.model_fields_set:
+            raise ValueError("y is missing; give it, or start")
         thick = self.outline in ("ellipse", "plate", "ring")
         if self.thickness is not None and not thick:
             raise ValueError(
@@ -384,12 +388,17 @@ class RecordSection(Section):
     """cells along x of the profile of the surface of a scene"""
     region: Region | None = None
     """where granules are counted, of a scene: left, bottom, right, top; none: nowhere"""
-    observables: Annotated[
-        tuple[Annotated[str, or_file(OBSERVABLES)], ...],
-        Field(min_length=1),
-        AfterValidator(lambda names: tuple(sorted(set(names)))),  # in any order they are one run
-    ] = ("drag", "snapshots")
-    """what is recorded"""
+    observables: (
+        Annotated[
+            tuple[Annotated[str, or_file(OBSERVABLES)], ...],
+            Field(min_length=1),
+            AfterValidator(
+                lambda names: tuple(sorted(set(names)))
+            ),  # in any order they are one run
+        ]
+        | None
+    ) = None
+    """what is recorded; none: what the experiment usually does"""
 
     @model_validator(mode="after")
     def _check(self):

@@ -1,6 +1,5 @@
 """The snapshots of one run, with all that is needed to draw and to measure them."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -19,22 +18,24 @@ ORIENTATIONS = "cylinder_orientation", "second_orientation"  # variables of a ru
 
 
 class Snapshots(NamedTuple):
-    """Snapshots s of granules n. SI units.
+    """Snapshots s of granules n and solids k. SI units.
 
-    height (s,): of the box, up to its top wall; displacement (s,); position (s, n, 2), not wrapped at
-    periodic sides; angle (s, n); diameters (n,); drag (bins,) at drag_displacement (bins,), None where
-    it is not asked for; orientation: angles (s,) of each solid, None for one that does not turn.
+    height (s,): of the box, up to its top wall; time (s,) since the last phase began; position
+    (s, n, 2), not wrapped at periodic sides; angle (s, n); diameters (n,); place (s, k, 2) and turn
+    (s, k): of the solids; displacement (s,): of a cylinder, None in a scene; force (k, bins): on each
+    solid against time, or (1, bins) the drag on a cylinder; None where it is not asked for.
     """
 
     replicate: Replicate
     height: np.ndarray
-    displacement: np.ndarray
+    time: np.ndarray
     position: np.ndarray
     angle: np.ndarray
     diameters: np.ndarray
-    drag_displacement: np.ndarray | None = None
-    drag: np.ndarray | None = None
-    orientation: Sequence[np.ndarray | None] = (None, None)
+    place: np.ndarray
+    turn: np.ndarray
+    displacement: np.ndarray | None = None
+    force: np.ndarray | None = None
 
     @property
     def periodic(self) -> Periods:
@@ -47,9 +48,14 @@ class Snapshots(NamedTuple):
         """Outlines (n, rings, points, 2) in m about the centre at angle zero."""
         return shaped(self.replicate.bed_description, self.diameters).polygons(33)
 
-    def nearest(self, displacement: float) -> int:
-        """The snapshot nearest to a displacement of the cylinder (m)."""
-        return int(np.abs(self.displacement - displacement).argmin())
+    @property
+    def marks(self) -> np.ndarray:
+        """Where the snapshots (s,) are: displacement of a cylinder (m), or time of a scene (s)."""
+        return self.time if self.displacement is None else self.displacement
+
+    def nearest(self, mark: float) -> int:
+        """The snapshot nearest to a mark."""
+        return int(np.abs(self.marks - mark).argmin())
 
     def contacts(self, snapshot: int) -> ContactList:
         """Contacts at a snapshot."""
@@ -61,40 +67,61 @@ class Snapshots(NamedTuple):
             *(np.nan,) * 4,
             self.periodic,
         )
-        scene = replace(make_scene(self.replicate, bed), solids=self.solids(snapshot))
-        return Simulation(scene, bed.state).contacts()
+        scene = make_scene(self.replicate, bed)
+        later = scene.moved(self.place[snapshot], self.turn[snapshot], scene.planes)
+        return Simulation(later, bed.state).contacts()
 
     def solids(self, snapshot: int) -> tuple[Solid, ...]:
-        """The cylinder, and a second one, where they are at a snapshot."""
-        ahead = np.array(self.replicate.configuration.cylinder.ahead)
-        moved = (
-            replace(solid, position=tuple(solid.position + self.displacement[snapshot] * ahead))
-            for solid in solids(self.replicate, self.height[0])
-        )
+        """The solids where they are at a snapshot."""
         return tuple(
-            solid if angle is None else replace(solid, angle=angle[snapshot])
-            for solid, angle in zip(moved, self.orientation, strict=False)
+            replace(solid, position=tuple(place), angle=angle)
+            for solid, place, angle in zip(
+                solids(self.replicate, self.height[0]),
+                self.place[snapshot],
+                self.turn[snapshot],
+                strict=True,
+            )
         )
 
 
 def snapshots_of(replicate: Replicate, values: dict) -> Snapshots:
     """The snapshots of a run from its variables by name."""
-    displacement = values["snapshot_displacement"]
+    time, c, displacement, force = values.get("snapshot_time"), replicate.configuration, None, None
+    if time is None:
+        displacement, ahead = values["snapshot_displacement"], np.array(c.cylinder.ahead)
+        time = displacement / c.cylinder.velocity
+        start = solids(replicate, float(values["box_height"]))
+        place = [solid.position + displacement[:, None] * ahead for solid in start]
+        turns = (values.get(name) for name in ORIENTATIONS)
+        turn = [
+            np.full(len(time), solid.angle) if angle is None else angle
+            for solid, angle in zip(start, turns, strict=False)
+        ]
+        place, turn = np.stack(place, axis=1), np.stack(turn, axis=1)
+        force = values["drag"][None] if "drag" in values else None
+    else:
+        place, turn = (
+            np.stack([values["solid_x"], values["solid_y"]], axis=-1),
+            values["solid_angle"],
+        )
+        if "solid_force_x" in values:
+            force = np.hypot(values["solid_force_x"], values["solid_force_y"])
     return Snapshots(
         replicate,
-        values.get("top_y", np.full(len(displacement), float(values["box_height"]))),
-        displacement,
+        values.get("top_y", np.full(len(time), float(values["box_height"]))),
+        time,
         np.stack([values["granule_x"], values["granule_y"]], axis=-1),
         values["granule_angle"],
         values["granule_diameter"],
-        values.get("displacement"),
-        values.get("drag"),
-        [values.get(name) for name in ORIENTATIONS],
+        place,
+        turn,
+        displacement,
+        force,
     )
 
 
 def variables_of(run) -> dict:
-    """These variables, from what a run recorded (dem.experiment.kinds.drag.RunData)."""
+    """These variables, from what a run recorded (dem.experiment.recording.RunData)."""
     c, height = run.replicate.configuration, run.bed.height
     drawn = solids(run.replicate, height)
     x, y = np.stack([state.position for state in run.states]).transpose(2, 0, 1)

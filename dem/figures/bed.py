@@ -59,7 +59,7 @@ def shifts(periodic) -> np.ndarray:
 
 def view_of(frames) -> np.ndarray:
     """View (2, 2) in m, lower left and upper right corner, that holds granules and solids of all
-    frames, and the corners of walls that are near; a period is shown once."""
+    frames, and the corners of walls that are near, but nothing behind walls; a period is shown once."""
     reach = np.linalg.norm(frames.rings, axis=-1).max(axis=-1)[:, None]
     radius = np.array([solid.radius for solid in frames.solids])[:, None]
     low, high = _corners(
@@ -75,6 +75,8 @@ def view_of(frames) -> np.ndarray:
     near = np.array([low - size, high + size])
     corners = np.concatenate([free_space(planes, near) for planes in frames.walls])
     inside = ((corners > near[0] + 1e-6 * size) & (corners < near[1] - 1e-6 * size)).all(axis=1)
+    if len(corners):  # a solid may go where no granule can
+        low, high = np.clip([low, high], *_corners(corners))
     low, high = _corners(low, high, corners[inside])
     edge = MARGIN * (high - low).max()
     return np.where(np.isfinite(periods), once, [low - edge, high + edge])

@@ -23,17 +23,16 @@ def export(motion: Snapshots, path: Path, progress=lambda done: None) -> None:
 
     Granules are polygons with their true outline, a dumbbell two; data of each: number, volume
     diameter (m), angle (rad), velocity (m/s), the mean since the snapshot before, and the sum of
-    its normal forces (N). The cylinder is one polygon more, number -1, and a second one number
-    -2. Contacts are lines from centre to centre, with the next number and their normal force. Lengths
-    in m; time is the displacement. What has left through a periodic side is put back into the box.
+    its normal forces (N). Solids are polygons more, with the numbers -1, -2 and so on. Contacts are lines from centre to centre, with the next number and their normal force. Lengths
+    in m; time is the displacement of a cylinder (m), or that of a scene (s). What has left through a periodic side is put back into the box.
     """
     lines = []
-    for snapshot, displacement in enumerate(motion.displacement):
+    for snapshot, mark in enumerate(motion.marks):
         name = f"{path.stem}{snapshot:04d}.vtu"
         with atomic(path.with_name(name)) as part:
             meshio.write(part, _mesh(motion, snapshot), file_format="vtu")
-        lines.append(f'<DataSet timestep="{displacement:.9g}" file="{name}"/>')
-        progress((snapshot + 1) / len(motion.displacement))
+        lines.append(f'<DataSet timestep="{mark:.9g}" file="{name}"/>')
+        progress((snapshot + 1) / len(motion.marks))
     write_bytes(path, PVD.format("\n".join(lines)).encode())
 
 
@@ -54,9 +53,8 @@ def _mesh(motion: Snapshots, snapshot: int) -> meshio.Mesh:
         ("line" if block is blocks[-1] else "polygon", numbers.reshape(block.shape[:2]))
         for block, numbers in zip(blocks, np.split(np.arange(len(points)), ends), strict=False)
     ]
-    cylinder = motion.replicate.configuration.cylinder
-    drawn = np.multiply(cylinder.ahead, cylinder.velocity)
-    velocity = np.vstack([mean_velocity(motion)[snapshot], *[drawn] * len(solids)])
+    bodies = np.concatenate([motion.position, motion.place], axis=1)
+    velocity = mean_velocity(bodies, motion.time)[snapshot]
     bodies = {
         "granule": np.append(np.arange(count), -1 - np.arange(len(solids))),
         "diameter": np.append(motion.diameters, [2.0 * solid.radius for solid in solids]),

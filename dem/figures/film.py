@@ -77,22 +77,18 @@ def figure_of(
     return figure, show
 
 
-def picture(
-    motion: Snapshots, path: Path, displacement: float | None, color: str, forces: bool
-) -> None:
-    """One snapshot, the nearest to a displacement (m), in a file of PICTURES.
+def picture(motion: Snapshots, path: Path, at: float | None, color: str, forces: bool) -> None:
+    """One snapshot, the nearest to a displacement (m) or a time of a scene (s), in a file of PICTURES.
 
-    displacement: None for half the stroke. Raises InputError for one beyond the stroke.
+    at: None for the middle. Raises InputError for one beyond the end.
     """
-    stroke = float(motion.displacement[-1])
-    displacement = 0.5 * stroke if displacement is None else displacement
-    if not 0.0 <= displacement <= stroke:
-        raise InputError(
-            f"displacement is {displacement:g} m; it must lie between 0 and the stroke, {stroke:g} m."
-        )
+    end, unit = float(motion.marks[-1]), "s" if motion.displacement is None else "m"
+    at = 0.5 * end if at is None else at
+    if not 0.0 <= at <= end:
+        raise InputError(f"at is {at:g} {unit}; it must lie between 0 and the end, {end:g} {unit}.")
     with style.context(RC, after_reset=True):
         figure, show = figure_of(frames_of(motion), color, forces)
-        show(motion.nearest(displacement))
+        show(motion.nearest(at))
         style.write(figure, path)
 
 

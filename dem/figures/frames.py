@@ -67,26 +67,33 @@ def frames_of(source: Result | Snapshots, *panel) -> Frames:
 
 
 def of_motion(motion: Snapshots, rings: np.ndarray | None = None) -> Frames:
-    """Frames of a run of the paper: the bed in its box, and the drag along the stroke.
+    """Frames of a run of a sweep: the bed in its box, and the forces on its solids.
 
     rings: outlines in place of its own
     """
     run, values = motion.replicate, motion.replicate.configuration
-    solids = [motion.solids(k) for k in range(len(motion.displacement))]
-    place = np.array([[solid.position for solid in row] for row in solids])
-    stand = walled(motion.periodic)
-    moved, cylinder, start = 1e3 * motion.displacement, values.cylinder, motion.position[0]
-    aside, above = (start - place[0, 0]).T
-    ahead = (above > 0.0) & (above < (0.5 + AHEAD) * cylinder.diameter)
-    ahead &= np.abs(aside) < 0.5 * cylinder.diameter
+    stand, drawn, start = walled(motion.periodic), motion.displacement, motion.position[0]
+    velocity, marks = mean_velocity(motion.position, motion.time), motion.marks
+    paints = {"layer": layer_colours(start, motion.height[0])}
+    if drawn is not None:
+        diameter, (aside, above) = values.cylinder.diameter, (start - motion.place[0, 0]).T
+        ahead = (
+            (above > 0.0) & (above < (0.5 + AHEAD) * diameter) & (np.abs(aside) < 0.5 * diameter)
+        )
+        paints["cluster"], marks = np.where(ahead, *style.LAYERS[1::-1]), 1e3 * marks
 
     def record(axes):
-        x = 1e3 * motion.drag_displacement
-        axes.plot(x, motion.drag, color=style.CURVE, linewidth=0.8)
-        axes.set_ylim(bottom=min(0.0, motion.drag.min()))
-        axes.set(
-            xlabel="Displacement of the cylinder (mm)", ylabel="Drag (N)", xlim=(0.0, moved[-1])
-        )
+        bins = motion.force.shape[1]
+        x = (np.arange(bins) + 0.5) / bins * marks[-1]
+        for k, force in enumerate(motion.force):
+            look = {"color": style.CURVE, "linestyle": style.LINES[k % len(style.LINES)]}
+            axes.plot(x, force, label=values.solid_names[k], linewidth=0.8, **look)
+        axes.set_ylim(bottom=min(0.0, motion.force.min()))
+        words = "Displacement of the cylinder (mm)", "Drag (N)"
+        if drawn is None:
+            words = "Time (s)", "Force on the solid (N)"
+            axes.legend()
+        axes.set(xlabel=words[0], ylabel=words[1], xlim=(0.0, marks[-1]))
 
     known = "case=", "shape=", "density=", "seed="  # which the title says anyway
     point = [word for word in run.point if not word.startswith(known)]
@@ -94,29 +101,25 @@ def of_motion(motion: Snapshots, rings: np.ndarray | None = None) -> Frames:
         title=", ".join([run.label, f"{run.density:g} kg/m³", f"seed {run.seed}", *point]),
         position=motion.position,
         angle=motion.angle,
-        velocity=mean_velocity(motion),
+        velocity=velocity,
         rings=joined(motion.outlines if rings is None else rings),
         walls=np.array([box(values.box_width, height)[stand] for height in motion.height]),
-        solids=solids[0],
-        place=place,
-        turn=np.array([[solid.angle for solid in row] for row in solids]),
+        solids=motion.solids(0),
+        place=motion.place,
+        turn=motion.turn,
         contacts=motion.contacts,
-        fastest=cylinder.velocity,
-        paints={
-            "layer": layer_colours(start, motion.height[0]),
-            "cluster": np.where(ahead, style.LAYERS[1], style.LAYERS[0]),
-        },
-        captions=[f"{displacement:.2f} mm" for displacement in moved],
-        record=None if motion.drag is None else record,
-        marks=moved,
+        fastest=np.hypot(*velocity.T).max() or 1.0 if drawn is None else values.cylinder.velocity,
+        paints=paints,
+        captions=[f"{mark:.3g} s" if drawn is None else f"{mark:.2f} mm" for mark in marks],
+        record=None if motion.force is None else record,
+        marks=marks,
         periodic=motion.periodic,
     )
 
 
-def mean_velocity(motion: Snapshots) -> np.ndarray:
-    """Of granules (s, n, 2) in m/s, since the snapshot before, or until the next for the first."""
-    time = motion.displacement / motion.replicate.configuration.cylinder.velocity
-    velocity = np.diff(motion.position, axis=0) / np.diff(time)[:, None, None]
+def mean_velocity(position: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """Of bodies (s, n, 2) in m/s, since the snapshot before, or until the next for the first."""
+    velocity = np.diff(position, axis=0) / np.diff(time)[:, None, None]
     return np.concatenate([velocity[:1], velocity])
 
 

@@ -1,22 +1,17 @@
 """A scene at three times of its recorded phase, and the force and torque on each solid against time."""
 
-import json
-
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from dem.analysis.one_run import replicate_at
 from dem.base.errors import InputError
 from dem.base.statistics import half_interval
-from dem.experiment.config import Configuration, of_results
-from dem.experiment.run import Replicate
+from dem.experiment.snapshots import snapshots_of
 from dem.figures import style
-from dem.figures.bed import MARGIN, draw, joined
-from dem.figures.frames import Frames, layer_colours
-from dem.periodic import periods_of, walled
-from dem.shapes import outlines
-from dem.solids import box
-from dem.sweep.axis import RUN_KEYS, name_of
+from dem.figures.bed import draw, view_of
+from dem.figures.frames import Frames
+from dem.figures.snapshots import frames_of_case
 
 FILE = "scene"
 CAPTION = "A scene at three times, and the force and torque on each of its solids"
@@ -24,51 +19,10 @@ VARIABLES = ("granule_x", "solid_x")
 SHARES = 0.0, 0.5, 1.0  # of the recorded phase
 
 
-def replicate_of(dataset: xr.Dataset, one: xr.Dataset) -> Replicate:
-    """The run of one point of a file of scenes, with what varies there."""
-    values = json.loads(dataset.attrs["configuration"])
-    values = {name: values[name] for name in Configuration.read if name in values}
-    values |= {name: one[name].item() for name in RUN_KEYS}
-    run = of_results(values)
-    for path in run.configuration.entries:
-        if (name := name_of(path)) in one.variables:
-            value = one[name].item()
-            *groups, last = path.split(".")
-            section = values
-            for group in groups:
-                section = section[group]
-            section[last] = None if value == "null" else value
-    return of_results(values)
-
-
 def frames_of_point(dataset: xr.Dataset, one: xr.Dataset) -> Frames:
-    """Frames of one run, without contacts: its granules, walls and solids at the snapshots."""
-    run, count = replicate_of(dataset, one), one.sizes["snapshot"]
-    height = float(one["box_height"])
-    periods = periods_of(run.configuration.box_width, height, run.configuration.periodic)
-    labels, diameters = run.labels(), one["granule_diameter"].values
-    position = np.stack([one["granule_x"], one["granule_y"]], axis=-1)
-    low, top = position[0, :, 1].min(), position[0, :, 1].max()
-    solids = tuple(solid.solid(height) for solid in run.bed_description.solids)
-    planes = box(run.configuration.box_width, height)[walled(periods)]
-    return Frames(
-        title=None,
-        position=position,
-        angle=one["granule_angle"].values,
-        velocity=np.zeros_like(position),
-        rings=joined(outlines(labels["kind"], diameters, labels["aspect_ratio"])),
-        walls=np.broadcast_to(planes, (count, *planes.shape)),
-        solids=solids,
-        place=np.stack([one["solid_x"], one["solid_y"]], axis=-1),
-        turn=one["solid_angle"].values,
-        contacts=None,
-        fastest=1.0,
-        paints={"layer": layer_colours(position[0] - [0.0, low], top - low)},
-        captions=[],
-        record=None,
-        marks=one["snapshot_time"].values,
-        periodic=periods,
-    )
+    """Frames of one run: its granules, walls and solids at the snapshots."""
+    variables = {str(name): variable.values for name, variable in one.variables.items()}
+    return frames_of_case(snapshots_of(replicate_at(dataset, one), variables))
 
 
 @style.styled
@@ -84,11 +38,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         raise InputError("all runs of the first point of this file failed; there is none to draw.")
     one = runs.isel(seed=whole[0]).dropna("granule", subset=["granule_diameter"])
     frames, time = frames_of_point(dataset, one), runs["snapshot_time"].values
-    size = np.array([json.loads(dataset.attrs["configuration"])["box_width"], one["box_height"]])
-    edge = (
-        MARGIN * size.max() * np.array([side is None for side in frames.periodic or (None, None)])
-    )
-    view = np.array([-edge, size + edge])  # a solid may be drawn out of the box
+    view = view_of(frames)
     width, height = view[1] - view[0]
     tall = style.WIDTH / len(SHARES) * height / width
     figure = Figure(figsize=(style.WIDTH, 4.2 + tall))

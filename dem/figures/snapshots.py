@@ -7,14 +7,13 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.analysis.drag import find
+from dem.analysis.one_run import replicate_at
 from dem.base.errors import InputError
-from dem.experiment.config import Configuration, of_results
 from dem.experiment.snapshots import Snapshots, snapshots_of
 from dem.figures import style
 from dem.figures.bed import draw, view_of
 from dem.figures.frames import Frames, of_motion
 from dem.shapes import is_drawn, outlines
-from dem.sweep.axis import RUN_KEYS
 
 PANEL, AROUND = 2.5, 1.2  # inches: width of a bed; height of the words around all beds
 SCALE = 5.0  # mm, of the bar
@@ -26,11 +25,8 @@ def motion_of(dataset: xr.Dataset, case: str) -> Snapshots | None:
     one = one.dropna("granule", subset=["granule_diameter"])  # others may have more
     if not one.sizes["granule"]:
         return None
-    values = json.loads(dataset.attrs["configuration"])
-    values = {name: values[name] for name in Configuration.read if name in values}
-    values |= {name: one[name].item() for name in RUN_KEYS}
     variables = {str(name): variable.values for name, variable in one.variables.items()}
-    return snapshots_of(of_results(values), variables)
+    return snapshots_of(replicate_at(dataset, one), variables)
 
 
 def frames_of_case(motion: Snapshots) -> Frames:

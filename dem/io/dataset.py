@@ -17,12 +17,6 @@ from dem.base.files import atomic, bytes_of
 
 # Tables of variables, name: (dimensions, units, long name). What a run records is in
 # dem.experiment.observables.
-AXES = {
-    "displacement": (("displacement",), "m", "displacement of the cylinder, middle of the bin"),
-    "displacement_bounds": (("displacement", "bound"), None, None),
-    "wall": (("wall",), None, "wall of the box"),
-    "snapshot_displacement": (("snapshot",), "m", "displacement of the cylinder at the snapshot"),
-}
 LABELS = {
     "shape": ((), None, "label of the shape, Table 1"),
     "kind": ((), None, "kind of granule"),
@@ -42,11 +36,11 @@ OF_RUN = {
     ),
     "steps": ((), "1", "number of time steps of the run"),
     "box_height": ((), "m", "height of the box"),
-    "packing_pressure": ((), "Pa", "mean normal stress on the walls before the cylinder moves"),
+    "packing_pressure": ((), "Pa", "mean normal stress on the walls of the bed at rest"),
     "packing_coordination_number": (
         (),
         "1",
-        "mean number of contacts of a granule with others, before the cylinder moves",
+        "mean number of contacts of a granule with others in the bed at rest",
     ),
     "packing_net_force": (
         (),
@@ -56,7 +50,7 @@ OF_RUN = {
     "packing_max_overlap": (
         (),
         "1",
-        "greatest overlap relative to the smaller granule radius, before the cylinder moves",
+        "greatest overlap relative to the smaller granule radius in the bed at rest",
     ),
 }
 OF_STORE = {  # of a run in a file of many

@@ -5,6 +5,7 @@ run (dem.dynamics.simulation) with their own masses and stiffness. The box is hi
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -21,11 +22,13 @@ PIECES = 200  # at most
 STILL = 1e-6  # of weight times diameter: mean kinetic energy of granules at rest
 
 
-def come_to_rest(run: Simulation, gravity: float, still: float = STILL) -> tuple[float, float]:
+def come_to_rest(
+    run: Simulation, gravity: float, still: float = STILL, save: Callable[[], None] = lambda: None
+) -> tuple[float, float]:
     """Go on until the granules are at rest under gravity (m/s2), for a limited time.
 
-    still: of weight times diameter, mean kinetic energy at rest. Returns their kinetic energy (J), and
-    what it is at most at rest.
+    still: of weight times diameter, mean kinetic energy at rest; save: called while they are not.
+    Returns their kinetic energy (J), and what it is at most at rest.
     """
     diameter = 2.0 * float(run.scene.shape.constituent_radius.mean())
     enough = still * float(run.scene.mass.sum()) * gravity * diameter
@@ -33,6 +36,7 @@ def come_to_rest(run: Simulation, gravity: float, still: float = STILL) -> tuple
         run.advance(PIECE * math.sqrt(diameter / gravity))
         if (energy := run.diagnose().kinetic_energy) <= enough:
             break
+        save()
     return energy, enough
 
 

@@ -13,9 +13,10 @@ from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
 from dem.base.types import SEEDS, Label, Number, parsed, written
 from dem.experiment.config import Configuration, Entry, entries
+from dem.experiment.kinds import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
 from dem.experiment.sections import RunSection
-from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
+from dem.io.dataset import LABELS, OF_RUN, OF_STORE, OF_SWEEP
 from dem.sweep import design
 from dem.sweep.derive import Derive
 from dem.sweep.precision import MOST_RUNS, Until
@@ -98,7 +99,8 @@ def name_of(path: str) -> str:
     name = path.replace(".", "_")
     taken = {"run", "bound", "snapshot", "granule", "shear_strain", *OBSERVABLES}
     measured = (header["VARIABLES"] for header in OBSERVABLES.values())
-    for table in (AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP, *measured):
+    axes = EXPERIMENTS["drag"]["AXIS"]
+    for table in (axes, LABELS, OF_RUN, OF_STORE, OF_SWEEP, *measured):
         taken |= set(table)
     return f"{name}_swept" if name in taken else name
 

@@ -127,7 +127,7 @@ def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
         name: entry
         for name, entry in experiment.variables(observable).items()
         if name in recorded
-        and (observable == BEDS or not experiment.observed or "granule" not in entry[0])
+        and (observable in (BEDS, experiment.label) or "granule" not in entry[0])
     }
     of_runs = variables | {name: OF_STORE[name] for name in ("run_id", "bed_family", "failure")}
     layout = {name: ((*block.dims, *dims), *rest) for name, (dims, *rest) in of_runs.items()}

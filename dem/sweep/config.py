@@ -2,6 +2,7 @@
 
 import os
 import sys
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
@@ -17,6 +18,7 @@ from dem.base.source_hash import ROOT
 from dem.base.types import Coefficient, Count, Density, Label, Section, must, parsed
 from dem.base.yaml_file import DEEPEST, read, text_of
 from dem.experiment.config import Configuration, model_of
+from dem.experiment.run import Replicate
 from dem.sweep.expand import Block, expand
 
 FOLDERS = ("store", "figures", "logs", "rounds")  # of results
@@ -215,6 +217,13 @@ def load(path: Path) -> Sweep:
     refresh()
     path = find_file(path)
     return parse(read(path), str(path))
+
+
+def described(run: Replicate) -> dict:
+    """A sweep file of one run alone, as plain groups: a cylinder as solids and phases of a scene."""
+    scene = replace(run, configuration=run.configuration.scene).values()
+    varied = {name: [scene.pop(name)] for name in run.coordinates}
+    return {"title": run.words(), "results": "results/described"} | scene | {"sweep": varied}
 
 
 def save(sweep: Sweep, path: Path) -> None:

@@ -228,7 +228,7 @@ def run_mean(run, variable: str, row: dict) -> tuple[float, str]:
     c, values = run.configuration, np.asarray(row[variable], float)
     dims = c.module.layout[variable][0]
     for axis, dim in ("displacement", "displacement"), ("snapshot_displacement", "snapshot"):
-        if c.module.observed and dim in dims:
+        if c.module.observed and c.record.window and dim in dims:
             displacement, (start, stop) = c.module.axes[axis], c.record.window
             inside = (displacement >= start) & (displacement <= stop)
             values = values.compress(inside, dims.index(dim))

@@ -109,7 +109,7 @@ def _word(default) -> str:
 def files() -> str:
     """Every variable of every file of results, from the layouts."""
     parts = ["# The files of results\n", FILES]
-    runs = dataset.OF_STORE | dataset.LABELS | dataset.AXES | dataset.OF_RUN
+    runs = dataset.OF_STORE | dataset.LABELS | EXPERIMENTS["drag"]["AXIS"] | dataset.OF_RUN
     parts += ["## In every file of runs\n", _variables(runs)]
     for name in OBSERVABLES:
         module = import_module(f"dem.experiment.observables.{name}")

@@ -163,3 +163,17 @@ def test_a_plan_waits_for_neither_kernels_nor_datasets(tmp_path, command):
     text = run("-X", "importtime", "-m", *command.format(tmp_path).split(), cwd=ROOT)
     loaded = {line.rpartition("|")[2].strip() for line in text.splitlines()}
     assert "dem.sweep.state" in loaded and not loaded & {"numba", "xarray", "pandas", "scipy"}
+
+
+@quick
+def test_a_described_run_is_printed_and_not_made(tmp_path, monkeypatch):
+    """As a sweep file, which another simulate would take."""
+    monkeypatch.chdir(tmp_path)
+    words = "simulate --shape c1 --density 3900 --seed 7 friction.granule=0.2"
+    config = f"--config {CONFIG / 'smoke.yaml'}"
+    described = called(f"{words} {config} --describe")
+    assert described.exit_code == 0 and not [*tmp_path.iterdir()]
+    values = yaml.safe_load(described.output)
+    assert values["experiment"] == "scene" and values["sweep"]["seed"] == [7]
+    assert values["friction"]["granule"] == 0.2
+    assert "output is missing" in called(f"{words} {config}").output

@@ -13,6 +13,7 @@ import dem
 from dem.experiment.bed import make_bed
 from dem.experiment.box import check_stroke
 from dem.experiment.kinds import drag
+from dem.experiment.recording import RunData
 from dem.experiment.scene import make_scene
 from dem.experiment.snapshots import snapshots_of
 from dem.figures.bed import draw, view_of
@@ -70,7 +71,7 @@ def test_a_bed_at_rest_pushes_the_solid_of_a_picture_as_that_of_its_run():
     scene = make_scene(run, bed)
     at_rest = replace(scene, solids=replace(scene.solids[0], velocity=(0.0, 0.0)))
     simulation = dem.Simulation(at_rest, bed.state)
-    data = drag.RunData(run, bed, simulation.record(1e-10, 20), [simulation.state] * 3)
+    data = RunData(run, bed, simulation.record(1e-10, 20), [simulation.state] * 3)
     contacts = data.snapshots.contacts(0)
     mine = contacts.partner == -1
     force = contacts.force[mine]

@@ -1,19 +1,26 @@
 """Scenes from sweep files: solids bear what lies on them, move as phases say, and no granule is lost."""
 
 import json
+import time
 from functools import cache
 
 import numpy as np
 import pytest
 import xarray as xr
 from project import CONFIG
+from sweeps import Killed
 
 import dem
+from dem.analysis.one_run import read_snapshots, replicate_at
+from dem.base.yaml_file import text_of
+from dem.experiment import run_checkpoint
 from dem.experiment.bed import make_bed
-from dem.experiment.kinds.scene import inside, surface
+from dem.experiment.observables.scene import inside, surface
 from dem.experiment.scene import make_scene
-from dem.figures.scene import replicate_of
-from dem.sweep.config import load
+from dem.figures.bed import view_of
+from dem.figures.frames import of_motion
+from dem.sweep.batch import write_one
+from dem.sweep.config import described, load
 
 pytestmark = pytest.mark.quick
 FILES = sorted((CONFIG / "scenes").glob("*.yaml"))
@@ -40,7 +47,7 @@ def run_of(seed=1, **changes):
 
 @cache
 def held():
-    run = run_of()
+    run = run_of(**{"record.observables": ["scene", "stress"]})
     return run, run.configuration.module.run(run)
 
 
@@ -67,6 +74,14 @@ def test_a_solid_bears_the_weight_that_lies_on_it():
     mass = np.pi / 4.0 * run.diameters**2 @ np.full(12, 2500.0 * run.thickness)
     np.testing.assert_allclose(values["solid_force_y"][0], -9.81 * mass, rtol=1e-2)
     assert abs(values["solid_force_x"]).max() < 0.02 * 9.81 * mass
+
+
+def test_a_scene_records_other_observables_beside_its_own():
+    """The stress of a bed at rest is that of the weight: over the area, mass times height above the floor."""
+    run, values = held()
+    height, mass = values["granule_y"][-1] - 2.25e-3, np.pi / 4.0 * run.diameters**2 * 2500.0
+    weight = 9.81 * mass @ height / (8e-3 * 12e-3)  # a thickness is in both
+    assert values["stress_yy"][-1] == pytest.approx(weight, rel=0.05)
 
 
 def test_no_granule_is_lost():
@@ -127,5 +142,98 @@ def test_a_picture_is_of_the_values_of_its_point():
     values = dict(run.coordinates, solids_floor_x=4.02e-3, solids_floor_friction="null")
     one = xr.Dataset(coords={name: ((), value) for name, value in values.items()})
     file = xr.Dataset(attrs={"configuration": json.dumps(run.configuration.values())})
-    drawn = replicate_of(file, one).configuration.solids["floor"]
+    drawn = replicate_at(file, one).configuration.solids["floor"]
     assert (drawn.x, drawn.friction) == (4.02e-3, None)
+
+
+def test_a_picture_of_a_scene_has_its_solids_where_they_are_and_nothing_behind_walls(tmp_path):
+    """Contacts are found though the gate went through the lid."""
+    gate = FLOOR | {"outline": "circle", "diameter": 1e-3, "thickness": None, "x": 4e-3, "y": 11e-3}
+    run = run_of(
+        solids={"floor": FLOOR, "gate": gate | {"velocity": 2.0}},
+        phases=HELD | {"hold": {"time": 1e-2}},
+    )
+    write_one(tmp_path / "run.nc", run, run.configuration.module.run(run))
+    motion = read_snapshots(tmp_path / "run.nc")
+    frames = of_motion(motion)
+    assert len(motion.contacts(-1).force) and motion.solids(-1)[1].position[1] > 20e-3
+    assert motion.place[0, 0].tolist() == [4e-3, 2e-3] and frames.marks[-1] == 1e-2
+    (left, bottom), (right, top) = view_of(frames)
+    assert left < 0.0 < 8e-3 < right < 9e-3 and bottom < 0.0 < 12e-3 < top < 13e-3
+
+
+TURNED = {"cylinder.outline": "plate", "cylinder.aspect_ratio": 4.3, "cylinder.angle": 0.3, "cylinder.spin": 9.0,
+          "record.observables": ["drag", "snapshots", "stress"]}  # fmt: skip
+PAIR = {
+    "cylinder.diameter": 1e-3,
+    "second": {"diameter": 1e-3, "gap": 3e-4, "bearing": 0.7, "spin": "free"},
+}
+SETTLED = {
+    "gravity": 9.81,
+    "packing.preparation": "settled",
+    "packing.fraction": 0.6,
+    "cylinder.direction": 0.1,
+}
+SHORT = {
+    "cylinder.stroke": 4e-5,
+    "record.window": [0.0, 4e-5],
+    "record.bins": 4,
+    "record.snapshots": 3,
+}
+
+
+@pytest.mark.parametrize(
+    "changes", [{}, TURNED, PAIR, SETTLED, {"packing.pressure": 3e5, "packing.fraction": None}]
+)
+def test_a_run_that_is_described_as_a_scene_gives_the_same_bits(tmp_path, changes):
+    sweep, path = load(CONFIG / "smoke.yaml"), tmp_path / "same.yaml"
+    run = sweep.changed(SHORT | changes, "c1").replicate("c1", 3900.0, 1)
+    path.write_text(text_of(described(run)))
+    (same,) = load(path).block("drag").unique()
+    assert same.configuration.experiment == "scene" and same.bed_id == run.bed_id
+    one, other = (each.configuration.module.run(each) for each in (run, same))
+    force = np.stack([other["solid_force_x"][0], other["solid_force_y"][0]], axis=1)
+    np.testing.assert_array_equal(one["drag"], -(force @ run.configuration.cylinder.ahead))
+    for name in one.keys() & {"granule_x", "granule_angle", "stress_yy", "steps"}:
+        np.testing.assert_array_equal(one[name], other[name], err_msg=name)
+
+
+@pytest.mark.parametrize("study", ["onset", "shear", "law"])
+def test_a_run_of_another_experiment_is_described_by_its_own_values(tmp_path, study):
+    sweep, path = load(CONFIG.parent / f"studies/{study}/sweep.yaml"), tmp_path / "same.yaml"
+    for name in sweep.blocks:
+        run = next(iter(sweep.block(name).unique()))
+        path.write_text(text_of(described(run)))
+        (same,) = load(path).block("drag").unique()
+        is_scene = same.configuration.experiment == "scene"
+        assert same.bed_id == run.bed_id and (is_scene or same.id == run.id)
+
+
+def test_a_scene_goes_on_from_a_checkpoint_of_any_phase_with_the_same_bits(tmp_path, monkeypatch):
+    """Solids move as they did, and a phase that was cut short ends when it should."""
+    paddle = FLOOR | {"diameter": 2e-3, "x": 5e-3, "y": 1e-3}
+    turn, back = {"spin": 50.0, "velocity": 0.1, "direction": 0.1}, {"velocity": -0.1}
+    phases = {"turn": {"time": TIME, "motion": {"paddle": turn}}, "fill": {"until": "rest"}}
+    phases["back"] = {"time": TIME, "motion": {"paddle": back}}
+    replicate = run_of(solids={"floor": FLOOR, "paddle": paddle}, phases=phases)
+    path, clock = tmp_path / "run.npz", time.monotonic
+    monkeypatch.setattr("time.monotonic", lambda: 1e6 * clock())  # it saves itself once a minute
+    run, write, writes = replicate.configuration.module.run, run_checkpoint.write_arrays, []
+
+    def counted(path, arrays):
+        write(path, arrays)
+        writes.append(path)
+        if len(writes) in stops:
+            raise Killed
+
+    monkeypatch.setattr(run_checkpoint, "write_arrays", counted)
+    stops = ()
+    whole = run(replicate, checkpoint=path)
+    stops = [3, len(writes) // 2, len(writes)]  # in the first, the second and the last phase
+    path.unlink(), writes.clear()
+    for _ in stops:
+        with pytest.raises(Killed):
+            run(replicate, checkpoint=path)
+    resumed = run(replicate, checkpoint=path)
+    for name in whole.keys() - {"run_time"}:
+        np.testing.assert_array_equal(whole[name], resumed[name], err_msg=name)

@@ -15,6 +15,7 @@ from sweeps import make_sweep
 
 from dem.analysis.one_run import open_run, read_snapshots
 from dem.base.errors import InputError
+from dem.experiment.snapshots import snapshots_of
 from dem.figures.export import export
 from dem.figures.film import RC, figure_of
 from dem.figures.frames import of_motion
@@ -69,7 +70,7 @@ def test_a_motion_is_what_was_recorded(watched, case):
     assert_array_equal(motion.angle, one["granule_angle"])
     assert_array_equal(motion.diameters, one["granule_diameter"])
     drag = xr.load_dataset(watched / "drag.nc")["drag"]
-    assert_array_equal(motion.drag, drag.sel(case=case, seed=1))
+    assert_array_equal(motion.force[0], drag.sel(case=case, seed=1))
     assert motion.nearest(0.61e-3) == 6
     assert_allclose(motion.displacement, np.linspace(0.0, 1.2e-3, 13))
 
@@ -91,7 +92,8 @@ def test_a_picture_shows_a_snapshot_with_its_drag_and_says_which_run_it_is(watch
     speed = np.hypot(*(motion.position[7] - motion.position[6]).T) / TOOK
     assert_allclose(bed.collections[0].get_array(), speed, rtol=1e-9)
     curve, mark = record.lines
-    assert_allclose(curve.get_xydata(), np.transpose([1e3 * motion.drag_displacement, motion.drag]))
+    moved = xr.load_dataset(watched / "drag.nc")["displacement"]
+    assert_allclose(curve.get_xydata(), np.transpose([1e3 * moved, motion.force[0]]))
     assert_allclose(mark.get_xdata(), 0.7)
 
 
@@ -141,10 +143,11 @@ def test_export_for_paraview(watched, tmp_path, case):
 
 @quick
 def test_a_solid_at_rest_at_an_angle_is_drawn_at_this_angle(watched):
-    motion, changes = motion_of(watched, "c1"), {"cylinder.outline": "plate", "cylinder.angle": 0.5}
-    run = motion.replicate.configuration.changed(changes, "c1").replicate("c1", 3.9e3, 1)
+    changes = {"cylinder.outline": "plate", "cylinder.angle": 0.5}
+    run, values = open_run(watched / "drag.nc", ["case=c1", "seed=1"])
+    run = run.configuration.changed(changes, "c1").replicate("c1", 3.9e3, 1)
     with rc_context(RC):
-        figure, _ = figure_of(of_motion(motion._replace(replicate=run)), "speed", False)
+        figure, _ = figure_of(of_motion(snapshots_of(run, values)), "speed", False)
     (outline,) = figure.axes[0].collections[2].get_paths()
     _, _, axis = np.linalg.svd(outline.vertices - outline.vertices.mean(axis=0))
     assert abs(axis[0] @ [-np.sin(0.5), np.cos(0.5)]) < 1e-2  # its longest

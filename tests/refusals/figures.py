@@ -35,7 +35,7 @@ CALLS = {
     "solid is 1; it must be below 0.": lambda: dem.film(result(), "run.gif", solid=1),
     "must be 'force' or 'torque'": lambda: dem.film(result(), "run.gif", panel="energy"),
     "must be the path of a file that ends in .nc.": lambda: result().to_netcdf("run.txt"),
-    "displacement is 0.007 m; it must lie between 0 and": late,
+    "at is 0.007 m; it must lie between 0 and": late,
 }
 OF_RUNS = {
     "drag.nc": "choose one, such as case=c1",

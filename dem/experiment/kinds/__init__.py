@@ -9,7 +9,7 @@ VALUES     values of its own, name: (default, units, words) or (default, units, 
 SIZES      length of each of its dimensions, or the path of the value that says it; shorter rows end in NaN
 AXIS       variables along these dimensions, as VARIABLES
 ASKS       values that it asks for, by path, and why
-OBSERVED   True where it records record.observables, and takes bed and checkpoint
+OBSERVED   observables that it usually records, where it records observables, and takes bed and checkpoint
 BED_ALONE  True where it reads nothing but what makes the bed
 DERIVES    what follows from its results for runs of other blocks, name: (options, as VALUES; what it asks for, as ASKS)
 
@@ -36,7 +36,7 @@ from dem.base.errors import InputError, RunError
 from dem.base.plugins import find_module, load
 from dem.base.types import BOUNDS, Count, Number, Section, Unit, shown
 from dem.experiment.observables import OBSERVABLES, file_of
-from dem.io.dataset import AXES, LABELS, OF_RUN, OF_STORE, OF_SWEEP
+from dem.io.dataset import LABELS, OF_RUN, OF_STORE, OF_SWEEP
 
 EXPERIMENTS = described(Path(__file__).parent, "SECTIONS")
 TYPES = {bool: bool, int: Count, float: Number, str: str}  # of values, by those of their defaults
@@ -90,7 +90,7 @@ class Experiment:
     @property
     def observed(self) -> bool:
         """Whether it records record.observables."""
-        return self.constants.get("OBSERVED", False)
+        return "OBSERVED" in self.constants
 
     def values(self, given) -> dict:
         """Its VALUES; without its file, what can be known of those that are given."""
@@ -160,7 +160,7 @@ class Experiment:
     @property
     def along(self) -> dict:
         """Variables along its dimensions, as VARIABLES."""
-        return (AXES if self.observed else {}) | self.table("AXIS")
+        return self.table("AXIS")
 
     @property
     def layout(self) -> dict:

@@ -1,0 +1,112 @@
+"""What a scene shows: forces on solids and where they are, granules, their surface, those in a region."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from dem.contacts.layout import X, Y
+from dem.experiment.scene import make_scene
+from dem.periodic import Periods, wrapped
+
+ON = "solid", "time"
+AT = "snapshot", "solid"
+N = ("time",)
+S = ("snapshot",)
+VARIABLES = {
+    "solid_force_x": (ON, "N", "force of the granules on the solid along x, mean of the bin"),
+    "solid_force_y": (ON, "N", "force of the granules on the solid along y, mean of the bin"),
+    "solid_torque": (ON, "N m", "torque of the granules about its position, mean of the bin"),
+    "solid_x": (AT, "m", "position of the solid along x"),
+    "solid_y": (AT, "m", "position of the solid along y"),
+    "solid_angle": (AT, "rad", "angle of the solid, anticlockwise"),
+    "kinetic_energy": (N, "J", "kinetic energy of the granules, end of the bin"),
+    "coordination_number": (N, "1", "contacts of a granule with others, end of the bin"),
+    "max_overlap": (N, "1", "greatest overlap over the smaller radius, end of the bin"),
+    "granule_x": (("snapshot", "granule"), "m", "centres of the granules along x, not wrapped"),
+    "granule_y": (("snapshot", "granule"), "m", "centres of the granules along y, not wrapped"),
+    "granule_angle": (("snapshot", "granule"), "rad", "angles of the granules"),
+    "granule_diameter": (("granule",), "m", "volume diameters of the granules"),
+    "surface_height": (
+        ("snapshot", "cell"),
+        "m",
+        "height of the highest granule over the cell, by the circles that hold granules",
+    ),
+    "region_granules": (S, "1", "granules whose centre is in record.region"),
+    "region_mass": (S, "kg", "mass of the granules whose centre is in record.region"),
+}
+AXIS = {
+    "solid": (("solid",), None, "name of the solid"),
+    "cell": (("cell",), "1", "middle of the cell along x over the width of the box"),
+}
+SIZES = {"solid": "solid_count", "cell": "record.cells"}
+NEEDED = {"region_granules": "record.region", "region_mass": "record.region"}
+
+
+def axes(configuration) -> dict:
+    """Names of the solids, and where the cells are."""
+    cells = configuration.record.cells
+    return {
+        "solid": np.array(configuration.solid_names),
+        "cell": (np.arange(cells) + 0.5) / cells,
+    }
+
+
+def look(simulation) -> dict:
+    """Where the solids are, at one snapshot."""
+    seen, walls = simulation.world.boundaries, len(simulation.scene.walls)
+    x, y = seen.motion[walls:, [X, Y]].T
+    return {"solid_x": x, "solid_y": y, "solid_angle": seen.angle[walls:]}
+
+
+def measure(run) -> dict:
+    """All other values of VARIABLES by name."""
+    record, c = run.record, run.replicate.configuration
+    scene, position = make_scene(run.replicate, run.bed), [state.position for state in run.states]
+    force = (record.normal_force + record.tangential_force).transpose(2, 1, 0)
+    given = scene.shape.bounding_radius, c.box_width, c.record.cells, scene.periodic
+    values = {
+        "solid_force_x": force[0],
+        "solid_force_y": force[1],
+        "solid_torque": record.torque.T,
+        "kinetic_energy": record.kinetic_energy,
+        "coordination_number": record.coordination_number,
+        "max_overlap": record.max_overlap,
+        "granule_x": [places[:, 0] for places in position],
+        "granule_y": [places[:, 1] for places in position],
+        "granule_angle": [state.angle for state in run.states],
+        "granule_diameter": run.replicate.diameters,
+        "surface_height": [surface(places, *given) for places in position],
+    }
+    if c.record.region:
+        within = [inside(places, c.record.region, scene.periodic) for places in position]
+        values["region_granules"] = [counted.sum() for counted in within]
+        values["region_mass"] = [scene.mass[counted].sum() for counted in within]
+    return values
+
+
+def inside(position: np.ndarray, region: tuple, periodic: Periods = None) -> np.ndarray:
+    """Which centres (n, 2) in m are in a region: left, bottom, right, top (m) of the box."""
+    x, y = wrapped(position, periodic).T
+    left, bottom, right, top = region
+    return (x >= left) & (x <= right) & (y >= bottom) & (y <= top)
+
+
+def surface(
+    position: np.ndarray, radius: np.ndarray, width: float, cells: int, periodic: Periods = None
+) -> np.ndarray:
+    """Height (cells,) in m of the highest granule over each cell, by the circles that hold granules, 0
+    without one.
+
+    position (n, 2), radius (n,): of the granules (m); width: of the box (m), the cells side by side.
+    """
+    x, y = wrapped(position, periodic).T
+    images = (0.0, -width, width) if periodic and periodic[0] else (0.0,)
+    x = np.concatenate([x + shift for shift in images])
+    y, radius = np.tile(y, len(images)), np.tile(radius, len(images))
+    heights, edges = np.zeros(cells), np.linspace(0.0, width, cells + 1)
+    for cell, (low, high) in enumerate(pairwise(edges)):
+        nearest = np.clip(0.0, low - x, high - x)
+        over = np.abs(nearest) < radius
+        tops = y[over] + np.sqrt(radius[over] ** 2 - nearest[over] ** 2)
+        heights[cell] = tops.max(initial=0.0)
+    return heights

@@ -1,0 +1,136 @@
+"""One run: the phases of its scene, one after the other. The last is recorded, as observables say."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.base.errors import RunError
+from dem.base.plugins import load
+from dem.dynamics.result import Record
+from dem.dynamics.simulation import Simulation
+from dem.experiment.config import Configuration
+from dem.experiment.intruders import towards
+from dem.experiment.run import Replicate
+from dem.experiment.run_checkpoint import PartialRun, resumed
+from dem.experiment.scene import start
+from dem.experiment.snapshots import Snapshots, snapshots_of, variables_of
+from dem.packing.random import Bed
+from dem.packing.settling import come_to_rest
+
+PIECES = 20  # of a phase, between which a run saves itself
+BINS_A_CALL = 20  # between two signs of progress
+STILL = 1e-5  # of weight times diameter: mean kinetic energy at rest, while some granules rock
+
+
+class RunData(NamedTuple):
+    """What observables measure.
+
+    record: of the bins of the last phase
+    states: at the snapshots
+    """
+
+    replicate: Replicate
+    bed: Bed
+    record: Record
+    states: list
+
+    @property
+    def snapshots(self) -> Snapshots:
+        """The states as arrays, with all that is needed to draw and to measure them."""
+        if self.replicate.configuration.cylinder is None:
+            raise RunError("run.snapshots is of runs with a cylinder; a scene has run.states.")
+        axes = self.replicate.configuration.module.axes
+        values = axes | {"box_height": self.bed.height} | variables_of(self)
+        return snapshots_of(self.replicate, values)
+
+
+def recorded(
+    replicate: Replicate,
+    bed: Bed,
+    progress: Callable[[float], None] = lambda done: None,
+    checkpoint: Path | None = None,
+) -> dict:
+    """Play the phases of a run in a bed at rest; returns the variables of the run by name.
+
+    progress is called with the share of the last phase that is done. checkpoint: a file to which a
+    long run saves itself every minute, and from which it goes on, bit for bit, if it was stopped; it
+    is the caller's to remove once the result is on disk. Raises RunError where the run fails.
+    """
+    c, scene = replicate.configuration, replicate.configuration.scene
+    observables = [load(file) for file in c.module.files[1:]]
+    ledger = any(getattr(module, "LEDGER", False) for module in observables)
+    simulation = start(replicate, bed, ledger=ledger, threads=1 if ledger else c.threads)
+    partial = (checkpoint and resumed(checkpoint, replicate, simulation)) or PartialRun()
+
+    def save() -> None:
+        if checkpoint is not None:
+            partial.save(checkpoint, replicate, simulation)
+
+    _play(scene, simulation, partial, save)
+    bins, every = c.record.bins, c.record.bins // (c.record.snapshots - 1)
+    simulation.check_duration(scene.duration)
+    while True:
+        if partial.bins % every == 0 and len(partial.states) == partial.bins // every:
+            partial.states.append(simulation.state)
+            looks = (module.look for module in observables if hasattr(module, "look"))
+            partial.looks.append({k: v for look in looks for k, v in look(simulation).items()})
+        if partial.bins == bins:
+            break
+        count = min(every - partial.bins % every, BINS_A_CALL)
+        partial.records.append(simulation.record(scene.duration / bins, count))
+        progress(partial.bins / bins)
+        save()
+    data = RunData(replicate, bed, partial.record, partial.states)
+    values = {name: [look[name] for look in partial.looks] for name in partial.looks[0]}
+    for module in observables:
+        if hasattr(module, "measure"):
+            values |= module.measure(data)
+    return values | {
+        "run_time": partial.spent,
+        "steps": simulation.steps,
+        "box_height": bed.height,
+        "packing_pressure": bed.pressure * replicate.modulus / replicate.thickness,
+        "packing_coordination_number": bed.coordination_number,
+        "packing_net_force": bed.net_force,
+        "packing_max_overlap": bed.max_overlap,
+    }
+
+
+def _play(scene: Configuration, simulation: Simulation, partial: PartialRun, save) -> None:
+    """All phases but the last, and how solids move in that."""
+    moving = {
+        name: (solid.velocity or 0.0, solid.direction) for name, solid in scene.solids.items()
+    }
+    for number, (name, phase) in enumerate(scene.phases.items(), 1):
+        begins = number > partial.phase
+        for solid, motion in phase.motion.items():
+            given = motion.velocity, motion.direction
+            speed, direction = moving[solid] = tuple(
+                old if new is None else new for old, new in zip(moving[solid], given, strict=True)
+            )
+            if begins:
+                velocity = tuple(speed * part for part in towards(direction))
+                simulation.set_velocity(velocity, scene.solid_names.index(solid), motion.spin)
+        if begins:
+            partial.phase, partial.began = number, simulation.time
+        if number < partial.phase or number == len(scene.phases):
+            continue
+        if phase.until:
+            _rest(scene, simulation, name, save)
+            continue
+        simulation.check_duration(phase.time)
+        for end in partial.began + phase.time * np.arange(1, PIECES + 1) / PIECES:
+            simulation.advance(max(end - simulation.time, 0.0))
+            save()
+
+
+def _rest(scene: Configuration, simulation: Simulation, phase: str, save) -> None:
+    """Go on until the granules are at rest."""
+    energy, enough = come_to_rest(simulation, scene.gravity, STILL, save)
+    if energy > enough:
+        raise RunError(
+            f"phases.{phase}: the granules are not at rest after {simulation.time:.3g} s: their kinetic "
+            f"energy is {energy:.2g} J, asked for {enough:.2g} J."
+        )
