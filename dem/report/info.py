@@ -10,12 +10,13 @@ from rich.text import Text
 
 from dem.analysis.drag import summarise, window_text
 from dem.analysis.means import WINDOW, heading, means_of, quantities_of, run_means, table_of
-from dem.analysis.one_run import replicate_of, values_of_runs
+from dem.analysis.one_run import replicate_of
 from dem.analysis.tables import TextTable
 from dem.analysis.values import designs_of, value_of
 from dem.base.errors import InputError
 from dem.io.dataset import LABELS
 from dem.io.lazily import open_lazily, require_drag
+from dem.sweep.selection import values_of_runs
 
 LEGEND = """\
 mean: of the drag within the window; ±: half its 95 % interval by Student's t over the runs;
