@@ -44,6 +44,7 @@ RUNS = (
     "experiment/bed_description.py",
     "experiment/box.py",
     "experiment/cylinder.py",
+    "experiment/granule_table.py",
     "experiment/intruders.py",
     "experiment/recording.py",
     "experiment/run.py",

@@ -13,6 +13,7 @@ from dem.packing.lattice import rows
 from dem.packing.random import Bed, Room, relaxed
 from dem.packing.settling import settle
 from dem.packing.swelling import grown
+from dem.periodic import wrapped
 from dem.shapes import kind_of, of_size
 
 # by packing.preparation: how granules get their size; those that settle afterwards are relaxed
@@ -62,6 +63,9 @@ def make_bed(
     thickness, pressure = description.thickness, description.pressure
     if description.preparation == "lattice":
         return rows(shape, room, description.region)
+    if (table := description.table) is not None:
+        place = wrapped(table.position, room.periods), table.angle
+        return Bed(*place, *room.size, 0.0, 0.0, 0.0, 0.0, room.periods)
     job = Job(threads, checkpoint, report)
     job.begin(description.id)
     if description.preparation == "settled":

@@ -13,6 +13,7 @@ import numpy as np
 
 from dem.base.provenance import compilers
 from dem.base.source_hash import digest, run_hash
+from dem.experiment.granule_table import GranuleTable
 from dem.experiment.intruders import Intruder
 from dem.laws import file_of, law_of
 from dem.material import Material
@@ -85,6 +86,8 @@ class BedDescription:
         Height (m) of the box; None where it follows from the fraction or the pressure.
     region : tuple of float, optional
         Left, bottom, right and top (m) of the rows of a lattice.
+    table : GranuleTable, optional
+        The granules of a file.
     pressure, modulus, thickness : float, optional
         Pressure (Pa) on the top wall, greatest E* (Pa), thickness (m); where it is pressed.
     materials, gravity : tuple of Material, float, optional
@@ -110,6 +113,7 @@ class BedDescription:
     fraction: float | None = None
     box_height: float | None = None
     region: tuple[float, ...] | None = None
+    table: GranuleTable | None = None
     pressure: float | None = None
     modulus: float | None = None
     thickness: float | None = None
@@ -161,9 +165,19 @@ class BedDescription:
 
     @property
     def diameters(self) -> np.ndarray:
-        """Volume diameters (n,) in m, each about the mean of its part."""
+        """Volume diameters (n,) in m, those of a file, or each about the mean of its part."""
+        if self.table is not None and self.table.diameters is not None:
+            return self.table.diameters
         means = np.array([part.diameter for part in self.parts])[self.part_numbers]
         return sample_diameters(means, self.count, self.size_spread, self.seed)
+
+    @property
+    def extremes(self) -> tuple[float, float]:
+        """Least and greatest volume diameter (m) that a granule of any seed may have."""
+        if self.table is not None and self.table.diameters is not None:
+            return self.table.diameters.min(), self.table.diameters.max()
+        sizes = [part.diameter for part in self.parts]
+        return min(sizes) * (1.0 - self.size_spread), max(sizes) * (1.0 + self.size_spread)
 
     # The box
 
@@ -190,8 +204,9 @@ class BedDescription:
 
 
 def values_of(part) -> dict:
-    """Fields of a dataclass by name, but for those that are None."""
-    values = ((name, getattr(part, name)) for name in part.__dataclass_fields__)
+    """Fields of a dataclass by name, but for those that are None, or follow from others."""
+    fields = part.__dataclass_fields__.items()
+    values = ((name, getattr(part, name)) for name, field in fields if field.compare)
     return {name: value for name, value in values if value is not None}
 
 

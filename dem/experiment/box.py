@@ -6,6 +6,7 @@ import numpy as np
 
 from dem.base.errors import InputError, PackingError
 from dem.experiment.bed_description import length_of
+from dem.experiment.granule_table import check_table
 from dem.periodic import ROOM, periods_of
 from dem.scene import Scene
 from dem.shapes.disc import Disc
@@ -22,8 +23,9 @@ def check_room(replicate) -> None:
     if label in c.fitting_shapes:
         return
     bed = replicate.bed_description
-    spread, sizes = bed.size_spread, [part.diameter for part in bed.parts]
-    least, most = min(sizes) * (1.0 - spread), max(sizes) * (1.0 + spread)
+    if bed.table is not None:
+        check_table(replicate)
+    least, most = bed.extremes
     try:
         _check_box(replicate, bed.height(least, bed.count), most)
         c.fitting_shapes.add(label)

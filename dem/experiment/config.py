@@ -63,7 +63,7 @@ SORTED = AfterValidator(
 )  # in any order they are one scene
 # sections that only some experiments read
 SECTIONS = "cylinder", "record", "shear", "solids", "phases"
-NO_AXIS = "discs", "mixture", "region", "until"  # names of others that cannot
+NO_AXIS = "discs", "mixture", "region", "until", "file"  # names of others that cannot
 UNHASHED_KEYS = "beside", "record.window", "threads"  # that no number depends on
 FIXED_KEYS = *UNHASHED_KEYS, "record.observables"  # that cannot vary in a sweep
 # what runs have without these keys: said or not, they are one run
@@ -230,10 +230,11 @@ class Configuration(Section):
             if getattr(self.record, key) != value:
                 of = "has none" if self.phases else "alone has it"
                 raise ValueError(f"record.{key} is given; a scene {of}, leave it out")
-        if self.packing.preparation == "lattice" and not self.phases:
+        if self.packing.preparation in ("lattice", "file") and not self.phases:
+            words = "of a file" if self.packing.file else "in rows"
             raise ValueError(
-                "packing.preparation is lattice; granules in rows have still to fall, in a phase of a "
-                "scene, let it be relaxed, grown or settled"
+                f"packing.preparation is {self.packing.preparation}; granules {words} have still to "
+                "fall, in a phase of a scene, let it be relaxed, grown or settled"
             )
         if self.phases and not self.duration:
             raise ValueError(
@@ -336,6 +337,8 @@ class Configuration(Section):
             if self.shape_of(label).kind == "ellipse":
                 groups["ellipse"] = ellipse
             known[label] = paths | by_path(groups)
+            if self.packing.file is not None:
+                known[label]["packing.file"] = self.packing.file.id
             if self.phases:
                 known[label]["phases"] = [*self.phases]  # their order
         return known

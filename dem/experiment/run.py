@@ -114,6 +114,7 @@ class Replicate(Identity):
             fraction=packing.fraction,
             box_height=packing.height,
             region=packing.region,
+            table=packing.file,
             pressure=packing.pressure,
             modulus=max(self.moduli) if pressed else None,
             thickness=self.thickness if pressed or settled else None,

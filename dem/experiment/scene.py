@@ -95,4 +95,7 @@ def start(replicate: Replicate, bed: Bed, **options) -> Simulation:
     """The bed at rest with the solids at their start; options of the Simulation count before those
     of the configuration. Raises RunError where that cannot be."""
     numerics = replicate.configuration.numerics.model_dump()
-    return Simulation(make_scene(replicate, bed), bed.state, **numerics | options)
+    simulation = Simulation(make_scene(replicate, bed), bed.state, **numerics | options)
+    if replicate.bed_description.table is not None:
+        simulation.diagnose()  # nothing has packed these granules: they may be too deep in others
+    return simulation

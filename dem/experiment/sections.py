@@ -38,6 +38,7 @@ from dem.dynamics.numerics import (
     StepFraction,
     check_stable,
 )
+from dem.experiment.granule_table import Granules
 from dem.experiment.intruders import towards
 from dem.experiment.observables import OBSERVABLES
 from dem.laws import LAWS
@@ -250,11 +251,14 @@ class PackingSection(Section):
     """friction of all contacts while the bed is packed"""
     pressure: Pressure | None = None
     """pressure on the top wall, which holds it; none: packing.fraction or packing.height is given"""
-    preparation: Literal["relaxed", "grown", "settled", "lattice"] = "relaxed"
+    preparation: Literal["relaxed", "grown", "settled", "lattice", "file"] = "relaxed"
     """how granules grow: energy minimised, or in motion; settled: then they fall under gravity; lattice: they are put in
-    rows, apart from each other"""
+    rows, apart from each other; file: they are where packing.file says"""
     region: Region | None = None
     """where the rows are: left, bottom, right, top; none: the whole box"""
+    file: Granules | None = None
+    """where granules are: a CSV file with columns x, y, angle, diameter, a text dump of LAMMPS, or a file of results
+    with words that choose one run, whose last snapshot it is; without diameters the seed draws them"""
 
     @model_validator(mode="after")
     def _check(self):
@@ -266,6 +270,16 @@ class PackingSection(Section):
                     f"friction is {self.friction:g} and preparation lattice; granules there do not meet, "
                     "leave it out"
                 )
+        if (self.file is None) == (self.preparation == "file"):
+            words = "missing" if self.file is None else "given"
+            other = "give one" if self.file is None else "leave it out, or let that be file"
+            raise ValueError(f"file is {words} and preparation {self.preparation}; {other}")
+        if self.file is not None and self.height is None:
+            raise ValueError("height is missing; granules of a file fill no box, give it")
+        if self.file is not None and self.friction:
+            raise ValueError(
+                f"friction is {self.friction:g} and preparation file; nothing is packed, leave it out"
+            )
         given = {"fraction": self.fraction, "pressure": self.pressure, "height": self.height}
         if all(value is None for value in given.values()):
             raise ValueError("fraction is missing; give it, or a pressure in its place")

@@ -20,6 +20,7 @@ from dem.base.yaml_file import DEEPEST, read, text_of
 from dem.experiment.config import Configuration, model_of
 from dem.experiment.run import Replicate
 from dem.sweep.expand import Block, expand
+from dem.sweep.granule_file import with_granules
 
 FOLDERS = ("store", "figures", "logs", "rounds")  # of results
 CONFIG = "config.yaml"  # of results, as resolved
@@ -158,7 +159,7 @@ def extended(data, source: str, left: int = DEEPEST):
     folder = Path(source.partition(", ")[0]).parent  # of the first, where Snakemake names several
     if not isinstance(data, dict):
         return data
-    data = with_discs(with_folder(data, folder), source, folder)
+    data = with_granules(with_discs(with_folder(data, folder), source, folder), source, folder)
     # without keys for anchors of YAML, as Docker Compose has them
     data = {key: value for key, value in data.items() if not str(key).startswith("x-")}
     if "extends" not in data:

@@ -199,6 +199,12 @@ def expand(
     recorded = {*experiment.layout, *experiment.along, *experiment.sizes(grid.first)}
     if twice := [name for name in names if names.count(name) > 1 or name in recorded]:
         raise InputError(f"{where} gives files of results two things named {twice[0]}; rename one.")
+    seeds = max((len(axis.points) for axis in axes if axis.name == "seed"), default=1)
+    if seeds > 1 and first.packing.file and first.packing.file.diameters is not None:
+        raise InputError(
+            f"{where}.seed has {seeds} seeds, and packing.file the diameters too; all of these runs "
+            "would be the same, list one seed."
+        )
     if grid.until:
         if "needs" in block:
             raise InputError(

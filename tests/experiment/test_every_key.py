@@ -52,6 +52,8 @@ SCENES = {
     "shear": {"experiment": "shear", "cylinder": None, "record": None, "shear": CELL, "periodic": "x",
               "packing.fraction": 0.83, "numerics.step_fraction": 0.3, "material.young_modulus": 2e10, "shapes": {"x": DISC | {"granules": 40}}},
 }  # fmt: skip
+FILE = ["x,y,angle", *(f"{1e-3 * (k % 3 + 1)},{1e-3 * (k // 3 + 4)},{k}" for k in range(20))]
+SCENES["file"] = SCENES["scene"] | {"packing.preparation": "file", "packing.region": None, "packing.file": FILE}  # fmt: skip
 NAMES = {
     "experiment": [*EXPERIMENTS][::-1],
     "law": LAWS,

@@ -16,6 +16,14 @@ def solid(**changes):
     return scene(**{f"solids__gate__{name}": value for name, value in changes.items()})
 
 
+def of_file(**changes):
+    granules = {"packing__file": ["x,y", "0.01,0.03"], "packing__region": None}
+    return scene(**{"packing__preparation": "file"} | granules | changes)
+
+
+PART = {"kind": "disc", "diameter": 1e-3}
+MIXED = {"disc": {"granules": 1, "mixture": {"a": 0.5, "b": 0.5}}, "a": PART, "b": PART}
+
 CALLS = {
     "motion has 'gte', which is not one of solids; the nearest is gate": scene(phases__open__motion={"gte": {"spin": 1.0}}),
     "phases.open.motion.gate.spin is 'free'": scene(phases__open__motion={"gate": {"spin": "free"}}),
@@ -37,6 +45,12 @@ CALLS = {
     "m inside solids.gate; put them beside": solid(y=0.0185),
     "record.window is given; a scene has none": scene(record__window=[0.0, 1.0]),
     "packing.region is [0.0, 0.0, 0.03, 0.05]: with shapes.disc the box is": scene(packing__region=[0.0, 0.0, 0.03, 0.05]),
+    "file is missing and preparation file; give one": of_file(packing__file=None),
+    "file is given and preparation lattice; leave it out": of_file(packing__preparation="lattice"),
+    "height is missing; granules of a file fill no box": of_file(packing__height=None, packing__fraction=0.5),
+    "friction is 0.3 and preparation file; nothing is packed": of_file(packing__friction=0.3),
+    "shapes.disc.granules is 200; packing.file has 1 granules": of_file(),
+    "shapes.disc is a mixture; a file of granules does not say": of_file(shapes=MIXED),
     "another; name it among solids": scene(second={"diameter": 1e-3, "gap": 1e-3}),
     "record.bins is 61; it must be a multiple": scene(record__bins=61),
 }  # fmt: skip
@@ -49,6 +63,15 @@ FILES = {
         "packing.height": 0.02,
         "packing.fraction": None,
     },
+    "granules of a file have still to fall": {
+        "packing.preparation": "file",
+        "packing.file": ["x,y", "0.01,0.01"],
+        "packing.height": 0.02,
+        "packing.fraction": None,
+    },
+    "packing.file is 'none.csv'; it cannot be read (": {"packing.file": "none.csv"},
+    "packing.file is 3; it must be a file, or a list of its lines": {"packing.file": 3},
+    "sweep: packing.file is no value that can vary": {"sweep.packing/file": ["a.csv"]},
     "record.cells is given; a scene alone has it": {"record.cells": 9},
     "record.window is missing; give the displacements": {"record.window": None},
 }

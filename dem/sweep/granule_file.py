@@ -1,0 +1,103 @@
+"""Files of granules beside a sweep file: CSV, text dumps of LAMMPS, and files of results."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from dem.base.errors import InputError
+from dem.experiment.granule_table import GranuleTable, table_of, table_of_lines
+
+NETCDF = b"\x89HDF", b"CDF"  # how such files begin
+DUMP = "ITEM:"
+
+
+def with_granules(data: dict, source: str, folder: Path) -> dict:
+    """Values of a file, with the lines of a table in place of the file in its folder that has them."""
+    packing = data.get("packing")
+    if not isinstance(packing, dict) or not isinstance(words := packing.get("file"), str):
+        return data
+    start = f"{source}: packing.file is {words!r}; "
+    try:
+        table = _granules(words, folder)
+    except OSError as error:
+        raise InputError(f"{start}it cannot be read ({error.strerror or error}).") from None
+    except (InputError, ValueError) as error:
+        raise InputError(f"{start}{str(error).removesuffix('.')}.") from None
+    return data | {"packing": packing | {"file": list(table.lines)}}
+
+
+def _granules(words: str, folder: Path) -> GranuleTable:
+    """The granules of a file by its name, and of a file of results by words such as seed=1."""
+    name, *select = re.split(r"\s+(?=[^\s=]+=)", words)
+    path = folder / name
+    content = path.read_bytes()
+    if content.startswith(NETCDF):
+        return _of_results(path, select)
+    if select:
+        raise ValueError(f"{' '.join(select)} chooses a run of a file of results; leave it out")
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise ValueError("it is no text in UTF-8") from None
+    if text.startswith(DUMP):
+        return _of_dump(text)
+    return table_of_lines(tuple(line for line in text.splitlines() if not line.startswith("#")))
+
+
+def _of_dump(text: str) -> GranuleTable:
+    """The last frame of a text dump of LAMMPS, in the order of its id.
+
+    Format: https://docs.lammps.org/dump.html. A dump has no angles: they are zero without a column of
+    that name.
+    """
+    units = re.search(rf"{DUMP} UNITS\s+(\S+)", text)
+    if units and units[1] != "si":
+        raise ValueError(f"its units are {units[1]}; they must be si")
+    frame, sections = text.rpartition(f"{DUMP} TIMESTEP")[2], {}
+    for section in frame.split(DUMP)[1:]:
+        head, *rows = section.strip().splitlines()
+        sections[" ".join(re.findall("[A-Z]+", head))] = head.split(), list(map(str.split, rows))
+    try:
+        names, rows = sections["ATOMS"]
+        (count,), bounds = sections["NUMBER OF ATOMS"][1][0], sections["BOX BOUNDS"][1]
+    except (KeyError, ValueError, IndexError):
+        raise ValueError("its last frame is no frame of a text dump") from None
+    names = names[1:]
+    if len(rows) != int(count) or any(len(row) != len(names) for row in rows):
+        raise ValueError(f"its last frame must have {count} lines of {len(names)} values")
+    columns = dict(zip(names, np.array(rows, float).reshape(-1, len(names)).T, strict=True))
+    taken = {name: columns[name] for name in ("angle", "diameter") if name in columns}
+    if "radius" in columns:
+        taken["diameter"] = 2.0 * columns["radius"]
+    for axis, ends in zip("xy", bounds, strict=False):
+        for name in (axis, f"{axis}u"):
+            if name in columns:
+                taken.setdefault(axis, columns[name])
+        for name in (f"{axis}s", f"{axis}su"):
+            if name in columns:
+                low, high = map(float, ends)
+                taken.setdefault(axis, low + (high - low) * columns[name])
+    if "id" in columns:
+        order = np.argsort(columns["id"])
+        taken = {name: values[order] for name, values in taken.items()}
+    return table_of(taken)
+
+
+def _of_results(path: Path, select: list[str]) -> GranuleTable:
+    """The last snapshot of a run."""
+    from dem.io.lazily import open_lazily  # half a second to load
+    from dem.sweep.selection import selected, values_of_runs
+
+    names = {"x": "granule_x", "y": "granule_y", "angle": "granule_angle", "diameter": "granule_diameter"}  # fmt: skip
+    with open_lazily(path) as dataset:
+        if not {"run_id", *names.values()} <= dataset.variables.keys():
+            raise ValueError("it has no snapshots of runs")
+        runs = dataset["run_id"]
+        place = np.argwhere(runs.values == selected(values_of_runs(dataset), select))[0]
+        last = dataset.isel(dict(zip(runs.dims, place, strict=True)) | {"snapshot": -1})
+        columns = {column: last[name].values for column, name in names.items()}
+    there = np.isfinite(columns["diameter"])  # fewer granules than those of another run
+    if not there.any():
+        raise ValueError("this run failed")
+    return table_of({column: values[there] for column, values in columns.items()})
