@@ -44,7 +44,8 @@ class PrescribedMotion:
     Parameters
     ----------
     time : array_like of shape (k,)
-        Times since the start (s) in rising order.
+        Times since the motion began (s) in rising order: since the start of the simulation, or since
+        `Simulation.set_motion`.
     velocity : array_like of shape (k, 2)
         Velocities (x, y) at these times (m/s).
     spin : array_like of shape (k,), optional
@@ -179,6 +180,12 @@ class Turn:
     torque: Annotated[Number, Unit("N m")] = 0.0
     damping: Annotated[NotNegative, Unit("N m s")] = 0.0
     spin: Annotated[Number, Unit("rad s-1")] = 0.0
+
+
+Spin = Annotated[
+    Annotated[Number, Unit("rad s-1")] | InstanceOf[Turn],
+    must("be an angular velocity or a dem.Turn"),
+]
 
 
 Motion = Annotated[

@@ -23,7 +23,7 @@ from dem.base.types import (
     must,
 )
 from dem.material import Material
-from dem.motion import Motion, Sliding, Turn, finite
+from dem.motion import Motion, Sliding, Spin, finite
 from dem.outlines import chains, rings
 from dem.periodic import Periods, walled
 from dem.shapes.disc import Disc
@@ -403,7 +403,7 @@ class Solid:
     See Also
     --------
     Cylinder : A round solid.
-    Simulation.set_velocity : Change the velocity during a run.
+    Simulation.set_motion : Change the motion during a run.
 
     Examples
     --------
@@ -428,10 +428,7 @@ class Solid:
     position: Position
     angle: Annotated[Number, Unit("rad")] = 0.0
     velocity: Motion = (0.0, 0.0)
-    spin: Annotated[
-        Annotated[Number, Unit("rad s-1")] | InstanceOf[Turn],
-        must("be an angular velocity or a dem.Turn"),
-    ] = 0.0
+    spin: Spin = 0.0
     friction: Coefficient | None = None
     material: InstanceOf[Material] | None = None
 

@@ -81,6 +81,81 @@ def test_nothing_passes_a_moving_boundary_unseen(body):
     assert thin == pytest.approx(thick, rel=1e-6) and thick < -1.0
 
 
+# Changes during a run; all begin within a step
+
+
+def begun(motion):
+    """A run of a cylinder that meets nothing."""
+    run = squeezed("solid", motion, 10e-3, time_step=1e-6)
+    run.advance(1.00007e-3)
+    return run
+
+
+def moved(run, interval):
+    """How far the solid goes and turns in an interval more: (x, y, angle) in m and rad."""
+    before, after = run.record(1e-15, 1), run.record(interval, 1)
+    way = after.solid_position - before.solid_position
+    return [*way[0, 0], (after.solid_angle - before.solid_angle)[0, 0]]
+
+
+def test_a_force_and_a_torque_act_on_a_solid_from_now_on():
+    """From their velocity and spin on, along one axis; another spin leaves the force, and a velocity ends it. The
+    time step stays."""
+    run, t = begun((0.0, 0.0)), 1e-4
+    step = run.advance(0.1 * t)
+    run.set_motion(
+        0, dem.Drive((-2.0, None), 2e-3, velocity=(0.1, 0.3)), dem.Turn(1e-9, 1e-6, spin=5.0)
+    )
+    x, turned = 0.1 * t - 500.0 * t**2, 5.0 * t + 500.0 * t**2
+    assert_allclose(moved(run, t), [x, 0.3 * t, turned], rtol=1e-8)
+    run.set_motion(0, spin=3.0)
+    assert_allclose(moved(run, t), [x - 1e3 * t**2, 0.3 * t, 3.0 * t], rtol=1e-8)
+    run.set_motion(0, (1.0, 0.0))
+    assert_allclose(moved(run, t), [t, 0.0, 3.0 * t], rtol=1e-8, atol=1e-14)
+    assert run.advance(0.1 * t) == step
+
+
+def test_a_path_begins_when_it_is_set():
+    """In a rise before a jump, after a force; the spin goes on, until it is another for the rest of the path."""
+    run, t = begun(dem.Drive((1.0, 0.0), 1e-3)), 1e-4
+    run.set_motion(0, spin=7.0)
+    time, velocity = [-t, t, np.nextafter(t, 1.0), 2.0 * t], [[0, -2], [0, 2], [0, 1], [1, 2]]
+    run.set_motion(0, dem.PrescribedMotion(time, velocity))
+    assert_allclose(moved(run, 0.5 * t), [0.0, 0.25 * t, 3.5 * t], rtol=1e-8, atol=1e-14)
+    run.set_motion(0, spin=-1.0)
+    assert_allclose(moved(run, 1.5 * t), [0.5 * t, 2.25 * t, -1.5 * t], rtol=1e-8)
+    run.set_motion(0, dem.PrescribedMotion([0.0, t], [[0.0, 0.0]] * 2, [0.0, 4.0]))
+    assert_allclose(moved(run, 2.0 * t), [0.0, 0.0, 6.0 * t], rtol=1e-8, atol=1e-14)
+
+
+@pytest.mark.parametrize("heavy", [False, True])
+def test_a_disc_bounces_off_a_solid_as_heavy_as_it_is_now(heavy):
+    """A solid that came to rest is free, or one that was free is held, before a disc hits it: as rigid bodies part."""
+    material, mass = dem.Material(restitution=0.5), 1e-5
+    motions = [(0.0, 0.0), dem.Drive((0.0, 0.0), mass)]
+    cylinder = dem.Cylinder(2.0 * R, (2.01 * R, 0.0), motions[heavy])
+    scene = dem.Scene(dem.Disc([R]), material, dem.Friction(), solids=cylinder)
+    run = dem.Simulation(scene, dem.State([[0.0, 0.0]], [[1.0, 0.0]]), step_fraction=0.2)
+    run.advance(1.0007e-6)
+    run.set_motion(0, motions[not heavy])
+    run.advance(1e-4)
+    rebound = 1.5 / (1.0 + (0.0 if heavy else scene.mass[0] / mass)) - 1.0
+    assert not run.contacts().granule.size
+    assert run.state.velocity[0, 0] == pytest.approx(-rebound, abs=1e-2)
+
+
+def test_energy_adds_up_where_a_solid_is_driven_and_held():
+    """It presses a disc on a wall and turns."""
+    run = squeezed("solid", (-1.0, 0.0), 5e-6, step_fraction=0.03)
+    for change in (
+        lambda: run.set_motion(0, dem.Drive((-1.0, None), 1e-5, velocity=(-0.5, 0.0))),
+        lambda: run.set_motion(0, (0.0, 0.0), 20.0),
+    ):
+        run.advance(1.0007e-5)
+        change()
+        assert run.contacts().granule.size and run.ledger().residual < 1e-3
+
+
 def test_frames_show_walls_where_they_were():
     """The contacts of a frame are those with the wall at that time, and it is drawn there."""
     walls = [dem.Wall(dem.box(1.0, 1.0)[0], (1.0, 0.0)), *dem.box(1.0, 1.0)[1:]]

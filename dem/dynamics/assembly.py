@@ -14,16 +14,14 @@ from dem.contacts.force_law import (
 from dem.contacts.layout import BLOCK, PEAK, VX, VY, W, X, Y, aligned, layout_of
 from dem.dynamics.measures import fastest, steps_alone, usual_overlap
 from dem.dynamics.neighbours import Bodies, Lists, new_contacts, new_patches
+from dem.dynamics.paths import RATES, motion_of
 from dem.dynamics.step import advance
-from dem.dynamics.system import System
+from dem.dynamics.system import System, yields
 from dem.dynamics.world import (
     ALPHA,
     CIRCLES,
     COULOMB,
-    DAMPING,
     DRIVE,
-    EXTERNAL_FORCE,
-    INVERSE_MASS,
     LAW,
     OUTLINES,
     PATCH,
@@ -38,7 +36,6 @@ from dem.dynamics.world import (
     number_of_patches,
 )
 from dem.laws.protocol import length, slope
-from dem.motion import Drive, PrescribedMotion, Turn
 from dem.periodic import wrapped
 from dem.scene import ARRAYS, Scene, State, reach
 from dem.shapes.ellipse import Ellipse
@@ -226,46 +223,20 @@ def can_turn(scene: Scene, laws: np.ndarray) -> bool:
     )
 
 
-def waypoints_of(motion) -> np.ndarray:
-    """Rows of Boundaries.waypoints for one boundary."""
-    if isinstance(motion, Drive):
-        return np.empty((0, 4))
-    if isinstance(motion, PrescribedMotion):
-        spin = np.zeros(len(motion.time)) if motion.spin is None else motion.spin
-        return np.column_stack([motion.time, motion.velocity, spin])
-    return np.array(2 * [[0.0, *motion, 0.0]])  # two rows, so that it can change once in a step
-
-
 def boundaries(scene: Scene) -> Boundaries:
     """All that granules meet, as they move at the start."""
     walls, solids = len(scene.walls), scene.solids
-    motions = [wall.motion for wall in scene.walls]
-    motions += [solid.velocity for solid in solids]
-    motions += [group.motion for group in scene.held]
+    motions = [(wall.motion, 0.0) for wall in scene.walls]
+    motions += [(solid.velocity, solid.spin) for solid in solids]
+    motions += [(group.motion, 0.0) for group in scene.held]
     r, bodies = len(motions), walls + len(solids)
-    paths = [waypoints_of(motion) for motion in motions]
     moved, drive, angle, reach = aligned(r, 8), np.zeros((r, DRIVE)), np.zeros(r), np.zeros(bodies)
+    paths = [np.empty((0, 4))] * r
     for b, motion in enumerate(motions):
-        if isinstance(motion, Drive):
-            moved[b, [VX, VY]] = motion.velocity
-            for c, force in enumerate(motion.force):
-                drive[b, DAMPING + c] = motion.damping
-                if force is not None:
-                    drive[b, [EXTERNAL_FORCE + c, INVERSE_MASS + c]] = force, 1.0 / motion.mass
+        paths[b], drive[b], moved[b, RATES] = motion_of(*motion)
     for b, solid in enumerate(solids, walls):
         moved[b, [X, Y]], angle[b] = solid.position, solid.angle
         reach[b] = 0.0 if solid.is_round else solid.radius
-        turn = solid.spin
-        if isinstance(turn, Turn):
-            moved[b, W] = turn.spin
-            drive[b, EXTERNAL_FORCE + 2 :: 3] = turn.torque, 1.0 / turn.inertia, turn.damping
-        else:
-            moved[b, W] = turn
-            paths[b][:, 3] += turn  # that of the path is then zero, see Solid
-    for b, path in enumerate(paths):
-        for column in (VX, VY) if drive[b, INVERSE_MASS + 2] else (VX, VY, W):
-            if len(path):
-                moved[b, column] = np.interp(0.0, path[:, 0], path[:, 1 + column - VX])
     return Boundaries(
         planes=scene.planes,
         motion=moved,
@@ -301,13 +272,6 @@ def meeting(outlines, shape):
     if not isinstance(shape, Ellipse):
         return outlines._replace(hertz_radius=None)
     return outlines._replace(contact=shape.contact, hertz_radius=shape.hertz_radius)
-
-
-def yields(moving: Boundaries) -> bool:
-    """Whether normal forces move any boundary, or turn it."""
-    inverse = moving.drive[:, INVERSE_MASS : INVERSE_MASS + 3]
-    turned = inverse[: len(moving.reach), 2] * moving.reach
-    return bool(inverse[:, :2].any() or turned.any())
 
 
 def sections_of(scene: Scene) -> tuple[np.ndarray, np.ndarray]:

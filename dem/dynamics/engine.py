@@ -3,17 +3,18 @@
 Between two neighbour lists nothing moves by more than half the skin. A check at each new list
 therefore sees every overlap before it has grown by more than the skin.
 
-Steps are whole: no interval cuts one, and what lies within a step is seen on a copy. The step is
-chosen where the lists are made, and every SCAN_INTERVAL steps: down at once, up once the bound has
-allowed it for QUIET steps. A step that follows its bound closely would be long on the way into a
-contact and short on the way out, and heat the bed. Bits do not depend on where intervals and calls
-end, nor on who looks.
+Steps are whole: no interval cuts one, and what lies within a step is seen on a copy. Only where a
+solid is driven otherwise, a step ends at that time. The step is chosen where the lists
+are made, and every SCAN_INTERVAL steps: down at once, up once the bound has allowed it for QUIET
+steps. A step that follows its bound closely would be long on the way into a contact and short on
+the way out, and heat the bed. Bits do not depend on where intervals and calls end, nor on who looks.
 """
 
 import math
 import time
 from collections.abc import Iterable
 from contextlib import nullcontext
+from copy import deepcopy
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,7 +23,9 @@ from dem.base.errors import OverlapError, RunError, StateError
 from dem.contacts.layout import VX, VY, X, Y
 from dem.dynamics.checkpoint import copied
 from dem.dynamics.contact_output import list_contacts, partner_words
+from dem.dynamics.forces import integrate_account
 from dem.dynamics.measures import steps_alone
+from dem.dynamics.paths import is_driven, places, with_motion
 from dem.dynamics.scan import (
     CHOSEN,
     CRITICAL,
@@ -38,6 +41,7 @@ from dem.dynamics.step import Threads
 from dem.dynamics.system import System, is_finite, longest_move
 from dem.dynamics.world import World, number_of_patches
 from dem.jit.interrupts import signals_deferred
+from dem.motion import Drive, Turn
 
 FINE, LOST, TOO_DEEP, OUTSIDE, TOO_LONG, UNSTABLE = range(6)
 MOST_STEPS = 1e11  # an hour or more for two granules, weeks for a bed of hundreds
@@ -252,12 +256,58 @@ class Engine:
 
     def start(self) -> None:
         """Lists and forces at the start, and the first time step."""
-        self.system.rebuild(self.skin)
-        self.system.forces(0.0)
-        self.system.drift(0.0, 0.0)  # previous accelerations are those of now
+        self.begin()
         if (granule := first_outside(self.world)) >= 0:
             self.stop(OUTSIDE, granule=granule)
         self.choose_step()
+
+    def begin(self) -> None:
+        """Lists and forces for velocities of a full step; previous accelerations are those of now."""
+        self.system.rebuild(self.skin)
+        self.system.forces(0.0)
+        self.system.drift(0.0, 0.0)
+
+    def end_step(self) -> None:
+        """End the step at the time that was asked for, with velocities of a full step, so that what
+        changes now acts from there on."""
+        now, account = self.progress, self.world.account
+        if now.seen > now.time:
+            self.progress = now._replace(dt=now.seen - now.time, dt_since=now.time, steps_at_dt=0)
+            self.take_steps(1, None)
+        kick = self.progress.pending_kick
+        self.system.drift(kick, 0.0)
+        integrate_account(account, kick)
+        self.progress = self.progress._replace(
+            pending_kick=0.0,
+            dt=now.dt,
+            time=now.seen,
+            seen=now.seen,
+            dt_since=now.seen,
+            steps_at_dt=0,
+            scanned=-1,
+        )
+
+    def changed(self, b: int, velocity, spin) -> "Engine":
+        """The same, where boundary b, a solid, moves otherwise from the time on that was asked for.
+
+        velocity, spin: as of dem.dynamics.paths.with_motion. Where b follows paths before and after,
+        this one itself, whose step goes on; otherwise a copy, so that an interrupt changes nothing.
+        """
+        now, world = self.progress, self.world
+        forced = isinstance(velocity, Drive) or isinstance(spin, Turn)
+        if not (forced or is_driven(world.boundaries, b)):
+            way = places(self.seen().world.boundaries)[b] - places(world.boundaries)[b]
+            seen = now.seen - now.time, way
+            boundaries = with_motion(world.boundaries, b, velocity, spin, seen)
+            self.system.world = world._replace(boundaries=boundaries)
+            self.progress = now._replace(scanned=-1)
+            return self
+        engine = deepcopy(self)
+        engine.end_step()
+        boundaries = with_motion(engine.world.boundaries, b, velocity, spin)
+        engine.system = engine.system.changed(boundaries)
+        engine.begin()
+        return engine
 
     def diagnose(self, system: System, later: float) -> Diagnostics:
         """How a bed is, and how long a step may be; later (s): kicks that velocities lack.
@@ -458,8 +508,7 @@ class Engine:
         row[CONTACTS] = 2.0 * result[TOUCHING] / len(self.world.granules.angle)
         of = row[OF_BED:].reshape(-1, OF_BOUNDARY)
         of[:, :PLACE] = boundaries.impulses / duration
-        of[:, PLACE:ANGLE] = boundaries.motion[:, [X, Y]]
-        of[:, ANGLE] = boundaries.angle
+        of[:, PLACE:] = places(boundaries)
         planes = boundaries.planes
         of[: len(planes), PLACE] = planes[:, 2]  # the place of a wall is its offset (m)
         self.world.boundaries.impulses[:] -= boundaries.impulses

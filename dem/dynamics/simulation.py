@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import InstanceOf
 
 from dem.base.errors import InputError
-from dem.base.types import Count, NotNegative, Number, Time, Unit, Velocity, checked
+from dem.base.types import Count, NotNegative, Time, Unit, checked
 from dem.contacts.layout import VX, VY, W
 from dem.dynamics.assembly import (
     SKIN,
@@ -43,10 +43,11 @@ from dem.dynamics.numerics import (
     StepFraction,
     check_stable,
 )
+from dem.dynamics.paths import places
 from dem.dynamics.result import Record, Result, shares
 from dem.dynamics.stress import Edges, Stress, stress
 from dem.dynamics.world import World
-from dem.motion import Turn
+from dem.motion import Motion, Spin
 from dem.scene import ARRAYS, Scene, State
 
 
@@ -83,7 +84,7 @@ class Simulation:
     Attributes
     ----------
     scene : Scene
-        The scene.
+        The scene, with the motions of solids at the start.
     engine : Engine
         Its arrays, and the calls of the kernel: for the package itself.
 
@@ -451,7 +452,7 @@ class Simulation:
         if lacking := self.checkpoint().keys() - saved.keys():
             raise InputError(f"saved is no whole checkpoint; it lacks {min(lacking)}.")
         engine = self.engine
-        engine.system = engine.system.with_world(restored(engine.system, saved))
+        engine.system = engine.system.suited(restored(engine.system, saved))
         engine.progress = replaced(engine.progress, saved, "progress")
 
     def _fingerprint(self) -> np.ndarray:
@@ -460,62 +461,53 @@ class Simulation:
         return fingerprint(self.scene, engine.rules, engine.order, self._at_start is None)
 
     @checked
-    def set_velocity(
-        self,
-        velocity: Velocity,
-        solid: Count = 0,
-        spin: Annotated[Number, Unit("rad s-1")] | None = None,
+    def set_motion(
+        self, solid: Count, velocity: Motion | None = None, spin: Spin | None = None
     ) -> None:
-        """Change the velocity of a solid from now on.
+        """Let a solid move otherwise from now on.
 
         Parameters
         ----------
-        velocity : tuple of float
-            Velocity (x, y) in m/s.
         solid : int
             Number of the solid in the scene, without unit.
-        spin : float, optional
-            Angular velocity (rad/s), anticlockwise; None to leave it as it is.
+        velocity : tuple of float, PrescribedMotion or Drive, optional
+            Velocity (x, y) in m/s, or what it follows, as of `Solid`; None to leave it as it is.
+        spin : float or Turn, optional
+            Angular velocity (rad/s), anticlockwise, added to that of a `PrescribedMotion`, or a
+            `Turn`; None to leave it as it is, but for a `PrescribedMotion` that has one.
 
         Raises
         ------
         InputError
-            If the scene has no such solid, if it follows a PrescribedMotion, a Drive or a Turn
-            there, or if `velocity` does not hold two finite numbers.
+            If the scene has no such solid, or if a value cannot be used.
+
+        Notes
+        -----
+        A motion begins when it is set: times of a `PrescribedMotion` count from now, and a `Drive`
+        or a `Turn` begins at its own velocity or spin. To drive the first solid that a normal force
+        moves takes other kernels, which may have to be compiled. `scene` keeps the motion at the
+        start.
 
         Examples
         --------
-        A cylinder stops before it moves:
+        A cylinder stops before it moves, and is then pulled by a force:
 
         >>> import dem
         >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 4e-3), velocity=(0.0, 1.0))
         >>> scene = dem.Scene(dem.Disc([1e-3]), friction=dem.Friction(), solids=cylinder)
         >>> run = dem.Simulation(scene, dem.State([[0.0, 0.0]]))
-        >>> run.set_velocity((0.0, 0.0))
+        >>> run.set_motion(0, velocity=(0.0, 0.0))
         >>> run.record(interval=1e-3, count=1).solid_position[0, 0].tolist()
         [0.004, 0.004]
+        >>> run.set_motion(0, velocity=dem.Drive(force=(0.2, None), mass=1e-4))
+        >>> run.record(interval=1e-3, count=1).solid_position[0, 0].round(6).tolist()
+        [0.005, 0.004]
         """
         count = len(self.scene.solids)
         if not 0 <= solid < count:
             raise InputError(f"solid is {solid}; the scene has {count}, numbered from 0.")
-        moving = self.scene.solids[solid]
-        turns = spin is not None and isinstance(moving.spin, Turn)
-        if turns or not isinstance(moving.velocity, tuple):
-            raise InputError(
-                f"velocity and spin of solids[{solid}] follow a PrescribedMotion, a Drive or a Turn; "
-                "they cannot be set."
-            )
-        report, seen = self.engine.progress, self.world.boundaries
-        boundaries, ahead = self.engine.world.boundaries, report.seen - report.time
         b = len(self.scene.walls) + solid
-        # until now, and from now on
-        before, after = boundaries.waypoints[boundaries.first_waypoint[b] :][:2]
-        spin = after[3] if spin is None else spin
-        before[:] = after[:] = boundaries.time[0] + ahead, *velocity, spin
-        if ahead > 0.0:
-            moved = seen.motion[b, :2] - boundaries.motion[b, :2]
-            before[1:] = np.array([*moved, seen.angle[b] - boundaries.angle[b]]) / ahead
-        self.engine.progress = report._replace(scanned=-1)
+        self.engine = self.engine.changed(b, velocity, spin)
 
     @checked
     def advance(self, duration: Annotated[NotNegative, Unit("s")]) -> float:
@@ -695,8 +687,7 @@ def frame_of(run: Simulation, interval: float) -> dict[str, Any]:
     ago."""
     world, state, scene = run.world, run.state, run.scene
     walls, solids, held = shares(scene, run.engine.take_impulses())
-    motion, angle = world.boundaries.motion, world.boundaries.angle
-    place = shares(scene, np.column_stack([motion[:, :2], angle]))[1]
+    place = shares(scene, places(world.boundaries))[1]
     return {name: getattr(state, name) for name in ARRAYS} | {
         "time": run.time,
         "solid_force": (solids[:, :2] + solids[:, 2:4]) / interval,

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from dem.contacts.layout import BLOCK, aligned
+from dem.contacts.layout import BLOCK, aligned, layout_of
 from dem.dynamics.checkpoint import copied
 from dem.dynamics.forces import FORCES, RESPOND, SHOW
 from dem.dynamics.kinds import kernels
@@ -22,7 +22,7 @@ from dem.dynamics.scan import (
     Moment,
 )
 from dem.dynamics.step import DRIFT, STEPS, Threads, advance, places
-from dem.dynamics.world import World
+from dem.dynamics.world import INVERSE_MASS, Boundaries, World
 
 CHUNK = 1024  # blocks whose geometry is kept at a time
 NONE = np.zeros((0, ROWS, BLOCK))
@@ -62,6 +62,28 @@ class System:
     def with_world(self, world: World) -> "System":
         """The same for other arrays."""
         return System(world, self.table, self.kernels.flags, self.lists, self.work)
+
+    def suited(self, world: World) -> "System":
+        """The same for arrays whose boundaries may yield where they did not, or not where they did."""
+        flags, bodies = self.kernels.flags, self.lists.bodies
+        flags = flags | {"YIELDS": flags["DAMPING"] and yields(world.boundaries)}
+        if flags == self.kernels.flags:
+            return self.with_world(world)
+        layout = layout_of(flags, bodies.outlines.shape[1], bodies.others.shape[1])
+        return System(world, self.table, flags, Lists(bodies._replace(layout=layout)), self.work)
+
+    def changed(self, boundaries: Boundaries) -> "System":
+        """The same for boundaries that move or meet granules otherwise; what contacts remember stays."""
+        world, before = self.world, self.kernels.layout
+        system = self.suited(world._replace(boundaries=boundaries))
+        after = system.kernels.layout
+        if after != before:
+            old = world.contacts.table.reshape(-1, before.stride)
+            table = aligned(len(old), after.stride)
+            table[:, after.history :] = old[:, before.history :]
+            contacts = world.contacts._replace(table=table.reshape(-1))
+            system.world = system.world._replace(contacts=contacts)
+        return system
 
     @property
     def alone(self) -> bool:
@@ -174,6 +196,13 @@ class System:
     def impulses(self, kick: float) -> np.ndarray:
         """Boundaries.impulses after a further kick (s)."""
         return self.world.boundaries.impulses + kick * self.world.boundaries.contact_forces
+
+
+def yields(boundaries: Boundaries) -> bool:
+    """Whether normal forces move any boundary, or turn it."""
+    inverse = boundaries.drive[:, INVERSE_MASS : INVERSE_MASS + 3]
+    turned = inverse[: len(boundaries.reach), 2] * boundaries.reach
+    return bool(inverse[:, :2].any() or turned.any())
 
 
 def without_shape(world: World) -> World:

@@ -131,7 +131,7 @@ class Boundaries(NamedTuple):
         is driven.
     waypoints : ndarray of shape (k, 4)
         Time (s), velocity x and y (m/s) and spin (rad/s) of all paths, one after the other. A
-        constant velocity has two.
+        constant velocity has one; one more is the velocity before a change within a step.
     drive : ndarray of shape (r, 9)
         Of a driven one: external force along x and y (N) and torque (N m), inverse mass along x and
         y (1/kg) and inverse inertia (1/(kg m2)), zero where the velocity is kept, damping along x

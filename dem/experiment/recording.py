@@ -112,7 +112,7 @@ def _play(scene: Configuration, simulation: Simulation, partial: PartialRun, sav
             )
             if begins:
                 velocity = tuple(speed * part for part in towards(direction))
-                simulation.set_velocity(velocity, scene.solid_names.index(solid), motion.spin)
+                simulation.set_motion(scene.solid_names.index(solid), velocity, motion.spin)
         if begins:
             partial.phase, partial.began = number, simulation.time
         if number < partial.phase or number == len(scene.phases):

@@ -41,7 +41,7 @@ def accelerate(sweep, shape, change) -> dict:
     simulation, velocity = start(replicate, still=True), replicate.configuration.cylinder.velocity
 
     def faster(look):
-        simulation.set_velocity((0.0, velocity * (look + 1) / LOOKS))
+        simulation.set_motion(0, (0.0, velocity * (look + 1) / LOOKS))
 
     return watch(simulation, 2.0 * (change.displacement or STROKE) / velocity / LOOKS, faster)
 

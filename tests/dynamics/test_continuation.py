@@ -13,8 +13,9 @@ from functools import cache, partial
 import numpy as np
 import pytest
 from mechanics import assert_bits_are_the_same, assert_threads_change_no_bit, crowd, seen
+from numpy.testing import assert_allclose
 from project import posix, quick
-from scenes import FREE, LEDGERS, SCENES, scene_of
+from scenes import DAMPED, FREE, LEDGERS, SCENES, TO_AND_FRO, TURN, path, scene_of
 
 import dem
 
@@ -142,13 +143,41 @@ def test_the_number_of_threads_changes_no_bit(bed):
     assert_threads_change_no_bit(*bed)
 
 
-def test_a_run_goes_on_with_another_velocity_of_a_solid():
-    """A checkpoint keeps it; one of another scene, or with another start of the ledger, is refused."""
-    scene, state = scene_of("box of discs")
-    run, other = (dem.Simulation(scene, state) for _ in range(2))
-    run.set_velocity((1.0, -2.0), spin=30.0)
+CHANGES = {
+    "a velocity": lambda run: run.set_motion(0, (1.0, -2.0), spin=30.0),
+    "a path": lambda run: run.set_motion(0, path(*TO_AND_FRO)),
+    "a force and a torque": lambda run: run.set_motion(0, DAMPED, TURN),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_run_goes_on_with_another_motion_of_a_solid(change):
+    """A checkpoint keeps it for another simulation of the scene; one from before undoes it."""
+    make = maker("box of discs")
+    run, other = begun(make), begun(make, 0.5)
+    before = run.checkpoint()
+    CHANGES[change](run)
     other.restore(run.checkpoint())
     assert_bits_are_the_same(*(seen(simulation, LASTS / 8) for simulation in (run, other)))
+    run.restore(before)
+    assert_bits_are_the_same(undisturbed("box of discs"), seen(finished(run), LASTS / 8))
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_other_contacts_keep_their_springs_where_a_solid_moves_otherwise(change):
+    run = dem.Simulation(*scene_of("box of discs"), time_step=1e-7)
+    run.advance(2e-5)
+    before = run.contacts()
+    CHANGES[change](run)
+    after = run.contacts()
+    springs = [c.tangential_force[c.partner != -1] for c in (before, after)]
+    assert np.abs(springs[0]).max() > 0.0
+    assert_allclose(*springs, rtol=1e-5)  # those that slide change with the step
+
+
+def test_a_checkpoint_of_another_scene_is_refused():
+    scene, state = scene_of("box of discs")
+    run = dem.Simulation(scene, state)
     with pytest.raises(dem.InputError, match="of another scene"):
         dem.Simulation(replace(scene, gravity=(0.0, -1.0)), state).restore(run.checkpoint())
 

@@ -43,7 +43,7 @@ def test_the_time_step_is_held_where_the_bound_goes_up_and_down():
     )
     run = dem.Simulation(scene, dem.State([[10e-3, 10e-3]]))
     first = run.advance(1e-6)
-    run.set_velocity((0.0, 0.1))
+    run.set_motion(0, (0.0, 0.1))
     while run.steps < 1800:
         assert run.advance(100 * first) == first
     assert run.diagnose().longest_time_step > 1.2 * first
@@ -64,7 +64,7 @@ def test_a_solid_is_where_its_velocity_takes_it():
 
     run, way = dem.Simulation(scene, state, time_step=1e-7), np.zeros(3)
     for *rates, lasts in ((1, 2, 500, 1.23), (1, -1, 0, 0.002), (0, 3, 7, 0.3)):
-        run.set_velocity(rates[:2], spin=rates[2])
+        run.set_motion(0, rates[:2], rates[2])
         way = way + 1e-6 * lasts * np.array(rates)
         assert_allclose(moved(run, run.time + 1e-6 * lasts), way, rtol=1e-9, atol=1e-16)
     time = np.array([0.0, 1.23, 2.57, 2.57, 2.59, 4.0]) * 1e-6
@@ -141,7 +141,7 @@ def test_a_fixed_step_is_refused_from_the_critical_one_on():
         dem.Simulation(scene, state, 1.001 * critical)
     step = 0.999 * critical
     run = dem.Simulation(scene, state, step)
-    run.set_velocity((0.0, 100.0))
+    run.set_motion(0, (0.0, 100.0))
     with pytest.raises(dem.StateError, match=words.format(r"\d")):
         run.advance(10 * step)
     run = dem.Simulation(scene, state, step_fraction=1.5, allow_unstable=True)

@@ -23,7 +23,13 @@ CALLS = {
     "step_fraction is 1.5; it must be at most 1": simulated(step_fraction=1.5),
     "threads is 2": simulated(threads=2, ledger=True),
     "ledger is False": lambda: run().ledger(),
-    "solid is 1; the scene has 1, numbered from 0": lambda: run().set_velocity((0, 0), solid=1),
+    "solid is 1; the scene has 1, numbered from 0": lambda: run().set_motion(1),
+    "velocity is 1.0; it must be a velocity (x, y), a dem.PrescribedMotion or a": lambda: (
+        run().set_motion(0, 1.0)
+    ),
+    "spin is 'on'; it must be an angular velocity or a dem.Turn": lambda: run().set_motion(
+        0, spin="on"
+    ),
     "saved is no whole checkpoint; it lacks": lambda: run().restore(
         {"scene": run().checkpoint()["scene"]}
     ),

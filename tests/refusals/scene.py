@@ -20,12 +20,6 @@ def beside(*places, outline=ROUND, angle=0.0, **more):
     return partial(dem.Scene, DISC, solids=solids, **more)
 
 
-def pushed():
-    """A push of a cylinder on its way."""
-    scene = dem.Scene(DISC, solids=dem.Cylinder(R, (0.1, 0.1), velocity=REST))
-    dem.Simulation(scene, dem.State([[0.05, 0.05]])).set_velocity((1.0, 0.0))
-
-
 def held(count, *groups):
     return lambda: dem.Scene(dem.Disc(np.full(count, R)), held=list(map(dem.Held, groups)))
 
@@ -44,7 +38,6 @@ CALLS = {
     "Wall.motion is PrescribedMotion(time=": lambda: dem.Wall([1.0, 0.0, 0.0], TURNING),
     "velocity is 1.0; it must be a velocity": lambda: dem.Cylinder(1.0, (0, 0), 1.0),
     "Scene.held is [1]; it must be a list of dem.Held": lambda: dem.Scene(DISCS, held=[1]),
-    "solids[0] follow a PrescribedMotion, a Drive or a Turn": pushed,
     "some of the 2 granules, each in one group, and leave at least one free": held(2, [2]),
     "some of the 3 granules": held(3, [0], [0]),
     "some of the 4 granules": held(4, [0, 1, 2, 3]),
