@@ -257,12 +257,17 @@ class Scene:
     def moved(self, position: np.ndarray, angle: np.ndarray, planes: np.ndarray) -> "Scene":
         """The scene later on, when its motion may have brought solids into walls or others.
 
-        position (k, 2) in m, angle (k,) in rad: of the solids; planes (w, 3): of the walls.
+        position (k, 2) in m, angle (k,) in rad: of the solids, NaN of those that were removed;
+        planes (w, 3): of the walls.
         """
         later, places = copy(self), zip(self.solids, position, angle, strict=True)
-        solids = tuple(replace(one, position=tuple(at), angle=turn) for one, at, turn in places)
+        solids = (
+            replace(one, position=tuple(at), angle=turn)
+            for one, at, turn in places
+            if not np.isnan(turn)
+        )
         walls = [replace(wall, plane=row) for wall, row in zip(self.walls, planes, strict=True)]
-        object.__setattr__(later, "solids", solids)
+        object.__setattr__(later, "solids", tuple(solids))
         object.__setattr__(later, "walls", tuple(walls))
         return later
 

@@ -404,6 +404,7 @@ class Solid:
     --------
     Cylinder : A round solid.
     Simulation.set_motion : Change the motion during a run.
+    Simulation.remove : Take a solid out of the scene.
 
     Examples
     --------

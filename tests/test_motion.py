@@ -144,16 +144,69 @@ def test_a_disc_bounces_off_a_solid_as_heavy_as_it_is_now(heavy):
     assert run.state.velocity[0, 0] == pytest.approx(-rebound, abs=1e-2)
 
 
-def test_energy_adds_up_where_a_solid_is_driven_and_held():
-    """It presses a disc on a wall and turns."""
-    run = squeezed("solid", (-1.0, 0.0), 5e-6, step_fraction=0.03)
+def test_energy_adds_up_where_a_solid_is_driven_held_and_removed():
+    """It presses a disc on a wall and turns; what it takes along is work, springs too, and what is left flies off."""
+    run, before = squeezed("solid", (-1.0, 0.0), 5e-6, step_fraction=0.03), []
     for change in (
         lambda: run.set_motion(0, dem.Drive((-1.0, None), 1e-5, velocity=(-0.5, 0.0))),
         lambda: run.set_motion(0, (0.0, 0.0), 20.0),
+        lambda: run.remove(0),
     ):
         run.advance(1.0007e-5)
+        before.append(run.ledger())
         change()
         assert run.contacts().granule.size and run.ledger().residual < 1e-3
+    was, now = before[-1], run.ledger()
+    taken = sum(was[1:4]) - sum(now[1:4])  # of all springs
+    assert was.work - now.work == pytest.approx(taken, rel=1e-3) and taken > 0.1 * was.held
+    assert abs(now.slid - was.slid) < 0.2 * was.elastic_tangential
+    run.advance(1e-3)
+    ledger = run.ledger()
+    assert ledger.residual < 1e-3 and ledger.held == pytest.approx(ledger.kinetic)
+
+
+def test_a_disc_falls_freely_once_its_plate_is_removed():
+    """By g t^2 / 2; its energy on the plate, 2/5 of force times overlap under Hertz's law, is gone. Another plate is
+    pressed as before, keeps its number, and is left out of the volume as before."""
+    plates = [dem.Solid(dem.plate(6.0 * R, R), (x, 20.0 * R)) for x in (10.0 * R, 30.0 * R)]
+    scene = dem.Scene(
+        dem.Disc([R, R]), SOFT, dem.Friction(), dem.box(40.0 * R, 40.0 * R), plates, gravity=(0.0, -9.81)
+    )  # fmt: skip
+    state = dem.State([[10.0 * R, 21.5 * R], [30.0 * R, 21.5 * R]])
+    run = dem.Simulation(scene, state, ledger=True)
+    run.advance(0.05)
+    rest, lying, before = run.state.position[:, 1], run.contacts(), run.ledger()
+    run.remove(0)
+    held = 0.4 * lying.force * lying.overlap
+    assert before.work - run.ledger().work == pytest.approx(held[0], rel=1e-6)
+    record, now = run.record(0.01, 2), run.contacts()
+    fall = rest - run.state.position[:, 1]
+    assert_allclose(fall, [0.5 * 9.81 * 0.02**2, 0.0], rtol=1e-9, atol=1e-12)
+    assert run.ledger().residual < 1e-3
+    weight = 9.81 * scene.mass[1]
+    assert_allclose(record.normal_force[:, :, 1], [[0.0, -weight]] * 2, rtol=1e-9)
+    assert_allclose(now.partner, [-2])
+    moment = now.total_force.T @ now.branch
+    volume = scene.thickness * ((40.0 * R) ** 2 - plates[1].area)
+    assert_allclose(run.stress().contact * volume, moment, rtol=1e-4, atol=1e-12)
+
+
+def test_frames_show_no_solid_once_it_is_removed():
+    """It has no place and no force; contacts of a frame name the others as before."""
+    solids = [dem.Cylinder(2.0 * R, (x, 5.0 * R)) for x in (5.0 * R, 15.0 * R)]
+    walls = dem.box(1.0, 1.0)[2:]
+    scene = dem.Scene(dem.Disc([R] * 3), SOFT, dem.Friction(), walls, solids)
+    state = dem.State([[5.0 * R, 6.99 * R], [15.0 * R, 6.99 * R], [0.5, 0.99 * R]])
+    first = dem.simulate(scene, state, 1e-7)
+    first.simulation.remove(0)
+    result = first.continuation(1e-7)
+    assert np.isnan(result.solid_position[:, 0]).all() and np.isnan(result.solid_angle[:, 0]).all()
+    assert_allclose(result.solid_position[:, 1], [solids[1].position] * 2)
+    assert not result.solid_force[1, 0].any() and result.solid_force[1, 1].any()
+    assert sorted(first.contacts().partner) == [-3, -2, -1]
+    assert sorted(result.contacts().partner) == [-3, -2]
+    (shown,) = dem.plot.bed(result).axes[0].collections[2:3]
+    assert sum(np.isfinite(path.vertices).all() for path in shown.get_paths()) == 1
 
 
 def test_frames_show_walls_where_they_were():

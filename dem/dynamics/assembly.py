@@ -223,8 +223,8 @@ def can_turn(scene: Scene, laws: np.ndarray) -> bool:
     )
 
 
-def boundaries(scene: Scene) -> Boundaries:
-    """All that granules meet, as they move at the start."""
+def boundaries(scene: Scene, sections: np.ndarray) -> Boundaries:
+    """All that granules meet, in these sections, as they move at the start."""
     walls, solids = len(scene.walls), scene.solids
     motions = [(wall.motion, 0.0) for wall in scene.walls]
     motions += [(solid.velocity, solid.spin) for solid in solids]
@@ -242,6 +242,7 @@ def boundaries(scene: Scene) -> Boundaries:
         motion=moved,
         angle=angle,
         reach=reach,
+        section=sections,
         reference=np.zeros((bodies, 3)),
         force=aligned(r, 4),
         contact_forces=np.zeros((r, 5)),
@@ -360,7 +361,8 @@ def assemble(
     """The arrays of a scene, its kernels and what makes its lists; no list is made yet. work: see
     System."""
     n, c, faces = scene.granules, len(table.radius), faces_of(scene)
-    moving, (sections, sizes) = boundaries(scene), sections_of(scene)
+    sections, sizes = sections_of(scene)
+    moving = boundaries(scene, sections)
     inverse_mass, inverse_inertia = mobilities(scene)
     solids, of_granules, of_solids = outlines_of(scene, sections)
     flags = flags_of(scene, table, moving, sections, solids)
@@ -379,7 +381,6 @@ def assemble(
         radius=table.bounding,
         held=table.held,
         largest=float(table.bounding.max()),
-        sections=sections[faces.boundary],
         sizes=sizes[faces.boundary],
         outlines=of_granules,
         others=of_solids,

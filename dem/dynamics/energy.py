@@ -36,7 +36,7 @@ class Ledger(NamedTuple):
         Energy lost by rolling resistance since the start (J).
     work : float
         Work of the boundaries on the granules since the start (J): of walls, solids and held
-        granules.
+        granules; less the elastic energy of contacts that removed solids took along.
     fallen : float
         Work of gravity on the granules since the start (J).
     before : float

@@ -4,7 +4,7 @@ Between two neighbour lists nothing moves by more than half the skin. A check at
 therefore sees every overlap before it has grown by more than the skin.
 
 Steps are whole: no interval cuts one, and what lies within a step is seen on a copy. Only where a
-solid is driven otherwise, a step ends at that time. The step is chosen where the lists
+solid is removed, or driven otherwise, a step ends at that time. The step is chosen where the lists
 are made, and every SCAN_INTERVAL steps: down at once, up once the bound has allowed it for QUIET
 steps. A step that follows its bound closely would be long on the way into a contact and short on
 the way out, and heat the bed. Bits do not depend on where intervals and calls end, nor on who looks.
@@ -20,12 +20,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dem.base.errors import OverlapError, RunError, StateError
-from dem.contacts.layout import VX, VY, X, Y
+from dem.contacts.layout import ACCOUNTS, POWER_SPRINGS, VX, VY, WORK, X, Y
 from dem.dynamics.checkpoint import copied
 from dem.dynamics.contact_output import list_contacts, partner_words
 from dem.dynamics.forces import integrate_account
 from dem.dynamics.measures import steps_alone
-from dem.dynamics.paths import is_driven, places, with_motion
+from dem.dynamics.paths import is_driven, places, shown, with_motion
 from dem.dynamics.scan import (
     CHOSEN,
     CRITICAL,
@@ -39,7 +39,7 @@ from dem.dynamics.scan import (
 )
 from dem.dynamics.step import Threads
 from dem.dynamics.system import System, is_finite, longest_move
-from dem.dynamics.world import World, number_of_patches
+from dem.dynamics.world import REMOVED, World, number_of_patches
 from dem.jit.interrupts import signals_deferred
 from dem.motion import Drive, Turn
 
@@ -287,15 +287,16 @@ class Engine:
             scanned=-1,
         )
 
-    def changed(self, b: int, velocity, spin) -> "Engine":
-        """The same, where boundary b, a solid, moves otherwise from the time on that was asked for.
+    def changed(self, b: int, velocity, spin, removed: bool = False) -> "Engine":
+        """The same, where boundary b, a solid, moves otherwise from the time on that was asked for, or
+        is met no more.
 
         velocity, spin: as of dem.dynamics.paths.with_motion. Where b follows paths before and after,
         this one itself, whose step goes on; otherwise a copy, so that an interrupt changes nothing.
         """
         now, world = self.progress, self.world
         forced = isinstance(velocity, Drive) or isinstance(spin, Turn)
-        if not (forced or is_driven(world.boundaries, b)):
+        if not (removed or forced or is_driven(world.boundaries, b)):
             way = places(self.seen().world.boundaries)[b] - places(world.boundaries)[b]
             seen = now.seen - now.time, way
             boundaries = with_motion(world.boundaries, b, velocity, spin, seen)
@@ -304,9 +305,16 @@ class Engine:
             return self
         engine = deepcopy(self)
         engine.end_step()
+        elastic = engine.system.elastic()
         boundaries = with_motion(engine.world.boundaries, b, velocity, spin)
+        if removed:
+            boundaries.section[b] = REMOVED
         engine.system = engine.system.changed(boundaries)
         engine.begin()
+        if removed:  # what its contacts held it takes along: work, and no loss of springs
+            taken, account = elastic - engine.system.elastic(), engine.world.account
+            account[WORK] -= taken.sum()
+            account[ACCOUNTS + POWER_SPRINGS : WORK] -= taken[1:]
         return engine
 
     def diagnose(self, system: System, later: float) -> Diagnostics:
@@ -508,7 +516,7 @@ class Engine:
         row[CONTACTS] = 2.0 * result[TOUCHING] / len(self.world.granules.angle)
         of = row[OF_BED:].reshape(-1, OF_BOUNDARY)
         of[:, :PLACE] = boundaries.impulses / duration
-        of[:, PLACE:] = places(boundaries)
+        of[:, PLACE:] = shown(boundaries)
         planes = boundaries.planes
         of[: len(planes), PLACE] = planes[:, 2]  # the place of a wall is its offset (m)
         self.world.boundaries.impulses[:] -= boundaries.impulses

@@ -222,16 +222,16 @@ def find_near_boundaries(world, bodies, skin, near):
     """Constituents closer than skin (m) to boundaries."""
     apart()
     boundaries, motion, faces = world.boundaries, world.constituents.motion, world.faces
-    sections, sizes, radius, period = bodies.sections, bodies.sizes, bodies.radius, bodies.period
+    sections, sizes, radius, period = boundaries.section, bodies.sizes, bodies.radius, bodies.period
     moving, planes, count = boundaries.motion, boundaries.planes, 0
     near.of_section[WALLS] = 0
     for section in range(WALLS, SECTIONS):
         for i in range(radius.shape[0]):
             x, y = motion[i, X], motion[i, Y]
-            for t in range(sections.shape[0]):
-                if sections[t] != section:
-                    continue
+            for t in range(sizes.shape[0]):
                 b = faces.boundary[t]
+                if sections[b] != section:
+                    continue
                 dx, dy = nearest(period[0], x - moving[b, X]), nearest(period[1], y - moving[b, Y])
                 if section == WALLS:
                     is_near = x * planes[b, 0] + y * planes[b, 1] + radius[i] + skin > planes[b, 2]
@@ -468,8 +468,8 @@ class Bodies(NamedTuple):
         Bounding radius (m) of constituents, and which are held.
     largest : float
         Greatest of these radii (m).
-    sections, sizes : ndarray of shape (t,)
-        Section of each target (dem.dynamics.world.Faces), and radius (m) of the circle that holds it.
+    sizes : ndarray of shape (t,)
+        Radius (m) of the circle that holds each target (dem.dynamics.world.Faces).
     outlines, others : ndarray of shape (c + r, s)
         Numbers of all outlines, and of those that solids and granules have in terms of the solids'.
     period : tuple of float
@@ -483,7 +483,6 @@ class Bodies(NamedTuple):
     radius: np.ndarray
     held: np.ndarray
     largest: float
-    sections: np.ndarray
     sizes: np.ndarray
     outlines: np.ndarray
     others: np.ndarray
@@ -522,7 +521,7 @@ class Lists:
     def __init__(self, bodies: Bodies):
         self.bodies, self.blocks = bodies, 0
         c, cells = len(bodies.radius), 4 * len(bodies.radius) + 64
-        beside = c * len(bodies.sections)
+        beside = c * len(bodies.sizes)
         self.near = Near(
             first=np.zeros(c + 1, np.int64),
             partner=np.empty((ROOM + 1) * c + ROOM, np.uint32),

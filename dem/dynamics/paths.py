@@ -11,6 +11,7 @@ from dem.dynamics.world import (
     DRIVE,
     EXTERNAL_FORCE,
     INVERSE_MASS,
+    REMOVED,
     Boundaries,
 )
 from dem.motion import Drive, PrescribedMotion, Turn
@@ -55,6 +56,13 @@ def path_from(path: np.ndarray, time: float) -> np.ndarray:
 def places(boundaries: Boundaries) -> np.ndarray:
     """Where boundaries are: rows (r, 3) of x, y (m) and the angle (rad)."""
     return np.column_stack([boundaries.motion[:, [X, Y]], boundaries.angle])
+
+
+def shown(boundaries: Boundaries) -> np.ndarray:
+    """Rows as of `places`, not numbers of what is removed."""
+    rows = places(boundaries)
+    rows[: len(boundaries.section)][boundaries.section == REMOVED] = np.nan
+    return rows
 
 
 def is_driven(boundaries: Boundaries, b: int) -> bool:

@@ -42,9 +42,9 @@ class Record(NamedTuple):
     torque : ndarray of shape (c, k)
         Mean torque (N m) on each solid about its position, anticlockwise.
     solid_position : ndarray of shape (c, k, 2)
-        Position of each solid (m) at the end of the interval.
+        Position of each solid (m) at the end of the interval; NaN once it is removed.
     solid_angle : ndarray of shape (c, k)
-        Angle of each solid (rad) at the end of the interval.
+        Angle of each solid (rad) at the end of the interval; NaN once it is removed.
     wall_tangential_force : ndarray of shape (c, w)
         Mean tangential force (N) on each wall along (-ny, nx), with (nx, ny) the normal of the
         wall.
@@ -84,8 +84,16 @@ RESULT = {
     "velocity": ("time granule axis", "m s-1", "velocity of the granule"),
     "angular_velocity": ("time granule", "rad s-1", "angular velocity, anticlockwise"),
     "solid_force": ("time solid axis", "N", "mean force on the solid since the frame before"),
-    "solid_position": ("time solid axis", "m", "position of the solid"),
-    "solid_angle": ("time solid", "rad", "angle of the solid, anticlockwise"),
+    "solid_position": (
+        "time solid axis",
+        "m",
+        "position of the solid; not a number once it is removed",
+    ),
+    "solid_angle": (
+        "time solid",
+        "rad",
+        "angle of the solid, anticlockwise; not a number once it is removed",
+    ),
     "solid_torque": (
         "time solid",
         "N m",
@@ -126,6 +134,29 @@ def rings(scene: Scene) -> np.ndarray:
     return np.stack([np.vstack([ring, *[ring[-1:]] * (points - len(ring))]) for ring in listed])
 
 
+def contacts_of(
+    scene: Scene, state: State, position: np.ndarray, angle: np.ndarray, planes: np.ndarray
+) -> ContactList:
+    """Contacts of granules in a state, where solids and walls are elsewhere than in the scene.
+
+    position (k, 2) in m, angle (k,) in rad: of the solids, NaN of those that were removed; planes
+    (w, 3): of the walls.
+    """
+    from dem.dynamics.simulation import Simulation  # which imports this file
+
+    run = Simulation(scene.moved(position, angle, planes), state)
+    contacts, unknown = run.contacts(), ["rolling_moment"] if scene.rolling else []
+    present = np.flatnonzero(~np.isnan(angle))
+    numbers = np.append(present, len(angle) + np.arange(len(planes)))  # also of those removed
+    edge = contacts.partner < 0
+    contacts.partner[edge] = -1 - numbers[-1 - contacts.partner[edge]]
+    if run.engine.system.kernels.flags["FRICTION"]:
+        unknown += ["tangential_force", "total_force"]
+    return contacts._replace(
+        **{name: np.full_like(getattr(contacts, name), np.nan) for name in unknown}
+    )
+
+
 class Result(NamedTuple):
     """What simulate returns: f frames of n granules, w walls, k solids and g held groups.
 
@@ -156,9 +187,9 @@ class Result(NamedTuple):
     scene : Scene
         What was simulated.
     solid_position : (f, k, 2) array
-        Position of each solid (m).
+        Position of each solid (m); NaN once it is removed.
     solid_angle : (f, k) array
-        Angle of each solid (rad), anticlockwise.
+        Angle of each solid (rad), anticlockwise; NaN once it is removed.
     solid_torque : (f, k) array
         Mean torque on each solid about its position since the frame before (N m), anticlockwise;
         NaN in the first frame.
@@ -279,19 +310,9 @@ class Result(NamedTuple):
         >>> [len(result.contacts(frame).force) for frame in range(3)]
         [0, 1, 0]
         """
-        scene = self.scene.moved(
-            self.solid_position[frame], self.solid_angle[frame], self.walls[frame]
-        )
         state = State(*(getattr(self, name)[frame] for name in ARRAYS))
-        from dem.dynamics.simulation import Simulation  # which imports this file
-
-        run = Simulation(scene, state)
-        contacts, unknown = run.contacts(), ["rolling_moment"] if scene.rolling else []
-        if run.engine.system.kernels.flags["FRICTION"]:
-            unknown += ["tangential_force", "total_force"]
-        return contacts._replace(
-            **{name: np.full_like(getattr(contacts, name), np.nan) for name in unknown}
-        )
+        places = self.solid_position[frame], self.solid_angle[frame]
+        return contacts_of(self.scene, state, *places, self.walls[frame])
 
     def to_dataset(self) -> "xarray.Dataset":
         """Return the frames, granules, walls and solids as a dataset.

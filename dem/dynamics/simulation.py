@@ -43,10 +43,10 @@ from dem.dynamics.numerics import (
     StepFraction,
     check_stable,
 )
-from dem.dynamics.paths import places
+from dem.dynamics.paths import shown
 from dem.dynamics.result import Record, Result, shares
 from dem.dynamics.stress import Edges, Stress, stress
-from dem.dynamics.world import World
+from dem.dynamics.world import REMOVED, World
 from dem.motion import Motion, Spin
 from dem.scene import ARRAYS, Scene, State
 
@@ -479,7 +479,7 @@ class Simulation:
         Raises
         ------
         InputError
-            If the scene has no such solid, or if a value cannot be used.
+            If the scene has no such solid, if it was removed, or if a value cannot be used.
 
         Notes
         -----
@@ -503,11 +503,57 @@ class Simulation:
         >>> run.record(interval=1e-3, count=1).solid_position[0, 0].round(6).tolist()
         [0.005, 0.004]
         """
+        self._change(solid, velocity, spin)
+
+    @checked
+    def remove(self, solid: Count) -> None:
+        """Take a solid out of the scene: from now on no granule meets it.
+
+        Parameters
+        ----------
+        solid : int
+            Number of the solid in the scene, without unit; others keep theirs.
+
+        Raises
+        ------
+        InputError
+            If the scene has no such solid, or if it was removed before.
+
+        Notes
+        -----
+        Its contacts end with what they remember, and forces on it are zero from then on; its
+        position and angle are NaN in records and frames. The ledger counts the elastic energy of
+        its contacts, which it takes along, as negative work.
+
+        Examples
+        --------
+        A disc lies on a plate. For 10 ms after the plate is removed it falls freely:
+
+        >>> import dem
+        >>> plate = dem.Solid(dem.plate(6e-3, 1e-3), position=(0.0, 0.0))
+        >>> soft = dem.Material(young_modulus=1e6, restitution=0.1)
+        >>> scene = dem.Scene(
+        ...     dem.Disc([1e-3]), soft, dem.Friction(), solids=plate, gravity=(0.0, -9.81)
+        ... )
+        >>> run = dem.Simulation(scene, dem.State([[0.0, 1.5e-3]]))
+        >>> shortest = run.advance(0.05)
+        >>> rest = run.state.position[0, 1]
+        >>> run.remove(0)
+        >>> shortest = run.advance(0.01)
+        >>> print(f"{1e3 * (rest - run.state.position[0, 1]):.2f} mm")
+        0.49 mm
+        """
+        self._change(solid, (0.0, 0.0), 0.0, removed=True)
+
+    def _change(self, solid: int, velocity: Any, spin: Any, removed: bool = False) -> None:
+        """See dem.dynamics.engine.Engine.changed."""
         count = len(self.scene.solids)
         if not 0 <= solid < count:
             raise InputError(f"solid is {solid}; the scene has {count}, numbered from 0.")
         b = len(self.scene.walls) + solid
-        self.engine = self.engine.changed(b, velocity, spin)
+        if self.engine.world.boundaries.section[b] == REMOVED:
+            raise InputError(f"solid is {solid}, which was removed; it must be one of the others.")
+        self.engine = self.engine.changed(b, velocity, spin, removed)
 
     @checked
     def advance(self, duration: Annotated[NotNegative, Unit("s")]) -> float:
@@ -687,7 +733,7 @@ def frame_of(run: Simulation, interval: float) -> dict[str, Any]:
     ago."""
     world, state, scene = run.world, run.state, run.scene
     walls, solids, held = shares(scene, run.engine.take_impulses())
-    place = shares(scene, places(world.boundaries))[1]
+    place = shares(scene, shown(world.boundaries))[1]
     return {name: getattr(state, name) for name in ARRAYS} | {
         "time": run.time,
         "solid_force": (solids[:, :2] + solids[:, 2:4]) / interval,

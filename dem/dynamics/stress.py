@@ -16,7 +16,7 @@ from dem.base.errors import InputError
 from dem.base.types import MOST, Unit, array, must
 from dem.contacts.layout import X, Y
 from dem.dynamics.contact_output import ContactList
-from dem.dynamics.world import World
+from dem.dynamics.world import REMOVED, World
 from dem.scene import Scene, State
 
 OPEN = 1e3  # sizes of the scene: a container that reaches farther is not closed
@@ -115,6 +115,8 @@ def stress(
     period = periods[axis] if bins else None
     below = _areas_below(_container(world.boundaries.planes, periods, bins), axis, limits)
     for b, solid in enumerate(scene.solids, len(scene.walls)):
+        if world.boundaries.section[b] == REMOVED:
+            continue
         place, angle = world.boundaries.motion[b, [X, Y]], world.boundaries.angle[b]
         ring = solid.placed(place, angle, 513)  # of a round one the area is exact to 3e-5
         for shift in _images(limits, ring[:, axis], ring[:, axis], period):

@@ -9,6 +9,7 @@ PATCH = 1024  # granules: what a patch needs fits into the second-level cache
 # Sections of the list of contacts: with granules, walls, round solids, solids that have the outline
 # of a granule, polygons
 PAIRS, WALLS, CIRCLES, OUTLINES, POLYGONS, SECTIONS = range(6)
+REMOVED = -1  # the section of a solid that no list holds any more
 
 # Columns of GranuleTable.laws: modulus of the law (Pa or N/m); dashpot constant without unit; share
 # of the granule in 1/E*; from there on COEFFICIENT and the next two columns of dem.contacts.layout
@@ -113,6 +114,8 @@ class Boundaries(NamedTuple):
         Angles (rad).
     reach : ndarray of shape (r,)
         Radius (m) of the circle that holds a solid which is not round; zero of others.
+    section : ndarray of shape (w + k,)
+        Section of the list that each wall and solid is in; REMOVED of one that nothing meets.
     reference : ndarray of shape (w + k, 3)
         Positions (m) and angles (rad) of walls and solids at which the list was made.
     force : ndarray of shape (r, 4)
@@ -142,6 +145,7 @@ class Boundaries(NamedTuple):
     motion: np.ndarray
     angle: np.ndarray
     reach: np.ndarray
+    section: np.ndarray
     reference: np.ndarray
     force: np.ndarray
     contact_forces: np.ndarray

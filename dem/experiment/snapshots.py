@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.dynamics.contact_output import ContactList
-from dem.dynamics.simulation import Simulation
+from dem.dynamics.result import contacts_of
 from dem.experiment.bed import shaped
 from dem.experiment.run import Replicate
 from dem.experiment.scene import make_scene, solids
@@ -67,12 +67,11 @@ class Snapshots(NamedTuple):
             *(np.nan,) * 4,
             self.periodic,
         )
-        scene = make_scene(self.replicate, bed)
-        later = scene.moved(self.place[snapshot], self.turn[snapshot], scene.planes)
-        return Simulation(later, bed.state).contacts()
+        scene, place = make_scene(self.replicate, bed), self.place[snapshot]
+        return contacts_of(scene, bed.state, place, self.turn[snapshot], scene.planes)
 
     def solids(self, snapshot: int) -> tuple[Solid, ...]:
-        """The solids where they are at a snapshot."""
+        """The solids where they are at a snapshot, but for those that were removed."""
         return tuple(
             replace(solid, position=tuple(place), angle=angle)
             for solid, place, angle in zip(
@@ -81,6 +80,7 @@ class Snapshots(NamedTuple):
                 self.turn[snapshot],
                 strict=True,
             )
+            if not np.isnan(angle)
         )
 
 

@@ -85,7 +85,7 @@ def view_of(frames) -> np.ndarray:
 def _corners(*places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lower left and upper right corner of what holds some places (..., 2)."""
     every = np.concatenate([place.reshape(-1, 2) for place in places])
-    return every.min(axis=0), every.max(axis=0)
+    return np.nanmin(every, axis=0), np.nanmax(every, axis=0)  # NaN: places of removed solids
 
 
 def draw(axes, frames, frame: int, view, contacts=None, strongest=1.0, **look) -> None:
@@ -102,7 +102,7 @@ def draw(axes, frames, frame: int, view, contacts=None, strongest=1.0, **look) -
     rings, marks = [], []
     for solid, place, turns in zip(frames.solids, places, frames.turn.T, strict=True):
         rings.append(solid.placed(place, turns[frame]))
-        if solid.is_round and np.ptp(turns):
+        if solid.is_round and len(np.unique(turns[np.isfinite(turns)])) > 1:
             marks.append(np.array([place, rings[-1][0]]))
     chains, widths = (), None
     if contacts is not None:

@@ -147,6 +147,7 @@ CHANGES = {
     "a velocity": lambda run: run.set_motion(0, (1.0, -2.0), spin=30.0),
     "a path": lambda run: run.set_motion(0, path(*TO_AND_FRO)),
     "a force and a torque": lambda run: run.set_motion(0, DAMPED, TURN),
+    "removed": lambda run: run.remove(0),
 }
 
 

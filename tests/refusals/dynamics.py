@@ -12,6 +12,12 @@ def run():
     return dem.Simulation(SCENE, STATE)
 
 
+def removed_twice():
+    changed = run()
+    for _ in range(2):
+        changed.remove(0)
+
+
 def simulated(**options):
     return lambda: dem.simulate(SCENE, STATE, 1e-6, **options)
 
@@ -24,6 +30,8 @@ CALLS = {
     "threads is 2": simulated(threads=2, ledger=True),
     "ledger is False": lambda: run().ledger(),
     "solid is 1; the scene has 1, numbered from 0": lambda: run().set_motion(1),
+    "solid is -1; the scene has 1": lambda: run().remove(-1),
+    "solid is 0, which was removed; it must be one of the others": removed_twice,
     "velocity is 1.0; it must be a velocity (x, y), a dem.PrescribedMotion or a": lambda: (
         run().set_motion(0, 1.0)
     ),
