@@ -63,7 +63,15 @@ SORTED = AfterValidator(
 )  # in any order they are one scene
 # sections that only some experiments read
 SECTIONS = "cylinder", "record", "shear", "solids", "phases"
-NO_AXIS = "discs", "mixture", "region", "until", "file"  # names of others that cannot
+NO_AXIS = (
+    "discs",
+    "mixture",
+    "region",
+    "until",
+    "file",
+    "path",
+    "removed",
+)  # names of others that cannot
 UNHASHED_KEYS = "beside", "record.window", "threads"  # that no number depends on
 FIXED_KEYS = *UNHASHED_KEYS, "record.observables"  # that cannot vary in a sweep
 # what runs have without these keys: said or not, they are one run
@@ -208,6 +216,7 @@ class Configuration(Section):
 
     @model_validator(mode="after")
     def _check_phases(self):
+        removed = {}
         for name, phase in self.phases.items():
             for solid in phase.motion:
                 if solid not in self.solids:
@@ -215,11 +224,12 @@ class Configuration(Section):
                     raise ValueError(
                         f"phases.{name}.motion has {solid!r}, which is not one of solids{hint}"
                     )
-                if self.solids[solid].spin == "free" and phase.motion[solid].spin is not None:
+                if solid in removed:
                     raise ValueError(
-                        f"phases.{name}.motion.{solid}.spin is {phase.motion[solid].spin:g}; granules "
-                        f"turn it, because solids.{solid}.spin is free"
+                        f"phases.{name}.motion has {solid}, which phases.{removed[solid]} removed"
                     )
+                if phase.motion[solid].removed:
+                    removed[solid] = name
             if phase.until and not self.gravity:
                 raise ValueError(
                     f"phases.{name}.until is rest and gravity 0; without gravity nothing comes to rest, "

@@ -8,13 +8,14 @@ import numpy as np
 
 from dem.base.errors import RunError
 from dem.base.plugins import load
+from dem.contacts.layout import VX, VY, W
 from dem.dynamics.result import Record
 from dem.dynamics.simulation import Simulation
 from dem.experiment.config import Configuration
 from dem.experiment.intruders import towards
 from dem.experiment.run import Replicate
 from dem.experiment.run_checkpoint import PartialRun, resumed
-from dem.experiment.scene import start
+from dem.experiment.scene import motion_of, start
 from dem.experiment.snapshots import Snapshots, snapshots_of, variables_of
 from dem.packing.random import Bed
 from dem.packing.settling import come_to_rest
@@ -68,7 +69,7 @@ def recorded(
         if checkpoint is not None:
             partial.save(checkpoint, replicate, simulation)
 
-    _play(scene, simulation, partial, save)
+    _play(replicate, simulation, partial, save)
     bins, every = c.record.bins, c.record.bins // (c.record.snapshots - 1)
     simulation.check_duration(scene.duration)
     while True:
@@ -98,21 +99,21 @@ def recorded(
     }
 
 
-def _play(scene: Configuration, simulation: Simulation, partial: PartialRun, save) -> None:
+def _play(replicate: Replicate, simulation: Simulation, partial: PartialRun, save) -> None:
     """All phases but the last, and how solids move in that."""
+    scene = replicate.configuration.scene
     moving = {
         name: (solid.velocity or 0.0, solid.direction) for name, solid in scene.solids.items()
     }
     for number, (name, phase) in enumerate(scene.phases.items(), 1):
         begins = number > partial.phase
-        for solid, motion in phase.motion.items():
-            given = motion.velocity, motion.direction
-            speed, direction = moving[solid] = tuple(
+        for solid, section in phase.motion.items():
+            given = section.velocity, section.direction
+            moving[solid] = tuple(
                 old if new is None else new for old, new in zip(moving[solid], given, strict=True)
             )
             if begins:
-                velocity = tuple(speed * part for part in towards(direction))
-                simulation.set_motion(scene.solid_names.index(solid), velocity, motion.spin)
+                _move(replicate, simulation, scene.solid_names.index(solid), section, moving[solid])
         if begins:
             partial.phase, partial.began = number, simulation.time
         if number < partial.phase or number == len(scene.phases):
@@ -124,6 +125,20 @@ def _play(scene: Configuration, simulation: Simulation, partial: PartialRun, sav
         for end in partial.began + phase.time * np.arange(1, PIECES + 1) / PIECES:
             simulation.advance(max(end - simulation.time, 0.0))
             save()
+
+
+def _move(replicate: Replicate, simulation: Simulation, k: int, section, moving: tuple) -> None:
+    """Let solid k move as a section of a phase says; moving: its speed (m/s) and its direction."""
+    if section.removed:
+        simulation.remove(k)
+        return
+    boundaries, b = simulation.world.boundaries, len(simulation.scene.walls) + k
+    speed, direction = moving
+    *velocity, spin = boundaries.motion[b, [VX, VY, W]].tolist()
+    if section.velocity is not None or section.forces == (None, None):
+        velocity = [speed * part for part in towards(direction)]
+    given = replicate, simulation.scene.solids[k], tuple(velocity), spin
+    simulation.set_motion(k, *motion_of(section, *given))
 
 
 def _rest(scene: Configuration, simulation: Simulation, phase: str, save) -> None:

@@ -10,7 +10,7 @@ from dem.experiment.bed import shaped
 from dem.experiment.run import Replicate
 from dem.io.dataset import WALLS
 from dem.material import Friction, Rolling
-from dem.motion import Drive, Turn
+from dem.motion import Drive, PrescribedMotion, Turn
 from dem.packing.random import Bed
 from dem.periodic import walled
 from dem.scene import Scene
@@ -76,19 +76,34 @@ def solids(replicate: Replicate, height: float) -> tuple[Solid, ...]:
     height = description.start_height(height)
     sections = replicate.configuration.scene.solids.values()
     for section, intruder in zip(sections, description.solids, strict=True):
-        free, material = section.spin == "free", section.material
-        solid = intruder.solid(
-            height,
-            velocity=tuple((section.velocity or 0.0) * component for component in section.ahead),
-            spin=0.0 if free else section.spin or 0.0,
-            friction=section.friction,
-            material=material and replicate.material_of(material),
+        material = section.material and replicate.material_of(section.material)
+        solid = intruder.solid(height, friction=section.friction, material=material)
+        velocity = tuple((section.velocity or 0.0) * component for component in section.ahead)
+        motion, spin = motion_of(section, replicate, solid, velocity)
+        drawn.append(
+            replace(solid, velocity=velocity if motion is None else motion, spin=spin or 0.0)
         )
-        if free:
-            mass = replicate.mean_density * solid.area * replicate.thickness
-            solid = replace(solid, spin=Turn(inertia=mass * solid.gyration_squared))
-        drawn.append(solid)
     return tuple(drawn)
+
+
+def motion_of(section, replicate: Replicate, solid: Solid, velocity, spin: float = 0.0) -> tuple:
+    """How a solid moves from now on, and how it turns, as `Simulation.set_motion` takes them; None: as
+    before.
+
+    section: a MotionSection; velocity, spin: those at which it begins where forces move it.
+    """
+    if section.path is not None:
+        time, vx, vy, spins = np.transpose(section.path)
+        return PrescribedMotion(time, np.column_stack([vx, vy]), spins), None
+    mass = section.mass or replicate.mean_density * solid.area * replicate.thickness
+    motion, turn = None, None if section.spin == "free" else section.spin
+    if section.forces != (None, None):
+        motion = Drive(section.forces, mass, velocity=velocity)
+    elif section.velocity is not None or section.direction is not None:
+        motion = velocity
+    if section.spin == "free" or section.torque is not None:
+        turn = Turn(mass * solid.gyration_squared, section.torque or 0.0, spin=spin)
+    return motion, turn
 
 
 def start(replicate: Replicate, bed: Bed, **options) -> Simulation:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable
+from itertools import pairwise
 from typing import Annotated, Literal
 
 import numpy as np
@@ -16,6 +17,7 @@ from dem.base.types import (
     Force,
     Label,
     Length,
+    Mass,
     NotNegative,
     Number,
     PoissonRatio,
@@ -76,6 +78,24 @@ Region = Annotated[
     must("be left, bottom, right, top, in this order and apart"),
 ]
 Angle = Annotated[Number, Unit("rad")]
+
+
+def _rising(rows):
+    """Rows of a path; raises ValueError."""
+    times = [row[0] for row in rows]
+    if any(later <= time for time, later in pairwise(times)):
+        raise ValueError("its times must rise")
+    return rows
+
+
+Path = Annotated[
+    Annotated[
+        tuple[tuple[NotNegative, Number, Number, Number], ...],
+        Field(min_length=2),
+        AfterValidator(_rising),
+    ],
+    must("be rows [time, velocity along x, along y, spin] whose times rise"),
+]
 Spin = Annotated[
     Literal["free"] | Annotated[Number, Unit("rad s-1")],
     must("be an angular velocity or free"),
@@ -107,8 +127,8 @@ class MovingSection(Section):
     """velocity along its direction; none: that of before, 0 at the start"""
     direction: Angle | None = None
     """direction of the motion, anticlockwise from the right; none: that of before, upwards at the start"""
-    spin: Annotated[Number, Unit("rad s-1")] | None = None
-    """angular velocity; none: that of before, 0 at the start"""
+    spin: Spin | None = None
+    """angular velocity, or free: granules turn it, as a body of their mean density; none: that of before, 0 at the start"""
 
     @property
     def ahead(self) -> tuple[float, float]:
@@ -123,8 +143,6 @@ class CylinderSection(MovingSection):
     """velocity of the cylinder, upwards if there is no direction"""
     direction: Angle | None = None
     """direction of the motion, anticlockwise from the right; none: upwards"""
-    spin: Spin | None = None
-    """angular velocity, or free: granules turn it, as a body of their mean density; none: 0"""
     start: Share
     """height of the cylinder's axis as a fraction of that of the box"""
     stroke: Length
@@ -162,7 +180,67 @@ class SecondSection(Section):
     """angular velocity, or free; none: 0"""
 
 
-class SolidSection(MovingSection):
+class MotionSection(MovingSection):
+    """The same of a solid of a scene, which forces may move too."""
+
+    force_x: Annotated[Number, Unit("N")] | None = None
+    """force that moves it along x, with those of the granules; none: its velocity does"""
+    force_y: Annotated[Number, Unit("N")] | None = None
+    """the same along y"""
+    torque: Annotated[Number, Unit("N m")] | None = None
+    """torque that turns it, with those of the granules; none: its spin does"""
+    mass: Mass | None = None
+    """its mass where forces move or turn it; none: that of granules in its place"""
+    path: Path | None = None
+    """rows [time, velocity along x, along y, spin] in s, m/s and rad/s since its start, linear in between; none: velocity"""
+
+    @property
+    def forces(self) -> tuple[float | None, float | None]:
+        """Forces along x and y."""
+        return self.force_x, self.force_y
+
+    @model_validator(mode="after")
+    def _check_motion(self):
+        if self.path is not None:
+            others = "velocity", "direction", "spin", "force_x", "force_y", "torque"
+            for name in others:
+                if getattr(self, name) is not None:
+                    raise ValueError(
+                        f"path and {name} are given; a path has all of the motion, leave one out"
+                    )
+        if self.direction is not None and self.velocity is None and self.forces != (None, None):
+            raise ValueError(
+                f"direction is {self.direction:g} and velocity missing; forces move it from the velocity "
+                "that it has, give both or none"
+            )
+        if self.torque is not None and self.spin is not None:
+            raise ValueError(f"torque is {self.torque:g} and spin {self.spin}; leave one out")
+        if (
+            self.mass is not None
+            and {*self.forces, self.torque, None} == {None}
+            and self.spin != "free"
+        ):
+            raise ValueError(
+                f"mass is {self.mass:g} and no force moves it; leave it out, or give force_x, force_y or torque"
+            )
+        return self
+
+
+class PhaseMotionSection(MotionSection):
+    removed: bool = False
+    """true: it is there no more, from the start of the phase on"""
+
+    @model_validator(mode="after")
+    def _check_removed(self):
+        for name, value in self if self.removed else ():
+            if name != "removed" and value is not None:
+                raise ValueError(
+                    f"removed is true and {name} given; what is not there cannot move, leave one out"
+                )
+        return self
+
+
+class SolidSection(MotionSection):
     outline: Literal["circle", "ellipse", "plate", "square", "wedge", "ring"]
     """outline, with its length from left to right and its tip upwards at an angle of 0"""
     diameter: Diameter
@@ -185,8 +263,6 @@ class SolidSection(MovingSection):
     """friction at it; none: friction.cylinder"""
     material: SolidMaterialSection | None = None
     """material; none: rigid"""
-    spin: Spin | None = None
-    """angular velocity, or free: granules turn it, as a body of their mean density; none: 0"""
 
     @model_validator(mode="after")
     def _check(self):
@@ -215,7 +291,7 @@ class PhaseSection(Section):
     """how long it lasts; none: until says it"""
     until: Literal["rest"] | None = None
     """rest: until the granules are at rest under gravity; none: time says it"""
-    motion: dict[Label, MovingSection] = Field({})
+    motion: dict[Label, PhaseMotionSection] = Field({})
     """how solids move from its start on"""
 
     @model_validator(mode="after")

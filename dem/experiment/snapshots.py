@@ -70,12 +70,17 @@ class Snapshots(NamedTuple):
         scene, place = make_scene(self.replicate, bed), self.place[snapshot]
         return contacts_of(scene, bed.state, place, self.turn[snapshot], scene.planes)
 
+    @property
+    def drawn(self) -> tuple[Solid, ...]:
+        """All solids, where they are in a box of this height."""
+        return solids(self.replicate, self.height[0])
+
     def solids(self, snapshot: int) -> tuple[Solid, ...]:
         """The solids where they are at a snapshot, but for those that were removed."""
         return tuple(
             replace(solid, position=tuple(place), angle=angle)
             for solid, place, angle in zip(
-                solids(self.replicate, self.height[0]),
+                self.drawn,
                 self.place[snapshot],
                 self.turn[snapshot],
                 strict=True,

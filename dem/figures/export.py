@@ -53,16 +53,18 @@ def _mesh(motion: Snapshots, snapshot: int) -> meshio.Mesh:
         ("line" if block is blocks[-1] else "polygon", numbers.reshape(block.shape[:2]))
         for block, numbers in zip(blocks, np.split(np.arange(len(points)), ends), strict=False)
     ]
-    bodies = np.concatenate([motion.position, motion.place], axis=1)
-    velocity = mean_velocity(bodies, motion.time)[snapshot]
+    numbers = np.flatnonzero(~np.isnan(motion.turn[snapshot]))  # of solids that are there
+    rows, total = [*range(count), *(count + numbers)], len(motion.drawn)
+    places = np.concatenate([motion.position, motion.place], axis=1)
+    velocity = mean_velocity(places, motion.time)[snapshot, rows]
     bodies = {
-        "granule": np.append(np.arange(count), -1 - np.arange(len(solids))),
+        "granule": np.append(np.arange(count), -1 - numbers),
         "diameter": np.append(motion.diameters, [2.0 * solid.radius for solid in solids]),
         "angle": np.append(angle, [solid.angle for solid in solids]),
         "velocity": np.pad(velocity, ((0, 0), (0, 1))),
-        "force": sums_of_forces(contacts, count, len(solids)),
+        "force": sums_of_forces(contacts, count, total)[rows],
     }
-    lines = {"granule": np.full(len(start), -1 - len(solids)), "force": contacts.force}
+    lines = {"granule": np.full(len(start), -1 - total), "force": contacts.force}
     data = {
         name: [
             np.repeat(values[:count], parts, axis=0),

@@ -10,8 +10,8 @@ from project import CONFIG
 from sweeps import of_file
 
 import dem
+from dem.analysis.one_run import replicate_at
 from dem.experiment.bed import make_bed, shaped
-from dem.figures.scene import replicate_of
 from dem.sweep.config import load
 
 pytestmark = pytest.mark.quick
@@ -102,7 +102,7 @@ def test_results_need_the_file_no_more(folder):
     resolved = load(folder / "results/second/config.yaml")
     assert resolved.replicate("disc", 2500.0, 1).id == run.id
     with xr.open_dataset("results/second/scene.nc") as file:
-        assert replicate_of(file, file.isel(case=0, seed=0)).bed_id == run.bed_id
+        assert replicate_at(file, file.isel(case=0, seed=0)).bed_id == run.bed_id
     with pytest.raises(dem.InputError, match=r"packing\.file is 'bed\.csv'; it cannot be read"):
         load(folder / "second.yaml")
 

@@ -237,3 +237,25 @@ def test_a_scene_goes_on_from_a_checkpoint_of_any_phase_with_the_same_bits(tmp_p
     resumed = run(replicate, checkpoint=path)
     for name in whole.keys() - {"run_time"}:
         np.testing.assert_array_equal(whole[name], resumed[name], err_msg=name)
+
+
+def test_forces_a_path_and_a_removal_move_solids_in_phases():
+    """A body falls as its force says and turns as its torque, goes on a path from where it is, and the bed above a floor
+    that is gone falls freely."""
+    paddle = FLOOR | {"outline": "circle", "diameter": 1e-3, "thickness": None, "y": 1e-3}
+    mass, force, torque = 1e-5, 1e-4, 1e-11
+    push = {"force_x": force, "mass": mass, "torque": torque, "velocity": 0.0}
+    path = [[0.0, 0.1, 0.0, 0.0], [TIME, 0.3, 0.0, 0.0]]
+    phases = {"fill": {"until": "rest"}, "push": {"time": TIME, "motion": {"paddle": push}}}
+    phases["go"] = {"time": TIME, "motion": {"paddle": {"path": path}, "floor": {"removed": True}}}
+    run = run_of(solids={"floor": FLOOR, "paddle": paddle}, phases=phases)
+    values = run.configuration.module.run(run)
+    x, angle = values["solid_x"][:, 1], values["solid_angle"][:, 1]
+    start = 4e-3 + 0.5 * force / mass * TIME**2
+    np.testing.assert_allclose(x, start + np.array([0.0, 0.15, 0.4]) * 0.5 * TIME, rtol=1e-6)
+    inertia = 0.5 * mass * (0.5e-3) ** 2
+    turned = 0.5 * torque / inertia * TIME**2
+    np.testing.assert_allclose(angle, turned, rtol=1e-3)
+    fall = values["granule_y"].mean(axis=1)
+    assert fall[0] - fall[2] == pytest.approx(0.5 * 9.81 * TIME**2, rel=0.02)
+    assert np.isnan(values["solid_x"][:, 0]).all() and not values["solid_force_y"][0, 1:].any()

@@ -26,8 +26,14 @@ MIXED = {"disc": {"granules": 1, "mixture": {"a": 0.5, "b": 0.5}}, "a": PART, "b
 
 CALLS = {
     "motion has 'gte', which is not one of solids; the nearest is gate": scene(phases__open__motion={"gte": {"spin": 1.0}}),
-    "phases.open.motion.gate.spin is 'free'": scene(phases__open__motion={"gate": {"spin": "free"}}),
-    "granules turn it, because solids.left.spin is free": scene(phases__open__motion={"left": {"spin": 1.0}}, solids__left__spin="free"),
+    "phases.open.motion.gate.spin is 'fre'": scene(phases__open__motion={"gate": {"spin": "fre"}}),
+    "motion has gate, which phases.fill removed": scene(phases__fill__motion={"gate": {"removed": True}}, phases__open__motion={"gate": {"spin": 1.0}}),
+    "removed is true and spin given": scene(phases__open__motion={"gate": {"removed": True, "spin": 1.0}}),
+    "torque is 1 and spin free": solid(torque=1.0, spin="free"),
+    "direction is 1 and velocity missing": solid(direction=1.0, force_x=1.0),
+    "mass is 1 and no force moves it": solid(mass=1.0),
+    "path and spin are given": solid(path=[[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 1.0, 0.0]], spin=1.0),
+    "rows [time, velocity along x, along y, spin] whose times rise": solid(path=[[1.0, 0.0, 0.0, 0.0], [1.0, 0.0, 1.0, 0.0]]),
     "a time or until, and both are given": scene(phases__fill__time=1.0),
     "a time or until, and neither is given": scene(phases__fill__until=None),
     "phases.open is the last and has until": scene(phases__open={"until": "rest"}),

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from dem.contacts.layout import X, Y
+from dem.dynamics.paths import shown
 from dem.experiment.scene import make_scene
 from dem.periodic import Periods, wrapped
 
@@ -52,10 +52,9 @@ def axes(configuration) -> dict:
 
 
 def look(simulation) -> dict:
-    """Where the solids are, at one snapshot."""
-    seen, walls = simulation.world.boundaries, len(simulation.scene.walls)
-    x, y = seen.motion[walls:, [X, Y]].T
-    return {"solid_x": x, "solid_y": y, "solid_angle": seen.angle[walls:]}
+    """Where the solids are, at one snapshot; NaN of those that were removed."""
+    x, y, angle = shown(simulation.world.boundaries)[len(simulation.scene.walls) :].T
+    return {"solid_x": x, "solid_y": y, "solid_angle": angle}
 
 
 def measure(run) -> dict:
