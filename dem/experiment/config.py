@@ -413,16 +413,22 @@ class Configuration(Section):
 
         A change to another shape has no effect.
         """
-        data = self.model_dump(include=set(self.read))
+        # sections that no change is in stay as they are: they were judged before
+        data = {name: getattr(self, name) for name in self.read}
         data["shapes"] = self.with_parts(shape, data["shapes"])
+        if (own := self.module.label) in data and own not in Configuration.read:
+            data[own] = dict(data[own])
         for path, value in changes.items():
             *groups, last = path.split(".")
             section = data
             for name in groups:
-                if (section := section.get(name, {})) is None:
+                if (inner := section.get(name, {})) is None:
                     raise InputError(
                         f"{path} cannot vary; the experiment {self.experiment} has no {name}."
                     )
+                if name in section:
+                    section[name] = dict(inner)
+                section = section.get(name, {})
             section[last] = value
         words = ", ".join(f"{path} {value}" for path, value in changes.items())
         configuration = parse(data, f"{shape} with {words}" if changes else shape)

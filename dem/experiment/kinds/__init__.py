@@ -39,6 +39,7 @@ from dem.experiment.observables import OBSERVABLES, file_of
 from dem.io.dataset import LABELS, OF_RUN, OF_STORE, OF_SWEEP
 
 EXPERIMENTS = described(Path(__file__).parent, "SECTIONS")
+FILES = {name: Path(__file__).with_name(f"{name}.py") for name in EXPERIMENTS}
 TYPES = {bool: bool, int: Count, float: Number, str: str}  # of values, by those of their defaults
 
 
@@ -75,8 +76,8 @@ class Experiment:
     @property
     def file(self) -> Path:
         """Its file; raises InputError where it cannot be used."""
-        if self.name in EXPERIMENTS:
-            return Path(__file__).with_name(f"{self.name}.py")
+        if self.name in FILES:
+            return FILES[self.name]
         known = *EXPERIMENTS, *OBSERVABLES  # whose files of results have these names
         return find_module("experiment", self.name, self.beside, known, "run")
 
