@@ -41,18 +41,28 @@ def clear_parts(folder: Path) -> int:
 
     Only processes on this computer can be checked; others get a day to finish.
     """
-    from psutil import pid_exists  # os.kill(process, 0) is Ctrl-C on Windows
-
     count = 0
     for part in Path(folder).rglob(".*.dem.part"):
         if not (name := PART.fullmatch(part.name)):
             continue  # not ours
         with suppress(OSError):
             if name[1].endswith(f".{socket.gethostname()}"):
-                alive = pid_exists(int(name[2]))
+                alive = _is_alive(int(name[2]))
             else:
                 alive = time.time() - part.stat().st_mtime < DAY
             if not alive:
                 part.unlink()
                 count += 1
     return count
+
+
+def _is_alive(process: int) -> bool:
+    """Whether a process of this computer still works; a container may keep the dead ones as zombies."""
+    import psutil  # os.kill(process, 0) is Ctrl-C on Windows
+
+    try:
+        return psutil.Process(process).status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return False
+    except psutil.AccessDenied:
+        return True

@@ -3,10 +3,12 @@
 import errno
 import os
 import socket
+import subprocess
 import time
 from types import SimpleNamespace
 from unittest import mock
 
+import psutil
 import pytest
 from project import posix, quick
 
@@ -103,6 +105,17 @@ def test_what_killed_processes_left_is_cleared_away(tmp_path):
         os.utime(file, (time.time() - 2e5,) * 2)
     assert clear_parts(tmp_path) == 2
     assert {*tmp_path.iterdir()} == {tmp_path / "a.nc", living, other, *theirs}
+
+
+@posix
+def test_what_a_dead_process_left_goes_before_its_parent_asks_for_its_end(tmp_path):
+    """In a container nobody may ever ask."""
+    with subprocess.Popen(["true"], stdout=subprocess.PIPE) as zombie:
+        zombie.stdout.read()  # until it has ended
+        while psutil.Process(zombie.pid).status() != psutil.STATUS_ZOMBIE:
+            time.sleep(0.001)
+        (tmp_path / f".a.nc.{socket.gethostname()}.{zombie.pid}.dem.part").touch()
+        assert clear_parts(tmp_path) == 1
 
 
 def test_a_folder_that_cannot_be_written_is_named_before_any_work(tmp_path, monkeypatch):
