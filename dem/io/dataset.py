@@ -5,6 +5,7 @@ programs without strings and other formats can take over.
 """
 
 import warnings
+import zlib
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -81,6 +82,8 @@ OF_SWEEP = {
 # Why a run failed, and the attributes of the variable `failure` that say so (CF, section 3.5).
 FAILURES = ("none", PackingError.__name__, OverlapError.__name__, StateError.__name__, "other")
 AGAIN = "delete it and run again"
+# attribute of a variable: of all its bytes, because HDF5 has none of texts and of where a value is
+CHECKSUM = "crc32"
 FORMAT = "NETCDF4_CLASSIC"
 COMPRESSED = 8192  # bytes of an array from which compressing it makes the file smaller
 WALLS = ("left", "right", "bottom", "top")
@@ -129,11 +132,13 @@ def create(path: Path):
 
 
 def write(path: Path, values: dict, attrs: dict, layout: dict) -> None:
-    """Write one file: values by the names of a layout, atomically."""
+    """Write one file: values by the names of a layout, atomically, with a checksum of each."""
     with create(path) as file:
         file.setncatts(attrs)
         for name, value in values.items():
             add(file, name, layout[name][0], value, attributes(name, layout))
+            variable = file.variables[name]
+            variable.setncattr(CHECKSUM, _checksum(_stored(variable)))
 
 
 def add_dimensions(file, dims: tuple, shape: tuple) -> None:
@@ -177,9 +182,27 @@ def read(path: Path, names: tuple[str, ...]) -> tuple[dict, dict]:
         if not Path(path).is_file():
             raise InputError(f"{path}: there is no such file.")
         with netCDF4.Dataset(path) as file:
-            file.set_auto_mask(False)
-            values = {name: file.variables[name][...] for name in names}
+            values = {name: _checked(file.variables[name]) for name in names}
             return values, {name: file.getncattr(name) for name in file.ncattrs()}
+
+
+def _stored(variable) -> np.ndarray:
+    """What a file has for a variable, texts as characters."""
+    variable.set_auto_maskandscale(False)
+    variable.set_auto_chartostring(False)
+    return variable[...]
+
+
+def _checksum(stored: np.ndarray) -> str:
+    return f"{zlib.crc32(stored.tobytes()):08x}"
+
+
+def _checked(variable) -> np.ndarray:
+    """The values of a variable; raises InputError where they have another checksum than it says."""
+    stored = _stored(variable)
+    if getattr(variable, CHECKSUM, None) not in (None, _checksum(stored)):
+        raise InputError(f"the values of {variable.name} are damaged: {AGAIN}.")
+    return netCDF4.chartostring(stored, "utf-8") if stored.dtype.kind == "S" else stored
 
 
 @contextmanager

@@ -2,17 +2,20 @@
 
 import contextlib
 import json
+import re
 import shutil
 import warnings
 from pathlib import Path
 
 import netCDF4
+import numpy as np
 import pytest
 import xarray as xr
 from command_line import called
 from sweeps import FOREIGN, foreign, smoke
 
-from dem.io.dataset import AXES, LABELS
+from dem.base.errors import InputError
+from dem.io.dataset import AXES, LABELS, read, write
 from dem.report.build import build
 from dem.sweep.state import SweepState
 from dem.sweep.workers import Workers
@@ -56,6 +59,24 @@ def test_other_programs_notice_damage_to_arrays(results):
                 if variable.dtype is not str and "S" not in str(variable.dtype) and variable.ndim:
                     unguarded = variable.name in (*AXES, *LABELS) and name != "runs.nc"
                     assert variable.filters()["fletcher32"] or unguarded, variable.name
+
+
+def test_values_of_a_batch_are_read_as_they_were_written_or_not_at_all(tmp_path):
+    """With one bit changed where HDF5 has no checksum: texts, and the trees that say where arrays are, so that
+    one is taken for another."""
+    path = tmp_path / "runs.nc"
+    layout = {name: (("run",), "N", name) for name in ("x", "y", "run_id")}
+    values = {"x": np.arange(9.0), "y": np.arange(9.0) ** 2, "run_id": np.full(9, "8c12f6d2")}
+    write(path, values, {}, layout)
+    content, answers = path.read_bytes(), set()
+    places = [match.start() for match in re.finditer(b"TREE|8c12f6d2", content)]
+    for at in {at for place in places for at in range(place, min(place + 64, len(content)))}:
+        changed = bytearray(content)
+        changed[at] ^= 1 << at % 8
+        path.write_bytes(changed)
+        with contextlib.suppress(InputError):
+            answers.add(str(read(path, tuple(values))[0]))
+    assert len(places) > 9 and answers == {str(values)}
 
 
 def outcome(line):
