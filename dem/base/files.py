@@ -109,7 +109,10 @@ def arrays_of(path: Path) -> dict[str, Any] | None:
 
     content = BytesIO(bytes_of(path))
     try:
-        if ZipFile(content).testzip() is None:  # what it says of sizes is right then
+        archive = ZipFile(content)
+        count = int.from_bytes(content.getvalue()[-12:-10], "little")  # of arrays; some may be lost
+        # what it says of sizes is right then
+        if len(archive.namelist()) == count and archive.testzip() is None:
             content.seek(0)
             with np.load(content) as file:
                 return dict(file)

@@ -8,12 +8,13 @@ import time
 from types import SimpleNamespace
 from unittest import mock
 
+import numpy as np
 import psutil
 import pytest
 from project import posix, quick
 
 import dem
-from dem.base.files import arrays_of, atomic, check_output
+from dem.base.files import arrays_of, atomic, check_output, write_arrays
 from dem.sweep.restart import clear_parts, prepare
 
 FULL = OSError(errno.ENOSPC, "No space left on device")
@@ -73,6 +74,19 @@ def test_a_file_for_which_there_is_no_memory_is_not_damaged(tmp_path, monkeypatc
     monkeypatch.setattr("zipfile.ZipFile", memory)
     with pytest.raises(MemoryError):
         arrays_of(file)
+
+
+@quick
+def test_arrays_are_read_as_they_were_written_or_not_at_all(tmp_path):
+    """With one bit changed anywhere."""
+    file = tmp_path / "run.npz"
+    write_arrays(file, {"drag": np.arange(3.0), "failure": 0, "failure_reason": "none"})
+    whole, content = str(arrays_of(file)), file.read_bytes()
+    for at in range(len(content)):
+        changed = bytearray(content)
+        changed[at] ^= 1 << at % 8
+        file.write_bytes(changed)
+        assert str(arrays_of(file)) in (whole, "None"), at
 
 
 @posix
