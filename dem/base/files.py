@@ -82,7 +82,9 @@ def atomic(path: Path) -> Iterator[Path]:
 
 
 def fullness(folder: Path) -> str:
-    """Why a disk takes no more files; "" where it does, as far as it says."""
+    """Why a disk takes no more files in a folder, which may not be there; "" where it does, as far as
+    it says."""
+    folder = next(place for place in (folder, *folder.absolute().parents) if place.is_dir())
     if shutil.disk_usage(folder).free < 1_000_000:
         return "the disk is full"
     if hasattr(os, "statvfs") and (disk := os.statvfs(folder)).f_files and not disk.f_favail:

@@ -5,6 +5,7 @@ import os
 import socket
 import subprocess
 import time
+from pathlib import Path
 from types import SimpleNamespace
 from unittest import mock
 
@@ -14,7 +15,7 @@ import pytest
 from project import posix, quick
 
 import dem
-from dem.base.files import arrays_of, atomic, check_output, write_arrays
+from dem.base.files import arrays_of, atomic, check_output, lock, write_arrays, write_bytes
 from dem.sweep.restart import clear_parts, prepare
 
 FULL = OSError(errno.ENOSPC, "No space left on device")
@@ -38,21 +39,38 @@ WRONG = {
 }
 
 
+def set_disk(monkeypatch, **lacks):
+    """A disk with room for bytes and files, but for what it lacks."""
+    disk = {"f_frsize": 4096, "f_bavail": 10**6, "f_blocks": 10**7, "f_bfree": 10**6}
+    disk |= {"f_files": 9, "f_favail": 9} | lacks
+    monkeypatch.setattr(
+        "os.statvfs", lambda folder: Path(folder).stat() and SimpleNamespace(**disk)
+    )
+
+
 @posix
 @quick
 @pytest.mark.parametrize("wrong", WRONG)
 def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch, wrong):
     """What is wrong with the disk is one sentence with the file, whatever netCDF says of it."""
     error, lacks, words = WRONG[wrong]
-    disk = {"f_frsize": 4096, "f_bavail": 10**6, "f_blocks": 10**7, "f_bfree": 10**6}
-    disk |= {"f_files": 9, "f_favail": 9} | lacks
-    monkeypatch.setattr("os.statvfs", lambda folder: SimpleNamespace(**disk))
+    set_disk(monkeypatch, **lacks)
     file = tmp_path / "file.txt"
     file.write_text("before")
     with pytest.raises((ZeroDivisionError, OSError), match=words), atomic(file) as part:
         part.write_text("half")
         raise error
     assert file.read_text() == "before" and [file] == list(tmp_path.iterdir())
+
+
+@posix
+@quick
+@pytest.mark.parametrize("act", [lock, lambda path: write_bytes(path, b"")])
+def test_a_disk_that_takes_no_folder_is_named_with_the_file(tmp_path, monkeypatch, act):
+    set_disk(monkeypatch, f_favail=0)
+    monkeypatch.setattr("os.mkdir", mock.Mock(side_effect=FULL))
+    with pytest.raises(OSError, match=r"new/file: it cannot be .* \(the disk has no inode left"):
+        act(tmp_path / "new/file")
 
 
 @quick
