@@ -63,6 +63,8 @@ SORTED = AfterValidator(
 )  # in any order they are one scene
 # sections that only some experiments read
 SECTIONS = "cylinder", "record", "shear", "solids", "phases"
+# of the section record, which only some experiments read, and what they have without it
+OF_ONE = {"window": None, "cells": CELLS, "region": None}
 NO_AXIS = (
     "discs",
     "mixture",
@@ -134,6 +136,11 @@ class Configuration(Section):
                 raise ValueError(
                     f"{name} is no section of the experiment {self.experiment}; leave it out"
                 )
+        for name in OF_ONE.keys() - header.get("RECORD", OF_ONE) if self.record else ():
+            if getattr(self.record, name) != OF_ONE[name]:
+                raise ValueError(
+                    f"record.{name} is given; the experiment {self.experiment} has none, leave it out"
+                )
         for pattern, (wanted, why) in header.get("ASKS", {}).items():
             plain = (label for label, shape in self.shapes.items() if not shape.mixture)
             for path in {pattern.replace("*", label) for label in plain}:
@@ -165,10 +172,9 @@ class Configuration(Section):
 
     @model_validator(mode="after")
     def _check_together(self):
-        record, cylinder, pressure = self.record, self.cylinder, self.packing.pressure
-        observed = record is not None and cylinder is not None and self.module.observed
+        record, pressure = self.record, self.packing.pressure
         bed_alone = self.module.constants.get("BED_ALONE")
-        if self.second is not None and cylinder is None:
+        if self.second is not None and self.cylinder is None:
             other = "name it among solids" if self.phases else "give cylinder too"
             raise ValueError(f"second is a cylinder beside another; {other}")
         if pressure is not None and "y" in self.periodic:
@@ -193,75 +199,24 @@ class Configuration(Section):
                 f"contact.law is cohesive; the experiment {self.experiment} compresses its bed, and "
                 "beds are packed without attraction: let law be hertz"
             )
-        if observed and not record.window:
-            raise ValueError("record.window is missing; give the displacements of the mean drag")
         if record is not None and self.module.observed and record.bins % (record.snapshots - 1):
             raise ValueError(
                 f"record.bins is {record.bins}; it must be a multiple of record.snapshots - 1, "
                 f"which is {record.snapshots - 1}, so that every snapshot falls on the end of a bin"
             )
-        if not observed:
-            return self
-        if record.window[1] > cylinder.stroke:
-            raise ValueError(
-                f"record.window ends at {record.window[1]:g} m, beyond cylinder.stroke, "
-                f"{cylinder.stroke:g} m"
-            )
-        if not self.in_window.any():
-            raise ValueError(
-                f"record.window {list(record.window)} holds no bin; each is "
-                f"{cylinder.stroke / record.bins:.3g} m wide"
-            )
-        return self
-
-    @model_validator(mode="after")
-    def _check_phases(self):
-        removed = {}
-        for name, phase in self.phases.items():
-            for solid in phase.motion:
-                if solid not in self.solids:
-                    hint = did_you_mean(solid, self.solids)
-                    raise ValueError(
-                        f"phases.{name}.motion has {solid!r}, which is not one of solids{hint}"
-                    )
-                if solid in removed:
-                    raise ValueError(
-                        f"phases.{name}.motion has {solid}, which phases.{removed[solid]} removed"
-                    )
-                if phase.motion[solid].removed:
-                    removed[solid] = name
-            if phase.until and not self.gravity:
-                raise ValueError(
-                    f"phases.{name}.until is rest and gravity 0; without gravity nothing comes to rest, "
-                    "give gravity or a time"
-                )
-        usual = {"window": None} if self.phases else {"cells": CELLS, "region": None}
-        for key, value in usual.items() if self.record else ():
-            if getattr(self.record, key) != value:
-                of = "has none" if self.phases else "alone has it"
-                raise ValueError(f"record.{key} is given; a scene {of}, leave it out")
         if self.packing.preparation in ("lattice", "file") and not self.phases:
             words = "of a file" if self.packing.file else "in rows"
             raise ValueError(
                 f"packing.preparation is {self.packing.preparation}; granules {words} have still to "
                 "fall, in a phase of a scene, let it be relaxed, grown or settled"
             )
-        if self.phases and not self.duration:
-            raise ValueError(
-                f"phases.{name} is the last and has until; what is recorded needs a time"
-            )
+        self.module.check_values()
         return self
 
     @property
     def duration(self) -> float | None:
         """How long the last phase lasts (s)."""
         return next((phase.time for phase in reversed(self.phases.values())), None)
-
-    @property
-    def in_window(self) -> np.ndarray:
-        """Which bins (bins,) of a run have their middle in the averaging window."""
-        middle = (np.arange(self.record.bins) + 0.5) / self.record.bins * self.cylinder.stroke
-        return (middle >= self.record.window[0]) & (middle <= self.record.window[1])
 
     @cached_property
     def scene(self) -> "Configuration":

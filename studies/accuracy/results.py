@@ -90,7 +90,7 @@ def make(state, jobs: int, progress) -> tuple[dict, dict]:
             "shape": run.label,
             "fraction": configuration.numerics.step_fraction,
             "seed": run.seed,
-            "drag": values["drag"][configuration.in_window].mean(),
+            "drag": values["drag"][drag.in_window(configuration)].mean(),
             "time": values["run_time"],
             "time_step": np.nan if failure else time_step,
             "status": FAILURES[failure] if failure else "ran",

@@ -49,7 +49,7 @@ CALLS = {
     "region is given; only a lattice has one": scene(packing__preparation="settled"),
     "solids.gate is 0.004 m inside wall 0": solid(x=0.0),
     "m inside solids.gate; put them beside": solid(y=0.0185),
-    "record.window is given; a scene has none": scene(record__window=[0.0, 1.0]),
+    "record.window is given; the experiment scene has none": scene(record__window=[0.0, 1.0]),
     "packing.region is [0.0, 0.0, 0.03, 0.05]: with shapes.disc the box is": scene(packing__region=[0.0, 0.0, 0.03, 0.05]),
     "file is missing and preparation file; give one": of_file(packing__file=None),
     "file is given and preparation lattice; leave it out": of_file(packing__preparation="lattice"),
@@ -78,6 +78,6 @@ FILES = {
     "packing.file is 'none.csv'; it cannot be read (": {"packing.file": "none.csv"},
     "packing.file is 3; it must be a file, or a list of its lines": {"packing.file": 3},
     "sweep: packing.file is no value that can vary": {"sweep.packing/file": ["a.csv"]},
-    "record.cells is given; a scene alone has it": {"record.cells": 9},
+    "record.cells is given; the experiment drag has none": {"record.cells": 9},
     "record.window is missing; give the displacements": {"record.window": None},
 }

@@ -3,6 +3,7 @@
 Constants at the top are read without running the file:
 
 SECTIONS   sections of the configuration that it reads beside those of all, and whether it needs them
+RECORD     keys of the section record that it reads beside those of all, of window, cells and region
 VARIABLES  what a run gives, name: (dimensions, units, words); of an OBSERVED one, its observables say it
 VALUES     values of its own, name: (default, units, words) or (default, units, words, limits), in a section of the
            configuration that has the name of the file
@@ -16,6 +17,7 @@ DERIVES    what follows from its results for runs of other blocks, name: (option
 run(replicate, bed=None, progress=..., ...)   variables of a run by name; bed: at rest, packed here if None
 axes(configuration)                           values of the variables of AXIS, by name
 duration(replicate)                           time (s) that a run simulates, to estimate what it takes
+check(configuration)                          raises ValueError where its values do not go together; of kinds of this folder
 derive(name, results, replicate, other, ...)  a value of DERIVES for a run of another block; results: files of its
                                               own runs, open; other: a run of the file to compare with; options
 All but run may be left out.
@@ -200,6 +202,11 @@ class Experiment:
         if self.name not in EXPERIMENTS or "duration" not in definitions(self.file):
             return None
         return load(self.file).duration(replicate)
+
+    def check_values(self) -> None:
+        """Raise ValueError where the values of the configuration do not go together."""
+        if self.name in FILES and "check" in definitions(self.file):
+            load(self.file).check(self.configuration)
 
     def check(self) -> None:
         """Raise InputError where its file or one of an observable cannot be used."""

@@ -9,6 +9,7 @@ from dem.experiment.run import Replicate
 from dem.io.dataset import WALLS
 
 SECTIONS = {"cylinder": True, "record": True}
+RECORD = ("window",)
 OBSERVED = ("drag", "snapshots")
 AXIS = {
     "displacement": (("displacement",), "m", "displacement of the cylinder, middle of the bin"),
@@ -17,6 +18,29 @@ AXIS = {
     "snapshot_displacement": (("snapshot",), "m", "displacement of the cylinder at the snapshot"),
 }
 SIZES = {"displacement": "record.bins", "snapshot": "record.snapshots", "bound": 2, "wall": 4}
+
+
+def check(configuration: Configuration) -> None:
+    """Raise ValueError where there is no averaging window, or none within the stroke."""
+    record, stroke = configuration.record, configuration.cylinder.stroke
+    if not record.window:
+        raise ValueError("record.window is missing; give the displacements of the mean drag")
+    if record.window[1] > stroke:
+        raise ValueError(
+            f"record.window ends at {record.window[1]:g} m, beyond cylinder.stroke, {stroke:g} m"
+        )
+    if not in_window(configuration).any():
+        raise ValueError(
+            f"record.window {list(record.window)} holds no bin; each is "
+            f"{stroke / record.bins:.3g} m wide"
+        )
+
+
+def in_window(configuration: Configuration) -> np.ndarray:
+    """Which bins (bins,) of a run have their middle in the averaging window."""
+    record = configuration.record
+    middle = (np.arange(record.bins) + 0.5) / record.bins * configuration.cylinder.stroke
+    return (middle >= record.window[0]) & (middle <= record.window[1])
 
 
 def axes(configuration: Configuration) -> dict:

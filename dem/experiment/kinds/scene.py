@@ -7,16 +7,43 @@ from pathlib import Path
 
 import numpy as np
 
+from dem.base.messages import did_you_mean
 from dem.experiment.config import Configuration
 from dem.experiment.run import Replicate
 
 SECTIONS = {"solids": True, "phases": True, "record": True}
+RECORD = ("cells", "region")
 OBSERVED = ("scene",)
 AXIS = {
     "time": (("time",), "s", "time since the last phase began, middle of the bin"),
     "snapshot_time": (("snapshot",), "s", "time since the last phase began at the snapshot"),
 }
 SIZES = {"time": "record.bins", "snapshot": "record.snapshots"}
+
+
+def check(configuration: Configuration) -> None:
+    """Raise ValueError where a phase cannot be."""
+    removed, solids = {}, configuration.solids
+    for name, phase in configuration.phases.items():
+        for solid, motion in phase.motion.items():
+            if solid not in solids:
+                hint = did_you_mean(solid, solids)
+                raise ValueError(
+                    f"phases.{name}.motion has {solid!r}, which is not one of solids{hint}"
+                )
+            if solid in removed:
+                raise ValueError(
+                    f"phases.{name}.motion has {solid}, which phases.{removed[solid]} removed"
+                )
+            if motion.removed:
+                removed[solid] = name
+        if phase.until and not configuration.gravity:
+            raise ValueError(
+                f"phases.{name}.until is rest and gravity 0; without gravity nothing comes to rest, "
+                "give gravity or a time"
+            )
+    if not configuration.duration:
+        raise ValueError(f"phases.{name} is the last and has until; what is recorded needs a time")
 
 
 def axes(configuration: Configuration) -> dict:
