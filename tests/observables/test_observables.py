@@ -20,7 +20,7 @@ from dem.figures.frames import of_motion
 pytestmark = pytest.mark.quick
 
 # the ledger is one number of a Simulation, and asks for kernels
-WATCHED = sorted({*OBSERVABLES} - {"ledger"})
+WATCHED = sorted({*OBSERVABLES} - {"ledger", "scene"})
 BINS, SNAPSHOTS, EVERY = 40, 5, 10
 STROKE, SPEED, BOX = 1.2e-3, 2.0, 8e-3  # m, m/s, m
 DIAMETER, WAY = 1.092e-3, np.linspace(0.0, STROKE, SNAPSHOTS)  # m
