@@ -12,7 +12,7 @@ import xarray as xr
 
 from dem.base.errors import InputError
 from dem.experiment.config import Configuration, of_results
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.io.lazily import open_lazily
 from dem.sweep.axis import RUN_KEYS, name_of
 from dem.sweep.selection import selected, values_of_runs

@@ -46,8 +46,8 @@ RUNS = (
     "experiment/cylinder.py",
     "experiment/granule_table.py",
     "experiment/intruders.py",
-    "experiment/recording.py",
-    "experiment/run.py",
+    "experiment/phases.py",
+    "experiment/replicate.py",
     "experiment/scene.py",
     "experiment/snapshots.py",
 )

@@ -10,15 +10,7 @@ from pydantic import InstanceOf
 from dem.base.errors import InputError
 from dem.base.types import Count, NotNegative, Time, Unit, checked
 from dem.contacts.layout import VX, VY, W
-from dem.dynamics.assembly import (
-    SKIN,
-    assemble,
-    granule_table,
-    order_of,
-    ordered,
-    skin_for,
-    skin_of,
-)
+from dem.dynamics.assembly import assemble, granule_table, order_of, ordered
 from dem.dynamics.checkpoint import fingerprint, replaced, restored, written
 from dem.dynamics.contact_output import ContactList, list_contacts
 from dem.dynamics.energy import Ledger, balance, energies, fallen
@@ -45,6 +37,7 @@ from dem.dynamics.numerics import (
 )
 from dem.dynamics.paths import shown
 from dem.dynamics.result import Record, Result, shares
+from dem.dynamics.skin import SKIN, skin_for, skin_of
 from dem.dynamics.stress import Edges, Stress, stress
 from dem.dynamics.world import REMOVED, World
 from dem.motion import Motion, Spin

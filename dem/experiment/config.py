@@ -32,7 +32,7 @@ from dem.base.types import (
 from dem.experiment.box import check_room
 from dem.experiment.cylinder import as_scene
 from dem.experiment.kinds import EXPERIMENTS, Experiment
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.experiment.sections import (
     CELLS,
     ContactSection,

@@ -11,7 +11,7 @@ from dem.base.errors import InputError
 from dem.base.files import arrays_of, write_arrays
 from dem.dynamics.result import Record
 from dem.dynamics.simulation import Simulation
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.jit.kernel import computing
 from dem.scene import ARRAYS, State
 

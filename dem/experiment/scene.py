@@ -7,7 +7,7 @@ import numpy as np
 
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import shaped
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.io.dataset import WALLS
 from dem.material import Friction, Rolling
 from dem.motion import Drive, PrescribedMotion, Turn

@@ -8,7 +8,7 @@ import numpy as np
 from dem.dynamics.contact_output import ContactList
 from dem.dynamics.result import contacts_of
 from dem.experiment.bed import shaped
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.experiment.scene import make_scene, solids
 from dem.packing.random import Bed
 from dem.periodic import Periods, periods_of
@@ -126,7 +126,7 @@ def snapshots_of(replicate: Replicate, values: dict) -> Snapshots:
 
 
 def variables_of(run) -> dict:
-    """These variables, from what a run recorded (dem.experiment.recording.RunData)."""
+    """These variables, from what a run recorded (dem.experiment.phases.RunData)."""
     c, height = run.replicate.configuration, run.bed.height
     drawn = solids(run.replicate, height)
     x, y = np.stack([state.position for state in run.states]).transpose(2, 0, 1)

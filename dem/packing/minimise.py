@@ -18,14 +18,7 @@ import numpy as np
 
 from dem.base.errors import PackingError
 from dem.contacts.layout import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, aligned
-from dem.dynamics.assembly import (
-    SKIN_OF_PACKING,
-    assemble,
-    granule_table,
-    order_of,
-    ordered,
-    skin_of,
-)
+from dem.dynamics.assembly import assemble, granule_table, order_of, ordered
 from dem.dynamics.checkpoint import restored
 from dem.dynamics.contact_output import list_contacts
 from dem.dynamics.forces import (
@@ -41,6 +34,7 @@ from dem.dynamics.forces import (
 )
 from dem.dynamics.motion import collect, farthest_of, greater, place, rotate
 from dem.dynamics.scan import CRITICAL, DEEP_CONSTITUENT, DEEPEST, TOUCHING
+from dem.dynamics.skin import SKIN_OF_PACKING, skin_of
 from dem.dynamics.step import STEPS, Place, Threads, share_of
 from dem.dynamics.system import System
 from dem.dynamics.world import PATCH, SECTIONS, WALLS, World, granules_of, number_of_patches

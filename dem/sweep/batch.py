@@ -17,7 +17,7 @@ from dem.base.errors import InputError, RunError
 from dem.base.files import lock, set_aside
 from dem.base.source_hash import PACKAGE, run_codes
 from dem.experiment.bed import make_bed
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.io.dataset import FAILURES, LABELS, OF_STORE, global_attributes, write
 from dem.jit.kernel import computing
 from dem.packing.random import Bed

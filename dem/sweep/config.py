@@ -18,7 +18,7 @@ from dem.base.source_hash import ROOT
 from dem.base.types import Coefficient, Count, Density, Label, Section, must, parsed
 from dem.base.yaml_file import DEEPEST, read, text_of
 from dem.experiment.config import Configuration, model_of
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.sweep.expand import Block, expand
 from dem.sweep.granule_file import with_granules
 

@@ -15,7 +15,7 @@ from dem.base.files import fullness
 from dem.base.provenance import versions
 from dem.base.source_hash import run_codes
 from dem.experiment.config import of_results
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.io.dataset import read
 from dem.io.progress import span
 from dem.packing.cost import packing_time

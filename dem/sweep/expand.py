@@ -11,7 +11,7 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.experiment.config import Configuration, Entry
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.sweep.axis import RUN_KEYS, Axis, axis_of, changes, name_of
 from dem.sweep.derive import Derive, derived
 from dem.sweep.precision import MOST_RUNS, GridPoint, Until

@@ -8,7 +8,7 @@ each, so that the others find it compiled.
 from collections.abc import Iterable
 from itertools import chain, zip_longest
 
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.sweep.store import Batch, batch_id
 
 

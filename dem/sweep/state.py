@@ -13,7 +13,7 @@ import numpy as np
 
 from dem.base.errors import InputError, RunError
 from dem.base.yaml_file import read
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.io.dataset import BY_CASE
 from dem.io.lazily import open_lazily
 from dem.packing.cost import near_jamming

@@ -20,7 +20,7 @@ from dem.base.plugins import refresh
 from dem.base.provenance import compilers
 from dem.base.source_hash import digest
 from dem.experiment.config import of_values
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.io.dataset import read
 
 FOLDER = Path("results/store")

@@ -7,7 +7,7 @@ from dem.base.errors import InputError
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
 from dem.experiment.bed import make_bed
 from dem.experiment.bed_description import NOMINAL
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.experiment.scene import make_scene
 from dem.motion import Drive, Held, PrescribedMotion
 from dem.scene import Scene, State

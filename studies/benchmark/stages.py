@@ -12,10 +12,11 @@ import numpy as np
 from dem.contacts.geometry import find_pairs, gather
 from dem.contacts.layout import BLOCK, NUMBERS
 from dem.contacts.response import accumulate, respond
-from dem.dynamics.assembly import SKIN, assemble, granule_table, skin_of
+from dem.dynamics.assembly import assemble, granule_table
 from dem.dynamics.forces import FORCES, clear, clear_boundaries, contact_forces
 from dem.dynamics.kinds import bound
 from dem.dynamics.motion import drift, farthest_of
+from dem.dynamics.skin import SKIN, skin_of
 from dem.dynamics.system import NONE
 from dem.dynamics.world import SECTIONS, WALLS
 from dem.jit.kernel import kernel

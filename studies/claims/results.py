@@ -9,7 +9,7 @@ from dem.base.errors import InputError
 from dem.base.types import parsed
 from dem.experiment.kinds import drag
 from dem.experiment.observables.alignment import VARIABLES as ALONG
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.io.dataset import FAILURES
 from dem.sweep.design import Choice, Design, Range
 from dem.sweep.expand import Block

@@ -30,7 +30,7 @@ import numpy as np
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
 from dem.base.source_hash import run_hash
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.io.dataset import global_attributes, read, write
 from dem.sweep.config import Sweep
 from dem.sweep.expand import Block

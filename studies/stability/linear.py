@@ -10,7 +10,7 @@ import numpy as np
 
 from dem.dynamics.checkpoint import copied
 from dem.dynamics.simulation import Simulation
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.sweep.config import Sweep
 from studies.stability.catalogue import Changes
 from studies.stability.scenes import changed

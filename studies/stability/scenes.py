@@ -7,7 +7,7 @@ import numpy as np
 
 from dem.dynamics.simulation import STEP_FRACTION, Simulation
 from dem.experiment.bed import make_bed
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.experiment.scene import make_scene
 from dem.material import Friction, Material
 from dem.scene import Scene, State

@@ -241,7 +241,7 @@ def test_an_error_in_an_observable_of_ones_own_fails_its_run_only(file):
     failure = dem.run_sweep(write(file.parent, turn=OBSERVABLE, sweep=sweep))["failure"]
     assert failure.values.ravel().astype(bool).tolist() == [False, True, True]
     assert "turn.py, line 7: AttributeError: 'RunData' object has no" in failure.comment
-    assert "recording.py, line " in failure.comment and "NoneType" in failure.comment
+    assert "phases.py, line " in failure.comment and "NoneType" in failure.comment
 
 
 NEAR = '''

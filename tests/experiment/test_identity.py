@@ -21,7 +21,7 @@ USED = "experiment/kinds/drag.py", "experiment/observables/drag.py"  # by the ru
 EDITS = {  # file: what is added, or what is put in place of what
     "contacts/force_law.py": LINE,
     "experiment/observables/drag.py": LINE,
-    "experiment/recording.py": ("BINS_A_CALL = 20", "BINS_A_CALL = 21"),
+    "experiment/phases.py": ("BINS_A_CALL = 20", "BINS_A_CALL = 21"),
 }
 HARMLESS = {
     "io/dataset.py": LINE,

@@ -13,7 +13,7 @@ import dem
 from dem.experiment.bed import make_bed
 from dem.experiment.box import check_stroke
 from dem.experiment.kinds import drag
-from dem.experiment.recording import RunData
+from dem.experiment.phases import RunData
 from dem.experiment.scene import make_scene
 from dem.experiment.snapshots import snapshots_of
 from dem.figures.bed import draw, view_of

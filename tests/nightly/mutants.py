@@ -90,7 +90,7 @@ ROWS = (
     ("packing/random.py", "(r + other) ** 2", "other**2"),
     ("packing/swelling.py", "KEPT * end.velocity", "end.velocity"),
     # runs
-    ("experiment/recording.py", "min(every - partial.bins % every, BINS_A_CALL)", "BINS_A_CALL", RUN),
+    ("experiment/phases.py", "min(every - partial.bins % every, BINS_A_CALL)", "BINS_A_CALL", RUN),
     ("experiment/kinds/jamming.py", "load[start:] ** (1.0 / power)", "load[start:] ** (3.0 / 2.0)", "tests/experiment/test_onset.py::test_a_bed_jams_where_the_line_of_its_loads_begins"),
     ("experiment/kinds/onset.py", "HOLDING = 3", "HOLDING = 2", "tests/experiment/test_onset.py"),
     ("experiment/bed_description.py", 'NO_VALUES = {"label"', 'NO_VALUES = {"friction", "label"'),

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from dem.experiment.config import Configuration
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.io.dataset import WALLS
 
 SECTIONS = {"cylinder": True, "record": True}
@@ -63,11 +63,11 @@ def run(
 ) -> dict:
     """Draw the cylinder over its stroke; returns the variables of a run by name.
 
-    All is as of `dem.experiment.recording.recorded`. Raises RunError where the run fails.
+    All is as of `dem.experiment.phases.recorded`. Raises RunError where the run fails.
     """
     from dem.experiment.bed import make_bed
     from dem.experiment.box import check_stroke
-    from dem.experiment.recording import recorded
+    from dem.experiment.phases import recorded
 
     bed = bed or make_bed(replicate.bed_description)
     check_stroke(replicate, bed)

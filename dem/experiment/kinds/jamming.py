@@ -15,7 +15,7 @@ import numpy as np
 from dem.base.errors import InputError, PackingError
 from dem.experiment.bed import PREPARATIONS, room_of
 from dem.experiment.config import Configuration
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.packing.compaction import START, Press
 
 if TYPE_CHECKING:  # a second to load, which runs need not wait for

@@ -11,7 +11,7 @@ import numpy as np
 from dem.base.errors import PackingError
 from dem.dynamics.contact_output import ContactList
 from dem.experiment.bed import room_of
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.laws.hertz import Hertz
 from dem.packing.compaction import Press
 

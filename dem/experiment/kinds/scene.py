@@ -9,7 +9,7 @@ import numpy as np
 
 from dem.base.messages import did_you_mean
 from dem.experiment.config import Configuration
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 
 SECTIONS = {"solids": True, "phases": True, "record": True}
 RECORD = ("cells", "region")
@@ -61,9 +61,9 @@ def run(
     progress=lambda done: None,
     checkpoint: Path | None = None,
 ) -> dict:
-    """Make one run; all is as of `dem.experiment.recording.recorded`."""
+    """Make one run; all is as of `dem.experiment.phases.recorded`."""
     from dem.experiment.bed import make_bed
-    from dem.experiment.recording import recorded
+    from dem.experiment.phases import recorded
 
     return recorded(replicate, bed or make_bed(replicate.bed_description), progress, checkpoint)
 

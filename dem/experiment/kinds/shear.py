@@ -14,7 +14,7 @@ from dem.base.errors import RunError
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import make_bed
 from dem.experiment.config import Configuration
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.experiment.scene import make_scene
 from dem.jit.kernel import computing
 from dem.motion import Drive, Held

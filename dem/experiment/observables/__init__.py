@@ -3,7 +3,7 @@
 A new observable is a file here, or beside a sweep file. It has VARIABLES, a layout (name:
 dimensions, units, long name) that is read without running the file, and one or both of two
 functions that return values by these names: `look(simulation)` at each snapshot, and
-`measure(run)` at the end, from what the run recorded (dem.experiment.recording.RunData). Dimensions of
+`measure(run)` at the end, from what the run recorded (dem.experiment.phases.RunData). Dimensions of
 its own are SIZES, AXIS and axes, as of kinds of experiment (dem.experiment.kinds). It has LEDGER =
 True if the simulation must keep an energy ledger, and NEEDED = {variable: path} of variables that are
 there only where the configuration has a value at a path.

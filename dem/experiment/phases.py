@@ -13,7 +13,7 @@ from dem.dynamics.result import Record
 from dem.dynamics.simulation import Simulation
 from dem.experiment.config import Configuration
 from dem.experiment.intruders import towards
-from dem.experiment.run import Replicate
+from dem.experiment.replicate import Replicate
 from dem.experiment.run_checkpoint import PartialRun, resumed
 from dem.experiment.scene import motion_of, start
 from dem.experiment.snapshots import Snapshots, snapshots_of, variables_of

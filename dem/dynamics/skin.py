@@ -1,0 +1,43 @@
+"""How wide the skin of the neighbour lists is: for the speeds of a scene, and while a bed is packed."""
+
+import math
+
+import numpy as np
+
+from dem.contacts.layout import VX, VY
+from dem.dynamics.measures import fastest, steps_alone, usual_overlap
+from dem.scene import Scene, reach
+
+# Skins of neighbour lists over the mean bounding radius. They change the speed of a run, and at which
+# steps the time step is chosen.
+SKIN = 0.12  # of runs, at least; timings of beds are flat from 0.1 to 0.2
+WIDEST = 1.0
+SKIN_OF_PACKING = 0.3  # while a bed is packed, where granules move far
+REBUILD_COST = 60.0  # of a list over what a wider skin costs, fitted to gases and dense beds
+
+
+def widest_skins(scene: Scene) -> list[float]:
+    """Skins (m) with which no list holds two images of one body, nor finds one pair by another
+    image than the list before: for each period."""
+    return [0.25 * (period - 2.0 * reach(scene)) for period in scene.periodic or () if period]
+
+
+def skin_of(scene: Scene, share: float) -> float:
+    """Skin (m) for a share of the mean bounding radius, at most the widest."""
+    mean = scene.shape.constituent_bounding_radius.mean()
+    return min([float(share * mean), *widest_skins(scene)])
+
+
+def skin_for(scene, world, table, time_step: float | None) -> float:
+    """Skin (m) for the speeds of a scene at the start, at least SKIN and at most WIDEST.
+
+    What flies farther in a step needs its lists more often, or wider ones. The sum of both costs is
+    least for a skin that grows with the root of the flight in a step. The speed is that of the
+    fastest boundary, or three times the mean of granules.
+    """
+    squared = (world.bodies[:, [VX, VY]] ** 2).sum(axis=1).mean()
+    speed = math.sqrt(max(9.0 * float(squared), fastest(world.boundaries)))
+    usual = steps_alone(world.law, table, usual_overlap(world.law, table, speed))[1]
+    step, size = time_step or usual, table.bounding.mean()
+    wanted = np.clip(math.sqrt(REBUILD_COST * speed * step * size), SKIN * size, WIDEST * size)
+    return min([float(wanted), *widest_skins(scene)])
