@@ -9,6 +9,7 @@ from dem.experiment.bed_description import length_of
 from dem.experiment.granule_table import check_table
 from dem.periodic import ROOM, periods_of
 from dem.scene import Scene
+from dem.shapes import KINDS
 from dem.shapes.disc import Disc
 from dem.solids import walls_of
 
@@ -35,20 +36,21 @@ def check_room(replicate) -> None:
 
 
 def _check_scene(replicate, height: float, largest: float, where: str) -> None:
-    """Raise InputError where the solids of a scene, by their names, or its rows of granules cannot be."""
+    """Raise InputError where solids, by their names, or rows of granules cannot be."""
     c, bed = replicate.configuration, replicate.bed_description
-    periods = periods_of(bed.width, height, bed.periodic)
+    periods, section = periods_of(bed.width, height, bed.periodic), "solids." if c.solids else ""
+    known = KINDS.get(bed.kind)  # a file of a user's own does not run yet
+    shapes = [known.shape.of_size(np.array([largest]), part.form) for part in bed.parts if known]
     try:
-        Scene(
-            Disc([0.5 * largest]),
-            walls=walls_of(bed.width, height, periods),
-            solids=[solid.solid(height) for solid in bed.solids],
-            periodic=periods,
-        )
+        for shape in shapes or [Disc([0.5 * largest])]:
+            Scene(
+                shape,
+                walls=walls_of(bed.width, height, periods),
+                solids=[solid.solid(height) for solid in bed.solids],
+                periodic=periods,
+            )
     except InputError as error:
-        named = re.sub(
-            r"solids\[(\d+)\]", lambda k: f"solids.{c.solid_names[int(k[1])]}", str(error)
-        )
+        named = re.sub(r"solids\[(\d+)\]", lambda k: section + c.solid_names[int(k[1])], str(error))
         raise InputError(named) from None
     left, bottom, right, top = bed.region or (0.0, 0.0, bed.width, height)
     if left < 0.0 or bottom < 0.0 or right > bed.width or top > height:
@@ -62,8 +64,6 @@ def _check_box(replicate, height: float, largest: float) -> None:
     where = f"with shapes.{label} the box is {width:.4g} m by {height:.4g} m"
     if cylinder is not None:
         _check_cylinder(c, bed.solids, height, where)
-    if c.solids:
-        _check_scene(replicate, height, largest, where)
     length = max(length_of(part.form, largest) for part in bed.parts)
     if length > min(width, height):
         raise InputError(
@@ -77,6 +77,8 @@ def _check_box(replicate, height: float, largest: float) -> None:
                 f"periodic is {c.periodic}: {where}; along {key} it must be at least "
                 f"{least:.4g} m, {ROOM:g} times the greatest distance at which two bodies touch."
             )
+    if bed.solids:
+        _check_scene(replicate, height, largest, where)
 
 
 def _check_cylinder(configuration, intruders, height: float, where: str) -> None:

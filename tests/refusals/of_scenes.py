@@ -24,6 +24,7 @@ def of_file(**changes):
 PART = {"kind": "disc", "diameter": 1e-3}
 MIXED = {"disc": {"granules": 1, "mixture": {"a": 0.5, "b": 0.5}}, "a": PART, "b": PART}
 
+ANGULAR = {"disc": {"kind": "superellipse", "aspect_ratio": 1.2, "diameter": 1e-3, "granules": 60}}
 CALLS = {
     "motion has 'gte', which is not one of solids; the nearest is gate": scene(phases__open__motion={"gte": {"spin": 1.0}}),
     "phases.open.motion.gate.spin is 'fre'": scene(phases__open__motion={"gate": {"spin": "fre"}}),
@@ -57,6 +58,7 @@ CALLS = {
     "friction is 0.3 and preparation file; nothing is packed": of_file(packing__friction=0.3),
     "shapes.disc.granules is 200; packing.file has 1 granules": of_file(),
     "shapes.disc is a mixture; a file of granules does not say": of_file(shapes=MIXED),
+    "solids.gate has the outline Ellipse; among granules of Superellipse it must": scene(solids__gate__outline="ellipse", shapes=ANGULAR),
     "another; name it among solids": scene(second={"diameter": 1e-3, "gap": 1e-3}),
     "record.bins is 61; it must be a multiple": scene(record__bins=61),
 }  # fmt: skip
