@@ -242,9 +242,9 @@ class SweepState:
     # All of it
 
     def check(self) -> list[str]:
-        """Warnings: of a new store, of a cylinder that is too fast, of a bed that nothing but
+        """Warnings: of a new store, of a solid that is too fast, of a bed that nothing but
         friction holds, of large beds near jamming, and of runs that will be gone from combined files."""
-        warnings = [*self._fast_cylinder(), *self._loose_bed(), *slow_beds(self.replicates())]
+        warnings = [*self._fast_solid(), *self._loose_bed(), *slow_beds(self.replicates())]
         if not self.store.folder.is_dir():
             warnings.append(
                 f"{self.store.folder.absolute()}: this store of runs is new, and has none yet; "
@@ -263,19 +263,25 @@ class SweepState:
                 )
         return warnings
 
-    def _fast_cylinder(self) -> Iterator[str]:
-        """A warning of the fastest run, where another unit was probably meant: mm/s for m/s, MPa
+    def _fast_solid(self) -> Iterator[str]:
+        """A warning of the fastest solid, where another unit was probably meant: mm/s for m/s, MPa
         for Pa."""
-        speeds = [(0.0, 0.0, 0.0)]  # of the cylinder over that of sound, of both
-        for run in self.replicates():
+        speeds = [(0.0, "", 0.0, 0.0)]  # over that of sound; key, speed, that of sound
+        for run in {id(run.configuration): run for run in self.replicates()}.values():
             c = run.configuration
+            sound = math.sqrt(c.material.young_modulus / run.density)
+            moving = {f"solids.{name}": solid for name, solid in c.solids.items()}
             if c.experiment == "drag":
-                sound = math.sqrt(c.material.young_modulus / run.density)
-                speeds.append((c.cylinder.velocity / sound, c.cylinder.velocity, sound))
-        mach, velocity, sound = max(speeds)
+                moving["cylinder"] = c.cylinder
+            for phase, section in c.phases.items():
+                moving |= {f"phases.{phase}.motion.{k}": v for k, v in section.motion.items()}
+            for key, section in moving.items():
+                speed = abs(section.velocity or 0.0)
+                speeds.append((speed / sound, f"{key}.velocity", speed, sound))
+        mach, key, speed, sound = max(speeds)
         if mach > FASTEST:
             yield (
-                f"Warning: cylinder.velocity is {velocity:g} m/s, {mach:.2g} of the velocity of "
+                f"Warning: {key} is {speed:g} m/s, {mach:.2g} of the velocity of "
                 f"sound in a granule, sqrt(material.young_modulus / density) = {sound:.4g} m/s; it "
                 f"should be below {FASTEST:g}. Are all values in SI units?"
             )

@@ -14,6 +14,7 @@ import xarray as xr
 import yaml
 from command_line import called
 from pictures import text_of
+from project import CONFIG
 from sweeps import SMOKE, drawn, of_file, varied
 
 import dem
@@ -24,7 +25,7 @@ from dem.figures.catalogue import draw
 from dem.report.info import drag_table
 from dem.report.status import status
 from dem.sweep.combine import combine, combine_block
-from dem.sweep.config import merged, parse
+from dem.sweep.config import load, merged, parse
 from dem.sweep.grouping import plan_batches
 from dem.sweep.prune import prune, sweeps, usage
 from dem.sweep.state import SweepState
@@ -90,7 +91,10 @@ def test_runs_have_the_values_that_a_sweep_says(sweep, dims, paths, values):
 
 X, Y = {"cylinder.direction": [0.0]}, {"cylinder.direction": [math.pi / 2.0]}
 LIKELY = [
-    ({"cylinder.velocity": [2.0, 500.0]}, "velocity is 500 m/s, 0.12 of the velocity of sound"),
+    (
+        {"cylinder.velocity": [2.0, 500.0]},
+        "cylinder.velocity is 500 m/s, 0.12 of the velocity of sound",
+    ),
     ({"cylinder.velocity": [32.0]}, ""),
     (X | {"periodic": ["x"]}, "drawn along x, and periodic has it too: nothing but friction"),
     (Y | {"periodic": ["xy"]}, "drawn along y, and periodic has it too"),
@@ -104,6 +108,13 @@ def test_what_is_likely_a_mistake_is_one_sentence(values, words):
     sentences = SweepState(small(C1 | {"seed": "1 to 3"} | values)).check()
     sentences = [text for text in sentences if "velocity" in text or "periodic" in text]
     assert len(sentences) == bool(words) and all(words in text for text in sentences)
+
+
+def test_a_solid_of_a_scene_that_is_as_fast_as_sound_is_likely_a_mistake():
+    values = load(CONFIG / "scenes/drum.yaml").dump()
+    values["phases"]["turn"]["motion"]["blade"] |= {"velocity": -30.0}
+    words = "phases.turn.motion.blade.velocity is 30 m/s, 0.47 of the velocity of sound"
+    assert any(words in sentence for sentence in SweepState(parse(values)).check())
 
 
 @pytest.mark.parametrize("kind", ["latin_hypercube", "sobol"])
