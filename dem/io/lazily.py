@@ -18,9 +18,9 @@ SMALL = 64_000_000  # bytes of a file whose variables are read in one piece
 def open_results(path: str | Path) -> xr.Dataset:
     """Open a file of results, such as drag.nc, of any size.
 
-    Each variable is checked as it is read, by the checksums of its format. In a file of more than
-    64 MB it is a Dask array in the pieces of the file, so that what you compute of it takes little
-    memory.
+    Each variable is checked as it is read, by the checksums that its format has of numbers. In a file
+    of more than 64 MB it is a Dask array in the pieces of the file, so that what you compute of it
+    takes little memory.
 
     Parameters
     ----------

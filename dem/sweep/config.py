@@ -24,6 +24,7 @@ from dem.sweep.granule_file import with_granules
 
 FOLDERS = ("store", "figures", "logs", "rounds")  # of results
 CONFIG = "config.yaml"  # of results, as resolved
+TABLES = "cases", "phases", "shapes", "solids"  # of groups by labels of a user
 
 # systems take 255 characters for a name, some 260 for a whole path
 Folder = Annotated[
@@ -197,12 +198,14 @@ def with_discs(data: dict, source: str, folder: Path) -> dict:
 
 
 def merged(base: dict, changes: dict, top: bool = True) -> dict:
-    """Groups of values with some changed, key by key."""
+    """Groups of values with some changed, key by key; null takes a label out of a table."""
     values = dict(base)
     for key, new in changes.items():
         old = values.get(key)
         deep = isinstance(old, dict) and isinstance(new, dict) and not (top and key == "sweep")
         values[key] = merged(old, new, False) if deep else new
+        if deep and top and key in TABLES:
+            values[key] = {name: row for name, row in values[key].items() if row is not None}
     return values
 
 

@@ -10,7 +10,7 @@ from dem.base.files import write_bytes
 from dem.base.source_hash import ROOT
 from dem.experiment.config import entries
 from dem.sweep.axis import RUNS
-from dem.sweep.config import Sweep
+from dem.sweep.config import TABLES, Sweep
 
 FILE = ROOT / "config/schema.json"
 # words of pydantic for limits of numbers that it parses, and of JSON Schema
@@ -33,6 +33,10 @@ def schema() -> dict:
     tree["$defs"]["Block"] = {"type": "object", "properties": properties}
     tree["additionalProperties"] = {"type": "object"}  # values of an experiment of the user's own
     tree["properties"] |= {"sweep": {"$ref": "#/$defs/Block"}, "extends": {"type": "string"}}
+    for name in TABLES:  # null takes a label out of the file that another extends
+        rows = tree["properties"][name].setdefault("patternProperties", {})
+        for label, row in rows.items():
+            rows[label] = {"anyOf": [row, {"type": "null"}]}
     tree["patternProperties"] = {"^x-": {}}  # for anchors
     return tree
 

@@ -41,12 +41,14 @@ def test_files_that_extend_each_other_without_end_are_refused(tmp_path):
 
 def test_a_file_extends_another(tmp_path):
     """Values beside those of the other file; what varies is its own, and results must be. Keys for anchors are
-    ignored at the top of both, also by editors; elsewhere they are no keys."""
+    ignored at the top of both, also by editors; elsewhere they are no keys. Null takes a label out."""
     (tmp_path / "base.yaml").write_text("x-notes: [1, 2]\n" + PAPER.read_text(encoding="utf-8"))
     path = tmp_path / "own.yaml"
     text = "x-rough: &rough {granule: 0.5, wall: 0.5}\nextends: base.yaml\nresults: results/own\nfriction: {<<: *rough, wall: 0.1}\n"
+    text += "cases: {e0: null}\n"
     path.write_text(f"{text}sweep: {{shape: c1}}\n")
     sweep = load(path)
+    assert len(sweep.cases) == 10 and "e0" not in sweep.cases
     friction = sweep.friction
     assert (friction.granule, friction.wall, friction.cylinder) == (0.5, 0.1, 0.3)
     assert sweep.blocks == {"drag": {"shape": "c1"}} and "x-rough" not in sweep.dump()
