@@ -165,12 +165,12 @@ def test_energy_adds_up_where_a_solid_is_driven_held_and_removed():
     assert ledger.residual < 1e-3 and ledger.held == pytest.approx(ledger.kinetic)
 
 
-def test_a_disc_falls_freely_once_its_plate_is_removed():
-    """By g t^2 / 2; its energy on the plate, 2/5 of force times overlap under Hertz's law, is gone. Another plate is
+def test_a_disc_falls_freely_once_its_stand_is_removed():
+    """By g t^2 / 2; its energy on the stand, 2/5 of force times overlap under Hertz's law, is gone. Another is
     pressed as before, keeps its number, and is left out of the volume as before."""
-    plates = [dem.Solid(dem.plate(6.0 * R, R), (x, 20.0 * R)) for x in (10.0 * R, 30.0 * R)]
+    stands = [dem.Cylinder(R, (x, 20.0 * R)) for x in (10.0 * R, 30.0 * R)]
     scene = dem.Scene(
-        dem.Disc([R, R]), SOFT, dem.Friction(), dem.box(40.0 * R, 40.0 * R), plates, gravity=(0.0, -9.81)
+        dem.Disc([R, R]), SOFT, dem.Friction(), dem.box(40.0 * R, 40.0 * R), stands, gravity=(0.0, -9.81)
     )  # fmt: skip
     state = dem.State([[10.0 * R, 21.5 * R], [30.0 * R, 21.5 * R]])
     run = dem.Simulation(scene, state, ledger=True)
@@ -187,7 +187,7 @@ def test_a_disc_falls_freely_once_its_plate_is_removed():
     assert_allclose(record.normal_force[:, :, 1], [[0.0, -weight]] * 2, rtol=1e-9)
     assert_allclose(now.partner, [-2])
     moment = now.total_force.T @ now.branch
-    volume = scene.thickness * ((40.0 * R) ** 2 - plates[1].area)
+    volume = scene.thickness * ((40.0 * R) ** 2 - stands[1].area)
     assert_allclose(run.stress().contact * volume, moment, rtol=1e-4, atol=1e-12)
 
 

@@ -4,6 +4,7 @@ CF-1.11, SI units, in the classic model of netCDF-4 (characters, whole numbers o
 programs without strings and other formats can take over.
 """
 
+import json
 import warnings
 import zlib
 from contextlib import contextmanager, suppress
@@ -82,7 +83,7 @@ OF_SWEEP = {
 # Why a run failed, and the attributes of the variable `failure` that say so (CF, section 3.5).
 FAILURES = ("none", PackingError.__name__, OverlapError.__name__, StateError.__name__, "other")
 AGAIN = "delete it and run again"
-# attribute of a variable: of all its bytes, because HDF5 has none of texts and of where a value is
+# attribute of a file: of all bytes of each variable, because HDF5 has none of texts and of where a value is
 CHECKSUM = "crc32"
 FORMAT = "NETCDF4_CLASSIC"
 COMPRESSED = 8192  # bytes of an array from which compressing it makes the file smaller
@@ -134,11 +135,10 @@ def create(path: Path):
 def write(path: Path, values: dict, attrs: dict, layout: dict) -> None:
     """Write one file: values by the names of a layout, atomically, with a checksum of each."""
     with create(path) as file:
-        file.setncatts(attrs)
         for name, value in values.items():
             add(file, name, layout[name][0], value, attributes(name, layout))
-            variable = file.variables[name]
-            variable.setncattr(CHECKSUM, _checksum(_stored(variable)))
+        sums = {name: _checksum(_stored(variable)) for name, variable in file.variables.items()}
+        file.setncatts(attrs | {CHECKSUM: json.dumps(sums)})
 
 
 def add_dimensions(file, dims: tuple, shape: tuple) -> None:
@@ -182,8 +182,9 @@ def read(path: Path, names: tuple[str, ...]) -> tuple[dict, dict]:
         if not Path(path).is_file():
             raise InputError(f"{path}: there is no such file.")
         with netCDF4.Dataset(path) as file:
-            values = {name: _checked(file.variables[name]) for name in names}
-            return values, {name: file.getncattr(name) for name in file.ncattrs()}
+            attrs = {name: file.getncattr(name) for name in file.ncattrs()}
+            sums = json.loads(attrs.pop(CHECKSUM, "{}"))
+            return {name: _checked(file.variables[name], sums) for name in names}, attrs
 
 
 def _stored(variable) -> np.ndarray:
@@ -197,10 +198,10 @@ def _checksum(stored: np.ndarray) -> str:
     return f"{zlib.crc32(stored.tobytes()):08x}"
 
 
-def _checked(variable) -> np.ndarray:
-    """The values of a variable; raises InputError where they have another checksum than it says."""
+def _checked(variable, sums: dict[str, str]) -> np.ndarray:
+    """The values of a variable; raises InputError where they have another checksum than its own."""
     stored = _stored(variable)
-    if getattr(variable, CHECKSUM, None) not in (None, _checksum(stored)):
+    if sums.get(variable.name) not in (None, _checksum(stored)):
         raise InputError(f"the values of {variable.name} are damaged: {AGAIN}.")
     return netCDF4.chartostring(stored, "utf-8") if stored.dtype.kind == "S" else stored
 

@@ -149,7 +149,7 @@ def row_of_run(
         "density": run.density,
         "packing": packing,
         "status": FAILURES[int(values["failure"])] if values["failure"] else "ran",
-        "drag": values["drag"][configuration.in_window].mean(),
+        "drag": values["drag"][drag.in_window(configuration)].mean(),
         "spent": values["spent"],
         "factor": in_design(block, point, factors),
         "curve": coarse(values["drag"]),

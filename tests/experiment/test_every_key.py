@@ -28,9 +28,9 @@ SECOND = {"diameter": 8e-4, "gap": 2e-4, "spin": 40.0, "friction": 0.1}
 WALLS = {side: {"friction": 0.2, "material": SOFT} for side in ("left", "right", "bottom", "top")}
 CELL = {"inertial_number": 0.1, "pressure": 1e7, "settle": 4.0, "strain": 0.01, "samples": 2}
 SOLIDS = {"plate": {"outline": "plate", "diameter": 2e-3, "thickness": 3e-4, "x": 2e-3, "y": 2e-3, "angle": 0.1, "pivot_x": 1.8e-3, "pivot_y": 2.1e-3,
-                    "velocity": 0.1, "direction": 0.2, "spin": 5.0, "friction": 0.2, "material": SOFT},
-          "piston": {"outline": "circle", "diameter": 8e-4, "x": 3e-3, "y": 5e-4, "force_y": 0.1, "mass": 1e-5, "torque": 1e-6,
-                     "velocity": 0.1, "direction": 0.4}}  # fmt: skip
+                    "velocity": 0.1, "direction": 0.2, "spin": 5.0, "friction": 0.2, "material": SOFT}}  # fmt: skip
+PISTON = {"outline": "circle", "diameter": 8e-4, "x": 3e-3, "y": 5e-4, "force_y": 0.1, "mass": 1e-5, "torque": 1e-6,
+          "velocity": 0.1, "direction": 0.4}  # fmt: skip
 SMALL = {"box_width": 4e-3, "packing.fraction": 0.74, "cylinder.diameter": 1e-3, "cylinder.stroke": 2e-5,
          "cylinder.start": 0.4, "record.bins": 6, "record.window": [0.0, 2e-5], "record.snapshots": 2,
          "numerics.step_fraction": 0.05, "record.observables": ["drag", "snapshots", "solids"], "shapes": {"x": DISC}}  # fmt: skip
@@ -50,13 +50,21 @@ SCENES = {
     "scene": {"experiment": "scene", "cylinder": None, "gravity": 1e3, "packing.fraction": None, "packing.height": 12e-3,
               "packing.preparation": "lattice", "packing.region": [0.0, 1e-3, 4e-3, 12e-3], "material.young_modulus": 1e8,
               "record": {"bins": 4, "snapshots": 3, "cells": 9, "region": [0.0, 0.0, 2e-3, 6e-3]}, "solids": SOLIDS,
-              "phases": {"fall": {"time": 4e-4}, "move": {"time": 2e-4, "motion": {"plate": {"velocity": -0.5, "direction": 0.1, "spin": 9.0},
-                                                                                        "piston": {"force_x": 0.1, "mass": 2e-5, "torque": -1e-6}}}}},
+              "phases": {"fall": {"time": 4e-4}, "move": {"time": 2e-4, "motion": {"plate": {"velocity": -0.5, "direction": 0.1, "spin": 9.0}}}}},
     "shear": {"experiment": "shear", "cylinder": None, "record": None, "shear": CELL, "periodic": "x",
               "packing.fraction": 0.83, "numerics.step_fraction": 0.3, "material.young_modulus": 2e10, "shapes": {"x": DISC | {"granules": 40}}},
 }  # fmt: skip
 FILE = ["x,y,angle", *(f"{1e-3 * (k % 3 + 1)},{1e-3 * (k // 3 + 4)},{k}" for k in range(20))]
-SCENES["file"] = SCENES["scene"] | {"packing.preparation": "file", "packing.region": None, "packing.file": FILE}  # fmt: skip
+SCENES["file"] = SCENES["scene"] | {"packing.preparation": "file", "packing.region": None, "packing.file": FILE, "periodic": "x", "solids": {"piston": PISTON}}  # fmt: skip
+SCENES["file"] |= {
+    "phases": {
+        "fall": {"time": 4e-4},
+        "move": {
+            "time": 2e-4,
+            "motion": {"piston": {"force_x": 0.1, "mass": 2e-5, "torque": -1e-6}},
+        },
+    }
+}
 NAMES = {
     "experiment": [*EXPERIMENTS][::-1],
     "law": LAWS,

@@ -239,23 +239,31 @@ def test_a_scene_goes_on_from_a_checkpoint_of_any_phase_with_the_same_bits(tmp_p
         np.testing.assert_array_equal(whole[name], resumed[name], err_msg=name)
 
 
-def test_forces_a_path_and_a_removal_move_solids_in_phases():
-    """A body falls as its force says and turns as its torque, goes on a path from where it is, and the bed above a floor
-    that is gone falls freely."""
-    paddle = FLOOR | {"outline": "circle", "diameter": 1e-3, "thickness": None, "y": 1e-3}
+PADDLE = FLOOR | {"outline": "circle", "diameter": 1e-3, "thickness": None, "y": 1e-3}
+
+
+def test_a_force_and_a_torque_move_a_solid_as_a_body_of_its_mass():
     mass, force, torque = 1e-5, 1e-4, 1e-11
     push = {"force_x": force, "mass": mass, "torque": torque, "velocity": 0.0}
-    path = [[0.0, 0.1, 0.0, 0.0], [TIME, 0.3, 0.0, 0.0]]
-    phases = {"fill": {"until": "rest"}, "push": {"time": TIME, "motion": {"paddle": push}}}
-    phases["go"] = {"time": TIME, "motion": {"paddle": {"path": path}, "floor": {"removed": True}}}
-    run = run_of(solids={"floor": FLOOR, "paddle": paddle}, phases=phases)
+    phases = {"wait": {"time": TIME}, "push": {"time": TIME, "motion": {"paddle": push}}}
+    run = run_of(solids={"paddle": PADDLE}, phases=phases, periodic="x")
+    values, time = run.configuration.module.run(run), np.array([0.0, 0.5, 1.0]) * TIME
+    np.testing.assert_allclose(
+        values["solid_x"][:, 0], 4e-3 + 0.5 * force / mass * time**2, rtol=1e-6
+    )
+    turn = 0.5 * torque / (0.5 * mass * 0.5e-3**2) * time**2
+    np.testing.assert_allclose(values["solid_angle"][:, 0], turn, rtol=1e-3)
+
+
+def test_a_solid_goes_on_a_path_and_what_lay_on_one_that_is_removed_falls():
+    path = [[0.0, 0.1, 0.0, 7.0], [TIME, 0.3, 0.0, 7.0]]
+    motion = {"paddle": {"path": path}, "floor": {"removed": True}}
+    phases = {"fill": {"until": "rest"}, "go": {"time": TIME, "motion": motion}}
+    run = run_of(solids={"floor": FLOOR, "paddle": PADDLE}, phases=phases)
     values = run.configuration.module.run(run)
-    x, angle = values["solid_x"][:, 1], values["solid_angle"][:, 1]
-    start = 4e-3 + 0.5 * force / mass * TIME**2
-    np.testing.assert_allclose(x, start + np.array([0.0, 0.15, 0.4]) * 0.5 * TIME, rtol=1e-6)
-    inertia = 0.5 * mass * (0.5e-3) ** 2
-    turned = 0.5 * torque / inertia * TIME**2
-    np.testing.assert_allclose(angle, turned, rtol=1e-3)
+    moved = np.array([0.0, 0.15, 0.4]) * 0.5 * TIME
+    np.testing.assert_allclose(values["solid_x"][:, 1], 4e-3 + moved, rtol=1e-6)
+    np.testing.assert_allclose(values["solid_angle"][-1, 1], 7.0 * TIME, rtol=1e-6)
     fall = values["granule_y"].mean(axis=1)
     assert fall[0] - fall[2] == pytest.approx(0.5 * 9.81 * TIME**2, rel=0.02)
     assert np.isnan(values["solid_x"][:, 0]).all() and not values["solid_force_y"][0, 1:].any()

@@ -143,7 +143,7 @@ def test_export_for_paraview(watched, tmp_path, case):
 
 @quick
 def test_a_solid_at_rest_at_an_angle_is_drawn_at_this_angle(watched):
-    changes = {"cylinder.outline": "plate", "cylinder.angle": 0.5}
+    changes = {"cylinder.outline": "plate", "cylinder.aspect_ratio": 4.0, "cylinder.angle": 0.5}
     run, values = open_run(watched / "drag.nc", ["case=c1", "seed=1"])
     run = run.configuration.changed(changes, "c1").replicate("c1", 3.9e3, 1)
     with rc_context(RC):
