@@ -99,11 +99,16 @@ def draw(
     Example: dem draw results/drag.nc case=c1 seed=1 -o c1.mp4
     """
     from dem.analysis.one_run import read_snapshots
+    from dem.base.errors import InputError
     from dem.base.files import check_output
     from dem.figures.export import export
     from dem.figures.film import FILMS, PICTURES, film, picture
 
     output = check_output("output", output, (*FILMS, *PICTURES, ".pvd"))
+    if at is not None and output.suffix.lower() not in PICTURES:
+        raise InputError(
+            f"at is {at:g} and output {output}; a film and .pvd show all, leave at out."
+        )
     with bar("reading the run"):
         motion = read_snapshots(run, select or [], shapes)
     with bar(f"drawing {output}", 1.0) as update:

@@ -378,9 +378,10 @@ class Configuration(Section):
             section = data
             for name in groups:
                 if (inner := section.get(name, {})) is None:
-                    raise InputError(
-                        f"{path} cannot vary; the experiment {self.experiment} has no {name}."
-                    )
+                    words = f"there is no {name}, give that first"
+                    if section is data and name in SECTIONS:
+                        words = f"the experiment {self.experiment} has no {name}"
+                    raise InputError(f"{path} cannot vary; {words}.")
                 if name in section:
                     section[name] = dict(inner)
                 section = section.get(name, {})

@@ -50,7 +50,7 @@ def as_scene(configuration) -> dict:
         if "measure" not in definitions(file_of(name, configuration.beside))
     ]
     record = configuration.record
-    recorded = {"window": None, "observables": (*looks, "scene") if looks else None}
+    recorded = {"window": None, "observables": tuple(sorted((*looks, "scene"))) if looks else None}
     return {
         "experiment": "scene",
         "cylinder": None,

@@ -113,7 +113,7 @@ def _play(replicate: Replicate, simulation: Simulation, partial: PartialRun, sav
                 old if new is None else new for old, new in zip(moving[solid], given, strict=True)
             )
             if begins:
-                _move(replicate, simulation, scene.solid_names.index(solid), section, moving[solid])
+                _move(replicate, simulation, solid, section, *moving[solid])
         if begins:
             partial.phase, partial.began = number, simulation.time
         if number < partial.phase or number == len(scene.phases):
@@ -127,18 +127,21 @@ def _play(replicate: Replicate, simulation: Simulation, partial: PartialRun, sav
             save()
 
 
-def _move(replicate: Replicate, simulation: Simulation, k: int, section, moving: tuple) -> None:
-    """Let solid k move as a section of a phase says; moving: its speed (m/s) and its direction."""
+def _move(
+    replicate: Replicate, simulation: Simulation, name: str, section, speed, direction
+) -> None:
+    """Let a solid move as a section of a phase says; speed (m/s), direction (rad): its own now."""
+    scene = replicate.configuration.scene
+    k = scene.solid_names.index(name)
     if section.removed:
         simulation.remove(k)
         return
     boundaries, b = simulation.world.boundaries, len(simulation.scene.walls) + k
-    speed, direction = moving
     *velocity, spin = boundaries.motion[b, [VX, VY, W]].tolist()
     if section.velocity is not None or section.forces == (None, None):
         velocity = [speed * part for part in towards(direction)]
-    given = replicate, simulation.scene.solids[k], tuple(velocity), spin
-    simulation.set_motion(k, *motion_of(section, *given))
+    given = simulation.scene.solids[k], scene.solids[name].mass, tuple(velocity), spin
+    simulation.set_motion(k, *motion_of(section, replicate, *given))
 
 
 def _rest(scene: Configuration, simulation: Simulation, phase: str, save) -> None:

@@ -79,23 +79,26 @@ def solids(replicate: Replicate, height: float) -> tuple[Solid, ...]:
         material = section.material and replicate.material_of(section.material)
         solid = intruder.solid(height, friction=section.friction, material=material)
         velocity = tuple((section.velocity or 0.0) * component for component in section.ahead)
-        motion, spin = motion_of(section, replicate, solid, velocity)
+        motion, spin = motion_of(section, replicate, solid, section.mass, velocity)
         drawn.append(
             replace(solid, velocity=velocity if motion is None else motion, spin=spin or 0.0)
         )
     return tuple(drawn)
 
 
-def motion_of(section, replicate: Replicate, solid: Solid, velocity, spin: float = 0.0) -> tuple:
+def motion_of(
+    section, replicate: Replicate, solid: Solid, mass: float | None, velocity, spin: float = 0.0
+) -> tuple:
     """How a solid moves from now on, and how it turns, as `Simulation.set_motion` takes them; None: as
     before.
 
-    section: a MotionSection; velocity, spin: those at which it begins where forces move it.
+    section: a MotionSection; mass (kg): its own, where it has one; velocity, spin: those at which it
+    begins where forces move it.
     """
     if section.path is not None:
         time, vx, vy, spins = np.transpose(section.path)
         return PrescribedMotion(time, np.column_stack([vx, vy]), spins), None
-    mass = section.mass or replicate.mean_density * solid.area * replicate.thickness
+    mass = mass or replicate.mean_density * solid.area * replicate.thickness
     motion, turn = None, None if section.spin == "free" else section.spin
     if section.forces != (None, None):
         motion = Drive(section.forces, mass, velocity=velocity)

@@ -189,8 +189,6 @@ class MotionSection(MovingSection):
     """the same along y"""
     torque: Annotated[Number, Unit("N m")] | None = None
     """torque that turns it, with those of the granules; none: its spin does"""
-    mass: Mass | None = None
-    """its mass where forces move or turn it; none: that of granules in its place"""
     path: Path | None = None
     """rows [time, velocity along x, along y, spin] in s, m/s and rad/s since its start, linear in between; none: velocity"""
 
@@ -198,6 +196,11 @@ class MotionSection(MovingSection):
     def forces(self) -> tuple[float | None, float | None]:
         """Forces along x and y."""
         return self.force_x, self.force_y
+
+    @property
+    def driven(self) -> bool:
+        """Whether forces move or turn it."""
+        return self.forces != (None, None) or self.torque is not None or self.spin == "free"
 
     @model_validator(mode="after")
     def _check_motion(self):
@@ -215,14 +218,6 @@ class MotionSection(MovingSection):
             )
         if self.torque is not None and self.spin is not None:
             raise ValueError(f"torque is {self.torque:g} and spin {self.spin}; leave one out")
-        if (
-            self.mass is not None
-            and {*self.forces, self.torque, None} == {None}
-            and self.spin != "free"
-        ):
-            raise ValueError(
-                f"mass is {self.mass:g} and no force moves it; leave it out, or give force_x, force_y or torque"
-            )
         return self
 
 
@@ -259,6 +254,8 @@ class SolidSection(MotionSection):
     """place along x of the point that it turns about; none: x"""
     pivot_y: Place | None = None
     """place along y of the point that it turns about; none: y"""
+    mass: Mass | None = None
+    """its mass where forces move or turn it; none: that of granules in its place"""
     friction: Coefficient | None = None
     """friction at it; none: friction.cylinder"""
     material: SolidMaterialSection | None = None

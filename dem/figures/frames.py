@@ -86,12 +86,17 @@ def of_motion(motion: Snapshots, rings: np.ndarray | None = None) -> Frames:
         bins = motion.force.shape[1]
         x = (np.arange(bins) + 0.5) / bins * marks[-1]
         for k, force in enumerate(motion.force):
-            look = {"color": style.CURVE, "linestyle": style.LINES[k % len(style.LINES)]}
+            look = {"color": style.CURVE}
+            if drawn is None:
+                look = {"color": style.CASES[k % len(style.CASES)]}
+                look["linestyle"] = style.LINES[k % len(style.LINES)]
             axes.plot(x, force, label=values.solid_names[k], linewidth=0.8, **look)
         axes.set_ylim(bottom=min(0.0, motion.force.min()))
         words = "Displacement of the cylinder (mm)", "Drag (N)"
         if drawn is None:
-            words = "Time (s)", "Force on the solid (N)"
+            words = "Time", "Force on the solid (N)"
+            axes.xaxis.set_major_formatter(SECONDS)
+            axes.locator_params("x", nbins=4)  # as many words as have room
             axes.legend()
         axes.set(xlabel=words[0], ylabel=words[1], xlim=(0.0, marks[-1]))
 
@@ -110,7 +115,7 @@ def of_motion(motion: Snapshots, rings: np.ndarray | None = None) -> Frames:
         contacts=motion.contacts,
         fastest=np.hypot(*velocity.T).max() or 1.0 if drawn is None else values.cylinder.velocity,
         paints=paints,
-        captions=[f"{mark:.3g} s" if drawn is None else f"{mark:.2f} mm" for mark in marks],
+        captions=[SECONDS(mark) if drawn is None else f"{mark:.2f} mm" for mark in marks],
         record=None if motion.force is None else record,
         marks=marks,
         periodic=motion.periodic,

@@ -29,6 +29,10 @@ def frames_of_point(dataset: xr.Dataset, one: xr.Dataset) -> Frames:
 def plot(dataset: xr.Dataset) -> Figure:
     """The first seed of the first point of all axes above; means of its seeds below. Raises InputError
     where all of these failed."""
+    if "configuration" not in dataset.attrs:
+        raise InputError(
+            "it holds single runs; dem draw shows them, and the figure the file of a sweep."
+        )
     beside = {dim: 0 for dim in dataset["run_id"].dims if dim != "seed"}
     runs = dataset.isel(beside)
     if "seed" not in runs.dims:

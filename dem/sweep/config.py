@@ -225,9 +225,11 @@ def load(path: Path) -> Sweep:
 
 def described(run: Replicate) -> dict:
     """A sweep file of one run alone, as plain groups: a cylinder as solids and phases of a scene."""
-    scene = replace(run, configuration=run.configuration.scene).values()
-    varied = {name: [scene.pop(name)] for name in run.coordinates}
-    return {"title": run.words(), "results": "results/described"} | scene | {"sweep": varied}
+    c = run.configuration
+    values = replace(run, configuration=c.scene if c.experiment == "drag" else c).values()
+    values.pop("beside", None)  # that of the file, wherever it is put
+    varied = {name: [values.pop(name)] for name in run.coordinates}
+    return {"title": run.words(), "results": "results/described"} | values | {"sweep": varied}
 
 
 def save(sweep: Sweep, path: Path) -> None:

@@ -10,6 +10,8 @@ from dem.experiment.granule_table import GranuleTable, table_of, table_of_lines
 
 NETCDF = b"\x89HDF", b"CDF"  # how such files begin
 DUMP = "ITEM:"
+SECTIONS = "NUMBER OF ATOMS", "BOX BOUNDS", "ATOMS"  # of a dump
+NUMBERS = "id", "x", "y", "xu", "yu", "xs", "ys", "xsu", "ysu", "angle", "diameter", "radius"
 
 
 def with_granules(data: dict, source: str, folder: Path) -> dict:
@@ -57,16 +59,17 @@ def _of_dump(text: str) -> GranuleTable:
     frame, sections = text.rpartition(f"{DUMP} TIMESTEP")[2], {}
     for section in frame.split(DUMP)[1:]:
         head, *rows = section.strip().splitlines()
-        sections[" ".join(re.findall("[A-Z]+", head))] = head.split(), list(map(str.split, rows))
+        name = next((name for name in SECTIONS if head.startswith(name)), head)
+        sections[name] = head.removeprefix(name).split(), list(map(str.split, rows))
     try:
         names, rows = sections["ATOMS"]
         (count,), bounds = sections["NUMBER OF ATOMS"][1][0], sections["BOX BOUNDS"][1]
     except (KeyError, ValueError, IndexError):
         raise ValueError("its last frame is no frame of a text dump") from None
-    names = names[1:]
     if len(rows) != int(count) or any(len(row) != len(names) for row in rows):
         raise ValueError(f"its last frame must have {count} lines of {len(names)} values")
-    columns = dict(zip(names, np.array(rows, float).reshape(-1, len(names)).T, strict=True))
+    texts = dict(zip(names, zip(*rows, strict=True), strict=False))  # some may be no numbers
+    columns = {name: np.array(texts[name], float) for name in NUMBERS if name in texts}
     taken = {name: columns[name] for name in ("angle", "diameter") if name in columns}
     if "radius" in columns:
         taken["diameter"] = 2.0 * columns["radius"]
@@ -76,6 +79,8 @@ def _of_dump(text: str) -> GranuleTable:
                 taken.setdefault(axis, columns[name])
         for name in (f"{axis}s", f"{axis}su"):
             if name in columns:
+                if len(ends) != 2:
+                    raise ValueError("its box is tilted; let it give x and y in place of xs and ys")
                 low, high = map(float, ends)
                 taken.setdefault(axis, low + (high - low) * columns[name])
     if "id" in columns:

@@ -61,7 +61,7 @@ SCENES["file"] |= {
         "fall": {"time": 4e-4},
         "move": {
             "time": 2e-4,
-            "motion": {"piston": {"force_x": 0.1, "mass": 2e-5, "torque": -1e-6}},
+            "motion": {"piston": {"force_x": 0.1, "torque": -1e-6}},
         },
     }
 }

@@ -41,7 +41,7 @@ ITEM: BOX BOUNDS ff ff pp
 -1.0000000000000000e-03 7.0000000000000001e-03
 0.0000000000000000e+00 1.2000000000000000e-02
 -5.0000000000000001e-04 5.0000000000000001e-04
-ITEM: ATOMS id type xs y radius angle
+ITEM: ATOMS id element c_KE xs y radius angle
 """
 
 
@@ -108,13 +108,13 @@ def test_results_need_the_file_no_more(folder):
 
 
 def test_a_bed_is_the_same_in_three_formats(folder, first):
-    """The last frame of a dump, whose granules are in any order, in a box that begins elsewhere."""
+    """The last frame of a dump, whose granules are in any order and have texts, in a box that begins elsewhere."""
     x, y, angle, diameter = first[1].T
     with (folder / "bed.dump").open("w") as file:
         for step, order in enumerate([np.arange(12), np.random.default_rng(1).permutation(12)]):
             file.write(DUMP.format(step=step, count=12))
             rows = [np.arange(12), 1 + 0 * x, (x + 1e-3) / 8e-3 + 1 - step, y, diameter / 2, angle]
-            np.savetxt(file, np.column_stack(rows)[order], fmt="%d %d" + 4 * " %.17g")
+            np.savetxt(file, np.column_stack(rows)[order], fmt="%d Si%d 0.1" + 4 * " %.17g")
     csv, nc, dump = (
         run_of(folder, name) for name in ("bed.csv", "results/scene.nc seed=2", "bed.dump")
     )
@@ -191,7 +191,7 @@ def test_granules_that_are_too_deep_in_others_end_the_run(folder, first, place, 
         ("x,y,diameter\n1,2,0", "is '0'; it must be a number of at least 1e-12"),
         ("ITEM: UNITS\nlj\n" + DUMP, "its units are lj; they must be si"),
         ("ITEM: NUMBER OF ATOMS\n1", "its last frame is no frame of a text dump"),
-        (DUMP.format(step=0, count=2) + "1 1 0.5 0.1 0.1 0", "must have 2 lines of 6 values"),
+        (DUMP.format(step=0, count=2) + "1 1 0.5 0.1 0.1 0", "must have 2 lines of 7 values"),
     ],
 )
 def test_a_file_that_is_no_bed_is_refused_in_one_sentence(folder, text, words):

@@ -86,7 +86,7 @@ LAYOUTS = {
     1: "07117a61fa96d550",
     2: "91b1ae9fe55f297a",
     3: "e1c54b0a87aaee7e",
-    4: "7eee042b05f48fe2",
+    4: "c08aec18bef56dfe",
 }
 
 

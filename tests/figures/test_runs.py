@@ -150,4 +150,4 @@ def test_a_solid_at_rest_at_an_angle_is_drawn_at_this_angle(watched):
         figure, _ = figure_of(of_motion(snapshots_of(run, values)), "speed", False)
     (outline,) = figure.axes[0].collections[2].get_paths()
     _, _, axis = np.linalg.svd(outline.vertices - outline.vertices.mean(axis=0))
-    assert abs(axis[0] @ [-np.sin(0.5), np.cos(0.5)]) < 1e-2  # its longest
+    assert abs(axis[0] @ [-np.sin(0.5), np.cos(0.5)]) < 2e-2  # its longest

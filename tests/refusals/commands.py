@@ -27,6 +27,7 @@ COMMANDS = {
     "figure figure07 docs/data/drag.nc --of drag -o OUT": "only the figure sweep shows another",
     "figure all docs/data/flow.nc -o OUT": "it holds nothing that a figure shows; name drag.nc.",
     "figure sweep docs/data/drag.nc --of lift -o OUT": "it has no lift; it has ",
+    "draw docs/data/scene.nc seed=1 --at 0.5 -o OUT.mp4": "at is 0.5 and output ",
     "info config/smoke.yaml": "it is not a readable netCDF file",
     "sweep config/smok.yaml": "cannot read it ([Errno 2] No such file or directory: 'config/smok.",
 }

@@ -210,6 +210,10 @@ class Experiment:
 
     def check(self) -> None:
         """Raise InputError where its file or one of an observable cannot be used."""
+        for file in self.files[1:]:
+            for name in constants(file).get("SECTIONS", ()):
+                if self.configuration.at(name) is None:
+                    raise InputError(f"record.observables has {file.stem}, which needs a {name}.")
         lengths, layout = self.lengths, self.layout
         if "granule" in lengths:
             raise InputError("SIZES has granule, the number of granules of a run; leave it out.")

@@ -23,7 +23,17 @@ SIZES = {"time": "record.bins", "snapshot": "record.snapshots"}
 
 def check(configuration: Configuration) -> None:
     """Raise ValueError where a phase cannot be."""
-    removed, solids = {}, configuration.solids
+    removed, solids, led = {}, configuration.solids, set()
+    for name, solid in solids.items():
+        moving = (phase.motion.get(name, solid) for phase in configuration.phases.values())
+        if solid.mass is not None and not any(motion.driven for motion in (solid, *moving)):
+            raise ValueError(
+                f"solids.{name}.mass is {solid.mass:g} and no force moves it; leave it out, or give "
+                "force_x, force_y, torque or spin: free"
+            )
+        _check_pivot(solid, solid, f"solids.{name}")
+        if solid.path is not None or solid.forces != (None, None):
+            led.add(name)
     for name, phase in configuration.phases.items():
         for solid, motion in phase.motion.items():
             if solid not in solids:
@@ -37,6 +47,16 @@ def check(configuration: Configuration) -> None:
                 )
             if motion.removed:
                 removed[solid] = name
+            if solid in led and (motion.velocity is None) != (motion.direction is None):
+                raise ValueError(
+                    f"phases.{name}.motion.{solid} has one of velocity and direction; forces or a path "
+                    "moved it before, give both"
+                )
+            _check_pivot(solids[solid], motion, f"phases.{name}.motion.{solid}")
+            if motion.path is not None or motion.forces != (None, None):
+                led.add(solid)
+            elif motion.velocity is not None:
+                led.discard(solid)
         if phase.until and not configuration.gravity:
             raise ValueError(
                 f"phases.{name}.until is rest and gravity 0; without gravity nothing comes to rest, "
@@ -44,6 +64,14 @@ def check(configuration: Configuration) -> None:
             )
     if not configuration.duration:
         raise ValueError(f"phases.{name} is the last and has until; what is recorded needs a time")
+
+
+def _check_pivot(solid, motion, where: str) -> None:
+    if motion.forces != (None, None) and {solid.pivot_x, solid.pivot_y} != {None}:
+        raise ValueError(
+            f"{where} has a force, and the solid a pivot; forces move the middle of a solid, leave "
+            "pivot_x and pivot_y out"
+        )
 
 
 def axes(configuration: Configuration) -> dict:

@@ -6,7 +6,7 @@ functions that return values by these names: `look(simulation)` at each snapshot
 `measure(run)` at the end, from what the run recorded (dem.experiment.phases.RunData). Dimensions of
 its own are SIZES, AXIS and axes, as of kinds of experiment (dem.experiment.kinds). It has LEDGER =
 True if the simulation must keep an energy ledger, and NEEDED = {variable: path} of variables that are
-there only where the configuration has a value at a path.
+there only where the configuration has a value at a path, and SECTIONS of the configuration that it needs.
 """
 
 from pathlib import Path

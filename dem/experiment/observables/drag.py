@@ -5,6 +5,7 @@ import numpy as np
 from dem.periodic import walled
 
 D = ("displacement",)
+SECTIONS = ("cylinder",)
 VARIABLES = {
     "drag": (D, "N", "drag: force of the granules on the cylinder against its motion"),
     "drag_normal": (D, "N", "part of the drag from normal contact forces"),

@@ -9,6 +9,7 @@ import numpy as np
 from dem.periodic import nearest_image, wrapped
 
 S = ("snapshot",)
+SECTIONS = ("cylinder",)
 VARIABLES = {
     "non_affine": (
         S,

@@ -6,6 +6,7 @@ import numpy as np
 
 from dem.dynamics.paths import shown
 from dem.experiment.scene import make_scene
+from dem.motion import Drive
 from dem.periodic import Periods, wrapped
 
 ON = "solid", "time"
@@ -31,6 +32,7 @@ VARIABLES = {
         "m",
         "height of the highest granule over the cell, by the circles that hold granules",
     ),
+    "top_y": (S, "m", "height of the top wall above the floor, where it holds a pressure"),
     "region_granules": (S, "1", "granules whose centre is in record.region"),
     "region_mass": (S, "kg", "mass of the granules whose centre is in record.region"),
 }
@@ -39,7 +41,11 @@ AXIS = {
     "cell": (("cell",), "1", "middle of the cell along x over the width of the box"),
 }
 SIZES = {"solid": "solid_count", "cell": "record.cells"}
-NEEDED = {"region_granules": "record.region", "region_mass": "record.region"}
+NEEDED = {
+    "top_y": "packing.pressure",
+    "region_granules": "record.region",
+    "region_mass": "record.region",
+}
 
 
 def axes(configuration) -> dict:
@@ -52,9 +58,13 @@ def axes(configuration) -> dict:
 
 
 def look(simulation) -> dict:
-    """Where the solids are, at one snapshot; NaN of those that were removed."""
-    x, y, angle = shown(simulation.world.boundaries)[len(simulation.scene.walls) :].T
-    return {"solid_x": x, "solid_y": y, "solid_angle": angle}
+    """Where the solids are, at one snapshot, NaN of those that were removed, and a top wall that is
+    pressed."""
+    seen, walls = simulation.world.boundaries, simulation.scene.walls
+    x, y, angle = shown(seen)[len(walls) :].T
+    pressed = bool(walls) and isinstance(walls[-1].motion, Drive)
+    top = {"top_y": seen.planes[-1, 2]} if pressed else {}
+    return {"solid_x": x, "solid_y": y, "solid_angle": angle} | top
 
 
 def measure(run) -> dict:

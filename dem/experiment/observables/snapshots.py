@@ -2,6 +2,7 @@
 
 from dem.experiment.snapshots import variables_of
 
+SECTIONS = ("cylinder",)
 VARIABLES = {
     "cylinder_y": (("snapshot",), "m", "height of the axis of the cylinder above the floor"),
     "cylinder_orientation": (("snapshot",), "rad", "angle of a cylinder that has a spin"),

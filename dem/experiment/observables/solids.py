@@ -5,6 +5,7 @@ import numpy as np
 SIZES = {"solid": "solid_count"}
 AXIS = {"solid": (("solid",), None, "what is drawn through the bed")}
 SOLID = "solid", "displacement"
+SECTIONS = ("cylinder",)
 VARIABLES = {
     "solid_drag": (SOLID, "N", "force of the granules on the solid against the motion"),
     "solid_side_force": (SOLID, "N", "force on the solid across the motion, to the right"),

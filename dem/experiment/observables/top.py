@@ -10,6 +10,7 @@ import numpy as np
 from dem.periodic import walled
 
 D = ("displacement",)
+SECTIONS = ("cylinder",)
 VARIABLES = {
     "top_height": (D, "m", "height of the top wall above the floor, end of the bin"),
     "bed_fraction": (D, "1", "packing fraction of the box below the top wall, end of the bin"),
