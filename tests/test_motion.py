@@ -169,8 +169,10 @@ def test_a_disc_falls_freely_once_its_stand_is_removed():
     """By g t^2 / 2; its energy on the stand, 2/5 of force times overlap under Hertz's law, is gone. Another is
     pressed as before, keeps its number, and is left out of the volume as before."""
     stands = [dem.Cylinder(R, (x, 20.0 * R)) for x in (10.0 * R, 30.0 * R)]
+    *planes, top = dem.box(40.0 * R, 40.0 * R)
+    walls = [*planes, dem.Wall(top, dem.Drive((None, 0.0), 1.0))]  # it yields, as in other tests
     scene = dem.Scene(
-        dem.Disc([R, R]), SOFT, dem.Friction(), dem.box(40.0 * R, 40.0 * R), stands, gravity=(0.0, -9.81)
+        dem.Disc([R, R]), SOFT, dem.Friction(), walls, stands, gravity=(0.0, -9.81)
     )  # fmt: skip
     state = dem.State([[10.0 * R, 21.5 * R], [30.0 * R, 21.5 * R]])
     run = dem.Simulation(scene, state, ledger=True)
