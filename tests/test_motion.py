@@ -135,7 +135,9 @@ def test_a_disc_bounces_off_a_solid_as_heavy_as_it_is_now(heavy):
     motions = [(0.0, 0.0), dem.Drive((0.0, 0.0), mass)]
     cylinder = dem.Cylinder(2.0 * R, (2.01 * R, 0.0), motions[heavy])
     scene = dem.Scene(dem.Disc([R]), material, dem.Friction(), solids=cylinder)
-    run = dem.Simulation(scene, dem.State([[0.0, 0.0]], [[1.0, 0.0]]), step_fraction=0.2)
+    run = dem.Simulation(
+        scene, dem.State([[0.0, 0.0]], [[1.0, 0.0]]), step_fraction=0.2, ledger=True
+    )
     run.advance(1.0007e-6)
     run.set_motion(0, motions[not heavy])
     run.advance(1e-4)

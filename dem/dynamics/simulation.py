@@ -487,7 +487,8 @@ class Simulation:
 
         >>> import dem
         >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 4e-3), velocity=(0.0, 1.0))
-        >>> scene = dem.Scene(dem.Disc([1e-3]), friction=dem.Friction(), solids=cylinder)
+        >>> sides = {"friction": dem.Friction(), "periodic": (2e-2, 2e-2)}
+        >>> scene = dem.Scene(dem.Disc([1e-3]), solids=cylinder, **sides)
         >>> run = dem.Simulation(scene, dem.State([[0.0, 0.0]]))
         >>> run.set_motion(0, velocity=(0.0, 0.0))
         >>> run.record(interval=1e-3, count=1).solid_position[0, 0].tolist()

@@ -186,7 +186,14 @@ SHORT = {
 
 
 @pytest.mark.parametrize(
-    "changes", [{}, TURNED, PAIR, SETTLED, {"packing.pressure": 3e5, "packing.fraction": None}]
+    "changes",
+    [
+        {},
+        TURNED,
+        PAIR,
+        SETTLED,
+        {"packing.pressure": 3e5, "packing.fraction": None, "periodic": "x"},
+    ],
 )
 def test_a_run_that_is_described_as_a_scene_gives_the_same_bits(tmp_path, changes):
     sweep, path = load(CONFIG / "smoke.yaml"), tmp_path / "same.yaml"
