@@ -18,6 +18,7 @@ from dem.experiment.bed import make_bed
 from dem.experiment.observables.scene import inside, surface
 from dem.experiment.scene import make_scene
 from dem.figures.bed import view_of
+from dem.figures.export import export
 from dem.figures.frames import of_motion
 from dem.figures.scene import plot
 from dem.sweep.batch import write_one
@@ -267,7 +268,7 @@ def test_a_force_and_a_torque_move_a_solid_as_a_body_of_its_mass():
     np.testing.assert_allclose(values["solid_angle"][:, 0], turn, rtol=1e-3)
 
 
-def test_a_solid_goes_on_a_path_and_what_lay_on_one_that_is_removed_falls():
+def test_a_solid_goes_on_a_path_and_what_lay_on_one_that_is_removed_falls(tmp_path):
     path = [[0.0, 0.1, 0.0, 7.0], [TIME, 0.3, 0.0, 7.0]]
     motion = {"paddle": {"path": path}, "floor": {"removed": True}}
     phases = {"fill": {"until": "rest"}, "go": {"time": TIME, "motion": motion}}
@@ -279,3 +280,8 @@ def test_a_solid_goes_on_a_path_and_what_lay_on_one_that_is_removed_falls():
     fall = values["granule_y"].mean(axis=1)
     assert fall[0] - fall[2] == pytest.approx(0.5 * 9.81 * TIME**2, rel=0.02)
     assert np.isnan(values["solid_x"][:, 0]).all() and not values["solid_force_y"][0, 1:].any()
+    write_one(tmp_path / "run.nc", run, values)
+    motion = read_snapshots(tmp_path / "run.nc")
+    (left,) = motion.solids(-1)
+    assert left.position[0] == values["solid_x"][-1, 1]
+    export(motion, tmp_path / "run.pvd")
