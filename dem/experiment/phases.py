@@ -123,8 +123,9 @@ def _play(replicate: Replicate, simulation: Simulation, partial: PartialRun, sav
             continue
         simulation.check_duration(phase.time)
         for end in partial.began + phase.time * np.arange(1, PIECES + 1) / PIECES:
-            simulation.advance(max(end - simulation.time, 0.0))
-            save()
+            if end > simulation.time:  # and not before it was stopped
+                simulation.advance(end - simulation.time)
+                save()
 
 
 def _move(
