@@ -64,7 +64,7 @@ SORTED = AfterValidator(
 # sections that only some experiments read
 SECTIONS = "cylinder", "record", "shear", "solids", "phases"
 # of the section record, which only some experiments read, and what they have without it
-OF_ONE = {"window": None, "cells": CELLS, "region": None}
+RECORD_KEYS = {"window": None, "cells": CELLS, "region": None}
 NO_AXIS = (
     "discs",
     "mixture",
@@ -136,8 +136,8 @@ class Configuration(Section):
                 raise ValueError(
                     f"{name} is no section of the experiment {self.experiment}; leave it out"
                 )
-        for name in OF_ONE.keys() - header.get("RECORD", OF_ONE) if self.record else ():
-            if getattr(self.record, name) != OF_ONE[name]:
+        for name in RECORD_KEYS.keys() - header.get("RECORD", RECORD_KEYS) if self.record else ():
+            if getattr(self.record, name) != RECORD_KEYS[name]:
                 raise ValueError(
                     f"record.{name} is given; the experiment {self.experiment} has none, leave it out"
                 )

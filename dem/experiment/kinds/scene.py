@@ -23,7 +23,7 @@ SIZES = {"time": "record.bins", "snapshot": "record.snapshots"}
 
 def check(configuration: Configuration) -> None:
     """Raise ValueError where a phase cannot be."""
-    removed, solids, led = {}, configuration.solids, set()
+    removed, solids, forced = {}, configuration.solids, set()
     for name, solid in solids.items():
         moving = (phase.motion.get(name, solid) for phase in configuration.phases.values())
         if solid.mass is not None and not any(motion.driven for motion in (solid, *moving)):
@@ -33,7 +33,7 @@ def check(configuration: Configuration) -> None:
             )
         _check_pivot(solid, solid, f"solids.{name}")
         if solid.path is not None or solid.forces != (None, None):
-            led.add(name)
+            forced.add(name)
     for name, phase in configuration.phases.items():
         for solid, motion in phase.motion.items():
             if solid not in solids:
@@ -47,16 +47,16 @@ def check(configuration: Configuration) -> None:
                 )
             if motion.removed:
                 removed[solid] = name
-            if solid in led and (motion.velocity is None) != (motion.direction is None):
+            if solid in forced and (motion.velocity is None) != (motion.direction is None):
                 raise ValueError(
                     f"phases.{name}.motion.{solid} has one of velocity and direction; forces or a path "
                     "moved it before, give both"
                 )
             _check_pivot(solids[solid], motion, f"phases.{name}.motion.{solid}")
             if motion.path is not None or motion.forces != (None, None):
-                led.add(solid)
+                forced.add(solid)
             elif motion.velocity is not None:
-                led.discard(solid)
+                forced.discard(solid)
         if phase.until and not configuration.gravity:
             raise ValueError(
                 f"phases.{name}.until is rest and gravity 0; without gravity nothing comes to rest, "
