@@ -14,6 +14,7 @@ from .laws.cohesive import Cohesive as Cohesive
 from .laws.hertz import Hertz as Hertz
 from .laws.line import Line as Line
 from .laws.linear import Linear as Linear
+from .material import BasePlate as BasePlate
 from .material import Friction as Friction
 from .material import Material as Material
 from .material import Rolling as Rolling

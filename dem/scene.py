@@ -3,6 +3,7 @@
 SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 """
 
+import math
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
@@ -16,7 +17,7 @@ from dem.base.errors import InputError
 from dem.base.types import MOST, Acceleration, Length, array, checked, must, refuse
 from dem.laws.hertz import Hertz
 from dem.laws.protocol import is_law
-from dem.material import Friction, Material, Rolling
+from dem.material import BasePlate, Friction, Material, Rolling
 from dem.motion import Held, finite
 from dem.periodic import ROOM, Periods, nearest_image
 from dem.shapes.disc import Disc
@@ -85,6 +86,8 @@ class Scene:
         Law of all contacts.
     rolling : Rolling, optional
         Rolling resistance of all contacts of discs; None for none.
+    base_plate : BasePlate, optional
+        Plate on which the bed lies flat, with its gravity; `gravity` must then be None.
 
     Raises
     ------
@@ -147,6 +150,7 @@ class Scene:
     species: Species | None = None
     law: ContactLaw = field(default_factory=Hertz)
     rolling: InstanceOf[Rolling] | None = None
+    base_plate: InstanceOf[BasePlate] | None = None
 
     def __post_init__(self) -> None:
         self._check_materials()
@@ -154,6 +158,12 @@ class Scene:
             raise InputError(
                 f"rolling is for discs, and shape is {type(self.shape).__name__}; rolling must be "
                 "None, because granules that are not round resist rolling by their shape."
+            )
+        if self.base_plate is not None and self.gravity is not None:
+            raise InputError(
+                f"gravity is {self.gravity}, in the plane of the bed, and base_plate is given; a bed "
+                "lies on a plate by the gravity of the plate, make gravity None, or base_plate.slope "
+                "the angle of the plate."
             )
         self._check_walls()
         for axis, period in enumerate(self.periodic or ()):
@@ -285,6 +295,13 @@ class Scene:
     def granules(self) -> int:
         """Number of granules n."""
         return int(self.shape.owner[-1]) + 1
+
+    @property
+    def acceleration(self) -> tuple[float, float]:
+        """Acceleration (x, y) by gravity in the plane of the bed (m/s2)."""
+        if self.base_plate is not None:
+            return 0.0, -self.base_plate.gravity * math.sin(self.base_plate.slope)
+        return self.gravity or (0.0, 0.0)
 
     @property
     def is_held(self) -> np.ndarray:

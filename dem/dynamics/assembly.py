@@ -12,6 +12,7 @@ from dem.contacts.force_law import (
     effective_shear_modulus,
 )
 from dem.contacts.layout import BLOCK, PEAK, VX, VY, W, X, Y, aligned, layout_of
+from dem.dynamics.base_plate import base_of
 from dem.dynamics.neighbours import Bodies, Lists, new_contacts, new_patches
 from dem.dynamics.paths import RATES, motion_of
 from dem.dynamics.step import advance
@@ -194,9 +195,10 @@ def has_friction(laws: np.ndarray) -> bool:
 
 
 def can_turn(scene: Scene, laws: np.ndarray) -> bool:
-    """Whether any contact turns a granule, or a solid that is not round."""
+    """Whether a contact or the base plate turns a granule, or a solid that is not round."""
     return bool(
         scene.rolling
+        or scene.base_plate
         or not all(solid.is_round for solid in scene.solids)
         or np.any(scene.shape.normal_lever > 0.0)
         or has_friction(laws)
@@ -355,7 +357,7 @@ def assemble(
     bodies[:n, W] = state.angular_velocity
     turned = np.concatenate([state.angle, moving.angle])
     owner = np.ascontiguousarray(scene.shape.owner, np.int64)
-    patches = number_of_patches(n)
+    patches, places = number_of_patches(n), np.vstack([state.position, moving.motion[:, [X, Y]]])
     x, y = scene.periodic or (None, None)
     listed = Bodies(
         radius=table.bounding,
@@ -396,8 +398,9 @@ def assemble(
         boundaries=moving,
         faces=faces,
         held=held_groups(scene, bodies[:n], moving.motion),
+        base=base_of(scene, places, turned),
         patches=new_patches(0, patches),
-        gravity=np.array(scene.gravity or (0.0, 0.0), float),
+        gravity=np.array(scene.acceleration, float),
         account=np.zeros(PEAK + 1),
     )
     return System(world, table, flags, Lists(listed), work)

@@ -31,7 +31,7 @@ class Ledger(NamedTuple):
     damped : float
         Energy lost in dashpots since the start (J).
     slid : float
-        Energy lost by sliding since the start (J).
+        Energy lost by sliding since the start (J), at contacts and on a base plate.
     rolled : float
         Energy lost by rolling resistance since the start (J).
     work : float

@@ -21,6 +21,7 @@ import numpy as np
 
 from dem.base.errors import OverlapError, RunError, StateError
 from dem.contacts.layout import ACCOUNTS, POWER_SPRINGS, VX, VY, WORK, X, Y
+from dem.dynamics.base_plate import step_with
 from dem.dynamics.checkpoint import copied
 from dem.dynamics.contact_output import list_contacts, partner_words
 from dem.dynamics.forces import integrate_account
@@ -327,7 +328,8 @@ class Engine:
         world, table = system.world, system.table
         result = system.scan(Moment(later, self.rules.frame, self.skin))
         alone = steps_alone(world.law, table, float(result[LEAST_OVERLAP]))
-        critical, chosen = map(min, alone, result[[CRITICAL, CHOSEN]].tolist())
+        steps = map(min, alone, result[[CRITICAL, CHOSEN]].tolist())
+        critical, chosen = (step_with(world.base, step) for step in steps)
         return Diagnostics(
             kinetic_energy=float(result[KINETIC]),
             speed_bound=float(result[SPEED]),

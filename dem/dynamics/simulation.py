@@ -140,7 +140,7 @@ class Simulation:
             raise InputError(f"threads is {threads}; with an energy ledger it must be 1.")
         self.scene, self.step_fraction = scene, step_fraction
         state, frame = state.checked(scene.granules), (0.0, 0.0)
-        if not (scene.walls or scene.solids or scene.held):
+        if not (scene.walls or scene.solids or scene.held or scene.base_plate):
             x, y = np.average(state.velocity, axis=0, weights=scene.mass)
             frame = float(x), float(y)
             state.velocity -= frame

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.contacts.layout import LANES, PAIR, aligned
+from dem.dynamics.base_plate import rub_boundaries, rub_granules
 from dem.dynamics.forces import (
     FORCES,
     RESPOND,
@@ -88,6 +89,8 @@ def move_patch(world, kick, dt, patch, limit):
     0 if none is above `limit`."""
     constituents, granules = world.constituents, world.granules
     low, high = granules_of(granules.angle.shape[0], patch)
+    if world.base.grip.shape[0] > 0:
+        rub_granules(world.base, granules, world.account, kick, low, high)
     drift(
         granules,
         constituents,
@@ -134,6 +137,8 @@ def advance(world, task, kick, dt, steps, limit, rows, thread):
         # Kick and drift: boundaries, then the patches that wait for them
         if task != FORCES:
             if thread.number == 0:
+                if world.base.grip.shape[0] > 0:
+                    rub_boundaries(world.base, boundaries, kick)
                 move_boundaries(boundaries, constituents, world.account, kick, dt)
                 walls, solids = boundaries_moved(boundaries)
                 further = greater(further, greater(walls, solids))

@@ -200,6 +200,32 @@ class Held(NamedTuple):
     start: np.ndarray
 
 
+class Base(NamedTuple):
+    """What n granules and r boundaries feel of the plate; all arrays are empty without one.
+
+    Attributes
+    ----------
+    anchor : ndarray of shape (n + r, 3)
+        Position (m) and angle (rad) at which the spring is at rest.
+    radius : ndarray of shape (n + r,)
+        Radius (m) of the disc that rubs alike.
+    grip : ndarray of shape (n + r,)
+        Greatest acceleration (m/s2) by friction; zero of those that do not touch the plate.
+    slip, delay : ndarray of shape (1,)
+        Mean distance (m) at which a granule slides; dashpot over spring (s).
+    shares : ndarray of shape (NODES, 2)
+        Force and torque over their sizes when all slides the same way, against the share of the
+        rotation (dem.dynamics.base_plate).
+    """
+
+    anchor: np.ndarray
+    radius: np.ndarray
+    grip: np.ndarray
+    slip: np.ndarray
+    delay: np.ndarray
+    shares: np.ndarray
+
+
 class Patches(NamedTuple):
     """A bed in patches of PATCH granules, each of which one thread works on.
 
@@ -251,6 +277,7 @@ class World(NamedTuple):
     boundaries: Boundaries
     faces: Faces
     held: Held
+    base: Base
     patches: Patches
     gravity: np.ndarray
     account: np.ndarray

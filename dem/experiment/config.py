@@ -35,6 +35,7 @@ from dem.experiment.kinds import EXPERIMENTS, Experiment
 from dem.experiment.replicate import Replicate
 from dem.experiment.sections import (
     CELLS,
+    BasePlateSection,
     ContactSection,
     CylinderSection,
     EllipseSection,
@@ -106,6 +107,8 @@ class Configuration(Section):
     friction: FrictionSection
     rolling: RollingSection | None = None
     """rolling resistance of discs, once they are packed; null: none"""
+    base_plate: BasePlateSection | None = None
+    """plate on which the bed lies flat; null: none"""
     contact: ContactSection = ContactSection()
     walls: WallsSection | None = None
     """friction and material of single walls"""
@@ -181,6 +184,12 @@ class Configuration(Section):
             raise ValueError(
                 f"packing.pressure is {pressure:g} Pa and periodic {self.periodic}; a pressure "
                 "needs a top wall, let periodic be none or x"
+            )
+        if self.base_plate is not None and self.gravity:
+            raise ValueError(
+                f"gravity is {self.gravity:g}, in the plane of the bed, and base_plate is given; a bed "
+                "lies on a plate by base_plate.gravity: make gravity 0, and tilt the plate by "
+                "base_plate.slope"
             )
         if self.packing.preparation == "settled":
             if not self.gravity or "y" in self.periodic:

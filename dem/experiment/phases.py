@@ -147,7 +147,8 @@ def _move(
 
 def _rest(scene: Configuration, simulation: Simulation, phase: str, save) -> None:
     """Go on until the granules are at rest."""
-    energy, enough = come_to_rest(simulation, scene.gravity, STILL, save)
+    gravity = scene.gravity or scene.base_plate.gravity
+    energy, enough = come_to_rest(simulation, gravity, STILL, save)
     if energy > enough:
         raise RunError(
             f"phases.{phase}: the granules are not at rest after {simulation.time:.3g} s: their kinetic "

@@ -9,7 +9,7 @@ from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import shaped
 from dem.experiment.replicate import Replicate
 from dem.io.dataset import WALLS
-from dem.material import Friction, Rolling
+from dem.material import BasePlate, Friction, Rolling
 from dem.motion import Drive, PrescribedMotion, Turn
 from dem.packing.random import Bed
 from dem.periodic import walled
@@ -37,6 +37,7 @@ def make_scene(replicate: Replicate, bed: Bed) -> Scene:
         thickness=replicate.thickness,
         periodic=bed.periodic,
         rolling=rolling and Rolling(**_coefficients(rolling)),
+        base_plate=c.base_plate and BasePlate(**dict(c.base_plate)),
         law=replicate.law,
         species=replicate.species,
     )

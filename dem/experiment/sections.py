@@ -44,7 +44,7 @@ from dem.experiment.granule_table import Granules
 from dem.experiment.intruders import towards
 from dem.experiment.observables import OBSERVABLES
 from dem.laws import LAWS
-from dem.material import Friction, Rolling
+from dem.material import BasePlate, Friction, Rolling, Tilt
 from dem.shapes import KINDS
 
 Share = Annotated[Ratio, Field(lt=1)]
@@ -413,6 +413,19 @@ class RollingSection(Section):
     """rolling resistance at the cylinder"""
     damping: Coefficient = Rolling.damping
     """damping ratio of granules that rock without rolling"""
+
+
+class BasePlateSection(Section):
+    friction: Coefficient
+    """friction between granules and the plate"""
+    solid: Coefficient = BasePlate.solid
+    """friction between the plate and solids that forces move"""
+    gravity: Annotated[Positive, Unit("m s-2")] = BasePlate.gravity
+    """gravity, which presses on the plate"""
+    slope: Tilt = BasePlate.slope
+    """angle by which the plate is tilted, downwards along -y"""
+    slip: Ratio = BasePlate.slip
+    """mean distance by which a granule moves before it slides, relative to the mean radius"""
 
 
 class ContactSection(Section):

@@ -26,6 +26,7 @@ MIXED = {"disc": {"granules": 1, "mixture": {"a": 0.5, "b": 0.5}}, "a": PART, "b
 
 ANGULAR = {"disc": {"kind": "superellipse", "aspect_ratio": 1.2, "diameter": 1e-3, "granules": 60}}
 CALLS = {
+    "gravity is 9.81, in the plane of the bed, and base_plate is given": scene(base_plate={"friction": 0.3}),
     "motion has 'gte', which is not one of solids; the nearest is gate": scene(phases__open__motion={"gte": {"spin": 1.0}}),
     "phases.open.motion.gate.spin is 'fre'": scene(phases__open__motion={"gate": {"spin": "fre"}}),
     "motion has gate, which phases.fill removed": scene(phases__fill__motion={"gate": {"removed": True}}, phases__open__motion={"gate": {"spin": 1.0}}),

@@ -25,6 +25,10 @@ def held(count, *groups):
 
 
 CALLS = {
+    "gravity is (0.0, -9.81), in the plane of the bed, and base_plate is given": lambda: dem.Scene(
+        DISC, gravity=(0.0, -9.81), base_plate=dem.BasePlate(0.3)
+    ),
+    "BasePlate.slope is 2; it must be below 1.5": lambda: dem.BasePlate(0.3, slope=2),
     # motion
     "PrescribedMotion.time has 2 rows; it must rise": lambda: dem.PrescribedMotion([1, 0], PAIR),
     "PrescribedMotion.time has 3 rows": lambda: dem.PrescribedMotion([0, 1, 2], PAIR),

@@ -57,10 +57,10 @@ def check(configuration: Configuration) -> None:
                 forced.add(solid)
             elif motion.velocity is not None:
                 forced.discard(solid)
-        if phase.until and not configuration.gravity:
+        if phase.until and not configuration.gravity and not configuration.base_plate:
             raise ValueError(
                 f"phases.{name}.until is rest and gravity 0; without gravity nothing comes to rest, "
-                "give gravity or a time"
+                "give gravity, a base_plate or a time"
             )
     if not configuration.duration:
         raise ValueError(f"phases.{name} is the last and has until; what is recorded needs a time")
