@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import InstanceOf, PlainValidator
+from pydantic import AfterValidator, InstanceOf, PlainValidator
 
 from dem.base.errors import InputError
 from dem.base.types import (
@@ -25,9 +25,10 @@ from dem.base.types import (
 )
 
 
-def finite(*shape: int | None) -> PlainValidator:
-    """Finite numbers in a list or an array of a shape, None for any length but zero."""
-    return array(*shape, low=-MOST, high=MOST)
+def finite(*shape: int | None, gaps: bool = False) -> PlainValidator:
+    """Finite numbers in a list or an array of a shape, None for any length but zero; gaps: or rows
+    of NaN."""
+    return array(*shape, low=-MOST, high=MOST, gaps=gaps)
 
 
 Series = Annotated[np.ndarray, finite(None)]
@@ -203,14 +204,21 @@ Sliding = Annotated[
 ]
 
 
-def chosen(value: Any) -> np.ndarray:
-    """Numbers of granules in ascending order, also from a mask; raises ValueError."""
+def numbers(value: Any) -> np.ndarray:
+    """Numbers of granules, also from a mask; raises ValueError."""
     rows = np.asarray(value)
     if rows.dtype == bool and rows.ndim == 1:
         rows = np.flatnonzero(rows)
     if rows.dtype.kind not in "iu" or rows.ndim != 1 or not len(rows) or rows.min() < 0:
         raise ValueError
-    return np.unique(rows).astype(np.int64)
+    return rows.astype(np.int64)
+
+
+Numbers = Annotated[
+    np.ndarray,
+    PlainValidator(numbers),
+    must("be numbers of granules, or one truth value per granule"),
+]
 
 
 @checked
@@ -249,9 +257,5 @@ class Held:
     array([0, 1])
     """
 
-    granules: Annotated[
-        np.ndarray,
-        PlainValidator(chosen),
-        must("be numbers of granules, or one truth value per granule"),
-    ]
+    granules: Annotated[Numbers, AfterValidator(np.unique)]
     motion: Sliding = (0.0, 0.0)

@@ -264,6 +264,19 @@ class Scene:
                     "make one solid of both."
                 )
 
+    def taken(self, numbers: np.ndarray) -> "Scene":
+        """The scene with the granules of these numbers only, in this order; a group may have none."""
+        part, places = copy(self), np.full(self.granules, -1)
+        places[numbers] = np.arange(len(numbers))
+        held = [copy(group) for group in self.held]
+        for group in held:
+            rows = places[group.granules]
+            object.__setattr__(group, "granules", rows[rows >= 0])
+        values = {"shape": self.shape.take(numbers), "species": np.asarray(self.species)[numbers]}
+        for name, value in (values | {"held": tuple(held)}).items():
+            object.__setattr__(part, name, value)
+        return part
+
     def moved(self, position: np.ndarray, angle: np.ndarray, planes: np.ndarray) -> "Scene":
         """The scene later on, when its motion may have brought solids into walls or others.
 
@@ -340,7 +353,8 @@ class State:
     Parameters
     ----------
     position : array_like of shape (n, 2)
-        Centres of mass (m).
+        Centres of mass (m). A row of NaN says that a granule is not there, before
+        `Simulation.insert_granules` or after `Simulation.remove_granules`; it has NaN in all arrays.
     velocity : array_like of shape (n, 2), optional
         Velocities of the centres (m/s).
     angle : array_like of shape (n,), optional
@@ -351,7 +365,7 @@ class State:
     Raises
     ------
     InputError
-        If an argument is not an array of finite numbers of its shape.
+        If an argument is not an array of finite numbers of its shape, for granules that are there.
 
     Examples
     --------
@@ -363,21 +377,30 @@ class State:
     array([1., 0.])
     """
 
-    position: Annotated[Any, finite(None, 2)]
-    velocity: Annotated[Any, finite(None, 2), OR_NONE] = None
-    angle: Annotated[Any, finite(None), OR_NONE] = None
-    angular_velocity: Annotated[Any, finite(None), OR_NONE] = None
+    position: Annotated[Any, finite(None, 2, gaps=True)]
+    velocity: Annotated[Any, finite(None, 2, gaps=True), OR_NONE] = None
+    angle: Annotated[Any, finite(None, gaps=True), OR_NONE] = None
+    angular_velocity: Annotated[Any, finite(None, gaps=True), OR_NONE] = None
 
     def __post_init__(self) -> None:
-        count = len(self.position)
+        absent = np.isnan(self.position[:, 0])
         for name, axes in ARRAYS.items():
             value = getattr(self, name)
             if value is None:
-                setattr(self, name, np.zeros((count, *axes)))
-            elif len(value) != count:
+                value = np.zeros((len(absent), *axes))
+                setattr(self, name, value)
+            elif len(value) != len(absent):
                 raise InputError(
-                    f"{name} has {len(value)} rows; it must have {count}, as position."
+                    f"{name} has {len(value)} rows; it must have {len(absent)}, as position."
                 )
+            if np.isnan(value[~absent]).any():
+                raise InputError(f"{name} is not a number where position is one; give both.")
+            value[absent] = np.nan
+
+    @property
+    def present(self) -> np.ndarray:
+        """Numbers of the granules that are there, in ascending order."""
+        return np.flatnonzero(~np.isnan(self.position[:, 0]))
 
     def checked(self, granules: int) -> "State":
         """A copy of the state, after a check that a simulation can start from it.

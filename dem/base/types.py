@@ -83,11 +83,13 @@ def must(words: str, holds: Callable[[Any], Any] = lambda value: True) -> WrapVa
     return WrapValidator(check)
 
 
-def array(*shape: int | None, low: float = -np.inf, high: float = np.inf) -> PlainValidator:
+def array(
+    *shape: int | None, low: float = -np.inf, high: float = np.inf, gaps: bool = False
+) -> PlainValidator:
     """Real numbers in a list or an array of a shape, None for any length but zero.
 
     They become a float64 array, a copy of what is given. low, high: the range of its
-    numbers; without them NaN is taken too.
+    numbers; without them NaN is taken too. gaps: rows of NaN are taken.
     """
     axes = str(tuple("n" if n is None else n for n in shape)).replace("'", "")
     ranged = max(low, -high) > -np.inf
@@ -97,8 +99,11 @@ def array(*shape: int | None, low: float = -np.inf, high: float = np.inf) -> Pla
         fits = all(n in (None, size) and size for n, size in zip(shape, rows.shape, strict=False))
         if rows.ndim != len(shape) or not fits:
             raise ValueError(f"it must have shape {axes}, not {rows.shape}")
-        if ranged and len(wrong := np.argwhere(~((rows >= low) & (rows <= high)))):
-            at = tuple(wrong[0].tolist())
+        wrong = ~((rows >= low) & (rows <= high))
+        if gaps:
+            wrong[np.isnan(rows).reshape(len(rows), -1).all(axis=1)] = False
+        if ranged and wrong.any():
+            at = tuple(np.argwhere(wrong)[0].tolist())
             raise ValueError(
                 f"all must be from {low:g} to {high:g}, and {rows[at]:g} is at {list(at)}"
             )

@@ -56,8 +56,10 @@ NUMBERS = np.uint64(3 * BLOCK)
 COLUMN = np.uint64(BLOCK)  # from one column of a list to the next
 
 # account: power (W) that dashpots take, tangential springs, and rolling springs; their energies;
-# work on the granules, of boundaries and of gravity; its greatest sum in size
+# work on the granules, of boundaries and of gravity; its greatest sum in size; what granules that came
+# brought, less what others took along: kinetic and elastic energy, and work of gravity
 POWER_DAMPED, POWER_SPRINGS, POWER_ROLLING, ACCOUNTS, WORK, FALL, PEAK = 0, 1, 2, 3, 6, 7, 8
+BROUGHT, RAISED, ACCOUNT = 9, 10, 11
 
 
 class Layout(NamedTuple):

@@ -1,7 +1,7 @@
 """From a scene and a state to the arrays of the kernels."""
 
 import math
-from dataclasses import astuple, replace
+from dataclasses import astuple
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +11,7 @@ from dem.contacts.force_law import (
     effective_modulus,
     effective_shear_modulus,
 )
-from dem.contacts.layout import BLOCK, PEAK, VX, VY, W, X, Y, aligned, layout_of
+from dem.contacts.layout import ACCOUNT, BLOCK, VX, VY, W, X, Y, aligned, layout_of
 from dem.dynamics.base_plate import base_of
 from dem.dynamics.neighbours import Bodies, Lists, new_contacts, new_patches
 from dem.dynamics.paths import RATES, motion_of
@@ -239,13 +239,14 @@ def boundaries(scene: Scene, sections: np.ndarray) -> Boundaries:
 
 def held_groups(scene: Scene, bodies: np.ndarray, motion: np.ndarray) -> Held:
     """The groups of a scene, whose granules take their velocities (of Boundaries.motion) at
-    once."""
+    once; motion: where the groups are."""
     first, group = len(motion) - len(scene.held), np.full(scene.granules, -1)
     for b, held in enumerate(scene.held):
         group[held.granules] = first + b
     member = np.flatnonzero(group >= 0)
     bodies[np.ix_(member, [VX, VY])] = motion[np.ix_(group[member], [VX, VY])]
-    return Held(group, member, bodies[np.ix_(member, [X, Y])])
+    place = np.ix_(member, [X, Y]), np.ix_(group[member], [X, Y])
+    return Held(group, member, bodies[place[0]] - motion[place[1]])
 
 
 def meeting(outlines, shape):
@@ -338,16 +339,25 @@ def flags_of(scene: Scene, table: GranuleTable, moving: Boundaries, sections, so
 
 
 def assemble(
-    scene: Scene, state: State, table: GranuleTable, ledger: bool = False, work=advance
+    scene: Scene,
+    state: State,
+    table: GranuleTable,
+    ledger: bool = False,
+    work=advance,
+    whole: Scene | None = None,
+    moving: Boundaries | None = None,
 ) -> System:
-    """The arrays of a scene, its kernels and what makes its lists; no list is made yet. work: see
-    System."""
-    n, c, faces = scene.granules, len(table.radius), faces_of(scene)
+    """The arrays of a scene, its kernels and what makes its lists; no list is made yet.
+
+    work: see System; whole: the scene of which this has some granules, and the kernels of which it
+    takes; moving: boundaries as they are now, those of the start if there are none.
+    """
+    n, c, faces, whole = scene.granules, len(table.radius), faces_of(scene), whole or scene
     sections, sizes = sections_of(scene)
-    moving = boundaries(scene, sections)
+    moving = moving or boundaries(scene, sections)
     inverse_mass, inverse_inertia = mobilities(scene)
     solids, of_granules, of_solids = outlines_of(scene, sections)
-    flags = flags_of(scene, table, moving, sections, solids)
+    flags = flags_of(whole, table, moving, sections, solids)
     flags |= {"FULL": flags["DAMPING"] and not flags["TURNS"], "LEDGER": ledger}
     layout = layout_of(flags, of_granules.shape[1], of_solids.shape[1])
     r, alone = len(moving.motion), is_alone(scene.shape)
@@ -381,7 +391,7 @@ def assemble(
             angle=state.angle,
             inverse_mass=inverse_mass,
             # zeros let round ellipses keep their angles
-            inverse_inertia=inverse_inertia * can_turn(scene, table.laws),
+            inverse_inertia=inverse_inertia * can_turn(whole, table.laws),
             force=pushed,
             previous_acceleration=aligned(n, 4),
         ),
@@ -401,7 +411,7 @@ def assemble(
         base=base_of(scene, places, turned),
         patches=new_patches(0, patches),
         gravity=np.array(scene.acceleration, float),
-        account=np.zeros(PEAK + 1),
+        account=np.zeros(ACCOUNT),
     )
     return System(world, table, flags, Lists(listed), work)
 
@@ -418,22 +428,19 @@ def _spread(number):
 
 
 def order_of(scene: Scene, state: State) -> np.ndarray:
-    """Granules (n,) in the order of memory: that of the user for a bed of one patch."""
-    if scene.granules <= PATCH:
-        return np.arange(scene.granules)
+    """Granules (n,) that are there, in the order of memory: that of the user for a bed of one patch."""
+    present = state.present
+    if len(present) <= PATCH:
+        return present
     cell = 2.0 * scene.shape.bounding_radius.mean()
-    position = wrapped(state.position, scene.periodic)
+    position = wrapped(state.position[present], scene.periodic)
     cells = np.minimum((position - position.min(axis=0)) / cell, 2.0**31)
-    return np.argsort(_spread(cells[:, 0]) | _spread(cells[:, 1]) << np.uint64(1), kind="stable")
+    rank = _spread(cells[:, 0]) | _spread(cells[:, 1]) << np.uint64(1)
+    return present[np.argsort(rank, kind="stable")]
 
 
 def ordered(scene: Scene, state: State, order) -> tuple[Scene, State]:
-    """The same scene and state with granules in the order of memory."""
-    if scene.granules <= PATCH:
+    """The same scene and state with granules in the order of memory, but for those not there."""
+    if np.array_equal(order, np.arange(scene.granules)):
         return scene, state
-    state = State(*(getattr(state, name)[order] for name in ARRAYS))
-    places = np.argsort(order)
-    held = tuple(replace(group, granules=places[group.granules]) for group in scene.held)
-    return replace(
-        scene, shape=scene.shape.take(order), held=held, species=scene.species[order]
-    ), state
+    return scene.taken(order), State(*(getattr(state, name)[order] for name in ARRAYS))

@@ -10,7 +10,7 @@ order in the time step.
 
 from typing import NamedTuple
 
-from dem.contacts.layout import ACCOUNTS, PEAK, WORK
+from dem.contacts.layout import ACCOUNTS, BROUGHT, PEAK, RAISED, WORK
 from dem.dynamics.measures import over
 from dem.dynamics.scan import KINETIC
 
@@ -39,6 +39,9 @@ class Ledger(NamedTuple):
         granules; less the elastic energy of contacts that removed solids took along.
     fallen : float
         Work of gravity on the granules since the start (J).
+    brought : float
+        Kinetic and elastic energy that inserted granules brought, less that which removed ones took
+        along (J).
     before : float
         Energy held at the start (J).
     peak : float
@@ -46,7 +49,8 @@ class Ledger(NamedTuple):
 
     Notes
     -----
-    ``held - before = work + fallen - damped - slid - rolled``, but for the error of the time step.
+    ``held - before = work + fallen + brought - damped - slid - rolled``, but for the error of the
+    time step.
     """
 
     kinetic: float
@@ -58,6 +62,7 @@ class Ledger(NamedTuple):
     rolled: float
     work: float
     fallen: float
+    brought: float
     before: float
     peak: float
 
@@ -71,8 +76,8 @@ class Ledger(NamedTuple):
         """Error of the energy balance over its largest term so far, without unit: a piston may take
         back all that it gave."""
         change = self.held - self.before
-        gained, gone = self.work + self.fallen, self.damped + self.slid + self.rolled
-        terms = self.held, self.before, self.work, self.fallen, gone, self.peak
+        gained, gone = self.work + self.fallen + self.brought, self.damped + self.slid + self.rolled
+        terms = self.held, self.before, self.work, self.fallen, self.brought, gone, self.peak
         scale = max(map(abs, terms))
         return abs(change - gained + gone) / scale if scale > 0.0 else 0.0
 
@@ -103,7 +108,8 @@ def energies(system, held: float, height: float, later: float) -> Ledger:
         slid=float(slid - tangential),
         rolled=float(rolled - rolling),
         work=float(account[WORK]),
-        fallen=fallen(system.world) - height,
+        fallen=fallen(system.world) - height - float(account[RAISED]),
+        brought=float(account[BROUGHT]),
         before=held,
         peak=float(account[PEAK]),
     )

@@ -4,7 +4,7 @@ Between two neighbour lists nothing moves by more than half the skin. A check at
 therefore sees every overlap before it has grown by more than the skin.
 
 Steps are whole: no interval cuts one, and what lies within a step is seen on a copy. Only where a
-solid is removed, or driven otherwise, a step ends at that time. The step is chosen where the lists
+solid is removed, or driven otherwise, or granules come or go, a step ends at that time. The step is chosen where the lists
 are made, and every SCAN_INTERVAL steps: down at once, up once the bound has allowed it for QUIET
 steps. A step that follows its bound closely would be long on the way into a contact and short on
 the way out, and heat the bed. Bits do not depend on where intervals and calls end, nor on who looks.
@@ -20,12 +20,25 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dem.base.errors import OverlapError, RunError, StateError
-from dem.contacts.layout import ACCOUNTS, POWER_SPRINGS, VX, VY, WORK, X, Y
+from dem.contacts.layout import (
+    ACCOUNTS,
+    BLOCK,
+    BROUGHT,
+    POWER_SPRINGS,
+    RAISED,
+    VX,
+    VY,
+    WORK,
+    X,
+    Y,
+)
 from dem.dynamics.base_plate import step_with
 from dem.dynamics.checkpoint import copied
 from dem.dynamics.contact_output import list_contacts, partner_words
+from dem.dynamics.energy import balance, fallen
 from dem.dynamics.forces import integrate_account
 from dem.dynamics.measures import steps_alone
+from dem.dynamics.neighbours import without
 from dem.dynamics.paths import is_driven, places, shown, with_motion
 from dem.dynamics.scan import (
     CHOSEN,
@@ -225,7 +238,7 @@ class Engine:
     rules : StepControl
         How the time step is chosen.
     order : ndarray of shape (n,)
-        Number of each granule of the arrays.
+        Number of each granule of the arrays, which has those that are there.
     progress : Progress
         How far they are.
     until : float
@@ -234,8 +247,7 @@ class Engine:
 
     def __init__(self, system: System, skin: float, rules: StepControl, order, threads: int):
         self.system, self.skin, self.rules, self.order = system, skin, rules, order
-        self.until = 0.0
-        self.threads = min(threads, number_of_patches(len(system.world.granules.angle)))
+        self.until, self.threads = 0.0, threads
         self.budget = max(FIRST_BUDGET // len(system.world.constituents.owner), 1)
         self.progress = Progress()
         self._view: tuple[Progress, System, Diagnostics] | None = None
@@ -317,6 +329,35 @@ class Engine:
             account[WORK] -= taken.sum()
             account[ACCOUNTS + POWER_SPRINGS : WORK] -= taken[1:]
         return engine
+
+    def populate(self, system: System, order: np.ndarray) -> None:
+        """Go on from the end of a step with other granules: those that stay, in the same order, then
+        those that come. Pairs that stay keep what they remember, and all that stay their anchors.
+
+        system: has these, the boundaries of now, and no list yet.
+        """
+        old, before, kept = self.world, self.content(), np.isin(self.order, order)
+        moving = np.ones(len(old.boundaries.motion), bool)
+        stays = np.append(kept[old.constituents.owner], moving)
+        contacts = without(old.contacts, system.kernels.layout.stride // BLOCK, stays)
+        base = system.world.base
+        if len(anchor := old.base.anchor):
+            base.anchor[: kept.sum()] = anchor[: len(kept)][kept]
+            base.anchor[len(order) :] = anchor[len(kept) :]
+            base = base._replace(slip=old.base.slip, delay=old.base.delay)
+        system.world = system.world._replace(contacts=contacts, account=old.account, base=base)
+        self.system, self.order, self._view = system, order, None
+        self.begin()
+        change, account = self.content() - before, self.world.account
+        self._view = None  # which has the account of before
+        account[BROUGHT] += change[:4].sum()
+        account[ACCOUNTS + POWER_SPRINGS : WORK] += change[2:4]
+        account[RAISED] += change[4]
+
+    def content(self) -> np.ndarray:
+        """Kinetic energy of the bed, elastic ones of all springs, and what gravity did (J)."""
+        system = self.observe()[0]
+        return np.array([*balance(system), fallen(system.world)])
 
     def diagnose(self, system: System, later: float) -> Diagnostics:
         """How a bed is, and how long a step may be; later (s): kicks that velocities lack.
@@ -407,8 +448,9 @@ class Engine:
         """
         begin, shortest = self.progress.seen, math.inf
         self.progress = self.progress._replace(outcome=FINE)
+        size = min(self.threads, number_of_patches(len(self.order)))
         with (
-            nullcontext() if self.threads == 1 else Threads(self.threads) as threads,
+            nullcontext() if size == 1 else Threads(size) as threads,
             signals_deferred() as answer,
         ):
             for n, end in enumerate(ends):

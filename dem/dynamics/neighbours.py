@@ -509,6 +509,25 @@ def new_patches(room: int, patches: int) -> Patches:
     return Patches(target, incoming, np.zeros(patches + 1, np.int64), np.zeros(patches, np.int64))
 
 
+def without(contacts: Contacts, columns: int, stays: np.ndarray) -> Contacts:
+    """A list of so many columns without the bodies that do not stay, and the others numbered anew in
+    the same order; what contacts remember is all that it is good for.
+
+    stays: whether each row of Constituents.motion does.
+    """
+    table, bodies = (
+        contacts.table.reshape(-1, columns, BLOCK),
+        contacts.numbers.reshape(-1, 3, BLOCK),
+    )
+    used = np.arange(BLOCK) < contacts.count[:, None]
+    bodies = bodies * used[:, None]  # beyond is memory without meaning
+    kept = used & stays[bodies[:, :2]].all(axis=1)
+    bodies[:, :2] = (np.cumsum(stays) - 1)[bodies[:, :2]]
+    lanes = np.argsort(~kept, axis=1, kind="stable")[:, None]
+    bodies, table = (np.take_along_axis(rows, lanes, 2).ravel() for rows in (bodies, table))
+    return contacts._replace(numbers=bodies, table=table, count=kept.sum(axis=1))
+
+
 class Lists:
     """Makes the lists of a bed; keeps memory between two of them.
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from copy import deepcopy
 from typing import Annotated, Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from dem.base.types import Count, NotNegative, Time, Unit, checked
 from dem.contacts.layout import VX, VY, W
 from dem.dynamics.assembly import assemble, granule_table, order_of, ordered
 from dem.dynamics.checkpoint import fingerprint, replaced, restored, written
-from dem.dynamics.contact_output import ContactList, list_contacts
+from dem.dynamics.contact_output import ContactList, list_contacts, partner_words
 from dem.dynamics.energy import Ledger, balance, energies, fallen
 from dem.dynamics.engine import (
     ANGLE,
@@ -37,11 +38,12 @@ from dem.dynamics.numerics import (
 )
 from dem.dynamics.paths import shown
 from dem.dynamics.result import Record, Result, shares
-from dem.dynamics.skin import SKIN, skin_for, skin_of
+from dem.dynamics.skin import skin_for, skin_of
 from dem.dynamics.stress import Edges, Stress, stress
-from dem.dynamics.world import REMOVED, World
-from dem.motion import Motion, Spin
-from dem.scene import ARRAYS, Scene, State
+from dem.dynamics.system import System
+from dem.dynamics.world import REMOVED, Boundaries, World
+from dem.motion import Motion, Numbers, Spin, Velocities
+from dem.scene import ARRAYS, TOUCHING, Scene, State
 
 
 class Simulation:
@@ -138,19 +140,20 @@ class Simulation:
         check_stable(step_fraction, allow_unstable)
         if ledger and threads > 1:
             raise InputError(f"threads is {threads}; with an energy ledger it must be 1.")
-        self.scene, self.step_fraction = scene, step_fraction
+        self.scene, self.step_fraction, self._keeps_ledger = scene, step_fraction, ledger
         state, frame = state.checked(scene.granules), (0.0, 0.0)
+        present = state.present
+        self._check_free(present, "state")
         if not (scene.walls or scene.solids or scene.held or scene.base_plate):
-            x, y = np.average(state.velocity, axis=0, weights=scene.mass)
+            x, y = np.average(state.velocity[present], axis=0, weights=scene.mass[present])
             frame = float(x), float(y)
             state.velocity -= frame
         order = order_of(scene, state)
-        scene, state = ordered(scene, state, order)
-        table = granule_table(scene, step_fraction)
-        system = assemble(scene, state, table, ledger)
-        width = skin_of(scene, skin or SKIN)
+        system = self._assembled(state, order)
         if skin is None:
-            width = skin_for(scene, system.world, table, time_step)
+            width = skin_for(scene, system.world, system.table, time_step)
+        else:
+            width = skin_of(scene, system.table, skin)
         rules = StepControl(
             time_step=float(time_step or 0.0),
             max_overlap=float(max_overlap),
@@ -191,11 +194,10 @@ class Simulation:
 
     @property
     def state(self) -> State:
-        """Copy of positions (m) and angles (rad) of granules with their rates (1/s). Another run that
-        starts from it has its boundaries at their start; `checkpoint` keeps them."""
-        back = np.argsort(self.engine.order)
-        bodies, angle = self.world.bodies[back], self.world.granules.angle[back]
-        return State(bodies[:, :2].copy(), bodies[:, [VX, VY]], angle, bodies[:, W].copy())
+        """Copy of positions (m) and angles (rad) of granules with their rates (1/s), NaN of those that
+        are not there. Another run that starts from it has its boundaries at their start;
+        `checkpoint` keeps them."""
+        return self._state(self.world, self.engine.order)
 
     def collect_impulses(self) -> tuple[np.ndarray, np.ndarray]:
         """Impulses of the granules on solids and walls since the last call.
@@ -422,10 +424,12 @@ class Simulation:
         0.0
         """
         engine = self.engine
-        return written(world=engine.world, progress=engine.progress, scene=self._fingerprint())
+        own = {"scene": self._fingerprint(), "order": engine.order}
+        return written(world=engine.world, progress=engine.progress, **own)
 
     def restore(self, saved: Mapping[str, np.ndarray]) -> None:
-        """Continue from a checkpoint of a simulation with the same scene and start.
+        """Continue from a checkpoint of a simulation with the same scene and start, also where other
+        granules were there.
 
         Further calls give the same bits as without the interruption.
 
@@ -444,14 +448,14 @@ class Simulation:
             raise InputError("saved is no checkpoint of this simulation; it is of another scene.")
         if lacking := self.checkpoint().keys() - saved.keys():
             raise InputError(f"saved is no whole checkpoint; it lacks {min(lacking)}.")
-        engine = self.engine
-        engine.system = engine.system.suited(restored(engine.system, saved))
+        engine, order = self.engine, saved["order"]
+        system = self._assembled(State(np.zeros((self.scene.granules, 2))), order)
+        engine.system, engine.order = system.suited(restored(system, saved)), np.array(order)
         engine.progress = replaced(engine.progress, saved, "progress")
 
     def _fingerprint(self) -> np.ndarray:
-        """Hash that differs between scenes, options and orders of granules in memory."""
-        engine = self.engine
-        return fingerprint(self.scene, engine.rules, engine.order, self._at_start is None)
+        """Hash that differs between scenes and options."""
+        return fingerprint(self.scene, self.engine.rules, self._keeps_ledger)
 
     @checked
     def set_motion(
@@ -548,6 +552,181 @@ class Simulation:
         if self.engine.world.boundaries.section[b] == REMOVED:
             raise InputError(f"solid is {solid}, which was removed; it must be one of the others.")
         self.engine = self.engine.changed(b, velocity, spin, removed)
+
+    @checked
+    def remove_granules(self, granules: Numbers) -> None:
+        """Take granules out of the bed.
+
+        Parameters
+        ----------
+        granules : array_like of int of shape (h,), or of bool of shape (n,)
+            Their numbers in the scene, or for each granule whether it goes (without unit).
+
+        Raises
+        ------
+        InputError
+            If the scene has no such granule, if one is not there, or if no free one would be left.
+
+        See Also
+        --------
+        insert_granules : Put them into the bed, also again.
+
+        Notes
+        -----
+        Others keep their numbers, and their contacts what these remember. The step ends now. Those
+        that are not there are NaN in `state` and in frames, and count in no mean. The ledger counts
+        the energy that they take along.
+
+        Examples
+        --------
+        Two discs lie on each other. Once the lower one is gone, the other falls freely for 10 ms:
+
+        >>> import dem
+        >>> scene = dem.Scene(
+        ...     dem.Disc([1e-3, 1e-3]),
+        ...     dem.Material(young_modulus=1e6, restitution=0.1),
+        ...     dem.Friction(),
+        ...     walls=dem.box(2e-3, 20e-3),
+        ...     gravity=(0.0, -9.81),
+        ... )
+        >>> run = dem.Simulation(scene, dem.State([[1e-3, 9.9e-4], [1e-3, 2.9e-3]]))
+        >>> shortest = run.advance(0.2)
+        >>> height = run.state.position[1, 1]
+        >>> run.remove_granules([0])
+        >>> shortest = run.advance(0.01)
+        >>> print(f"{1e3 * (height - run.state.position[1, 1]):.2f} mm")
+        0.49 mm
+        >>> run.state.position[0]
+        array([nan, nan])
+        """
+        self._populate(np.unique(granules))
+
+    @checked
+    def insert_granules(
+        self,
+        granules: Numbers,
+        position: Velocities,
+        velocity: Any = None,
+        angle: Any = None,
+        angular_velocity: Any = None,
+    ) -> None:
+        """Put granules of the scene that are not there into the bed.
+
+        The scene has all granules that ever are in the bed; a row of NaN in the position of its
+        `State` leaves one out at the start.
+
+        Parameters
+        ----------
+        granules : array_like of int of shape (h,)
+            Their numbers in the scene (without unit).
+        position : array_like of shape (h, 2)
+            Centres of mass (m).
+        velocity : array_like of shape (h, 2), optional
+            Velocities of the centres (m/s), zero if not given; held granules have that of their
+            group.
+        angle : array_like of shape (h,), optional
+            Angles (rad), anticlockwise, zero if not given.
+        angular_velocity : array_like of shape (h,), optional
+            Angular velocities (rad/s), anticlockwise, zero if not given.
+
+        Raises
+        ------
+        InputError
+            If the scene has no such granule, if one is there already, if one would overlap a
+            granule, a solid or a wall, or if an array is not for these granules. The simulation is
+            then unchanged.
+
+        See Also
+        --------
+        remove_granules : Take granules out.
+
+        Examples
+        --------
+        A disc leaves a box at its right side, and comes again at the left one:
+
+        >>> import dem
+        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), friction=dem.Friction())
+        >>> state = dem.State([[9e-3, 0.0], [0.0, 5e-3]], velocity=[[1.0, 0.0], [0.0, 0.0]])
+        >>> run = dem.Simulation(scene, state)
+        >>> shortest = run.advance(2e-3)
+        >>> run.remove_granules(run.state.position[:, 0] > 1e-2)
+        >>> run.insert_granules([0], [[0.0, 0.0]], velocity=[[1.0, 0.0]])
+        >>> shortest = run.advance(1e-3)
+        >>> run.state.position[0].round(6).tolist()
+        [0.001, 0.0]
+        """
+        new = State(position, velocity, angle, angular_velocity)
+        if len(new.position) != len(granules):
+            raise InputError(
+                f"position has {len(new.position)} rows; it must have {len(granules)}, as granules."
+            )
+        self._populate(granules, new)
+
+    def _populate(self, granules: np.ndarray, new: State | None = None) -> None:
+        """Let granules go, or come in a state."""
+        count, order = self.scene.granules, self.engine.order
+        known, wrong = np.unique(granules), np.isin(granules, order, invert=new is None)
+        if known[-1] >= count:
+            raise InputError(f"granules has {known[-1]}; the scene has {count}, numbered from 0.")
+        if len(known) < len(granules):
+            raise InputError("granules has a number twice; each granule is there once.")
+        if wrong.any():
+            words = "is not there" if new is None else "is there already"
+            raise InputError(f"granules has {granules[wrong][0]}, which {words}; leave it out.")
+        order = order[np.isin(order, granules, invert=True)] if new is None else [*order, *granules]
+        order = np.array(order, np.int64)
+        self._check_free(order, "granules")
+        engine = deepcopy(self.engine)  # an interrupt changes nothing
+        engine.end_step()
+        state = self._state(engine.world, engine.order)
+        if new is not None:
+            frame = np.array(engine.rules.frame)
+            new.position -= frame * engine.progress.seen
+            new.velocity -= frame
+            for name in ARRAYS:
+                getattr(state, name)[granules] = getattr(new, name)
+        engine.populate(self._assembled(state, order, engine.world.boundaries), order)
+        if new is not None:
+            self._check_room(engine, granules)
+        self.engine = engine
+
+    def _check_room(self, engine: Engine, granules: np.ndarray) -> None:
+        """Raise InputError where granules overlap others, solids or walls."""
+        contacts = list_contacts(engine.system, engine.order)
+        met = np.isin(contacts.granule, granules) | np.isin(contacts.partner, granules)
+        overlap = np.where(met, contacts.overlap, 0.0)
+        if overlap.max(initial=0.0) > TOUCHING * self.scene.shape.bounding_radius.min():
+            granule = contacts.granule[overlap.argmax()]
+            raise InputError(
+                f"granule {granule} would be {overlap.max():.3g} m inside "
+                f"{partner_words(engine.world, contacts, granule)}; insert granules where there is room."
+            )
+
+    def _check_free(self, present: np.ndarray, name: str) -> None:
+        """Raise InputError where no granule is there that is free."""
+        if self.scene.is_held[present].all():
+            raise InputError(f"{name} must leave at least one granule there that is not held.")
+
+    def _assembled(
+        self, state: State, order: np.ndarray, moving: Boundaries | None = None
+    ) -> System:
+        """The arrays of the granules that are there; moving: boundaries as they are now."""
+        scene, state = ordered(self.scene, state, order)
+        table = granule_table(scene, self.step_fraction)
+        return assemble(scene, state, table, self._keeps_ledger, whole=self.scene, moving=moving)
+
+    def _state(self, world: World, order: np.ndarray) -> State:
+        """The state of all granules, NaN of those that are not there."""
+        state = State(np.full((self.scene.granules, 2), np.nan))
+        rows = (
+            world.bodies[:, :2],
+            world.bodies[:, [VX, VY]],
+            world.granules.angle,
+            world.bodies[:, W],
+        )
+        for name, values in zip(ARRAYS, rows, strict=True):
+            getattr(state, name)[order] = values
+        return state
 
     @checked
     def advance(self, duration: Annotated[NotNegative, Unit("s")]) -> float:

@@ -22,10 +22,10 @@ def widest_skins(scene: Scene) -> list[float]:
     return [0.25 * (period - 2.0 * reach(scene)) for period in scene.periodic or () if period]
 
 
-def skin_of(scene: Scene, share: float) -> float:
-    """Skin (m) for a share of the mean bounding radius, at most the widest."""
-    mean = scene.shape.constituent_bounding_radius.mean()
-    return min([float(share * mean), *widest_skins(scene)])
+def skin_of(scene: Scene, table, share: float) -> float:
+    """Skin (m) for a share of the mean bounding radius of the granules that are there, at most the
+    widest."""
+    return min([float(share * table.bounding.mean()), *widest_skins(scene)])
 
 
 def skin_for(scene, world, table, time_step: float | None) -> float:

@@ -111,7 +111,8 @@ def stress(
     Raises InputError if the container is not closed.
     """
     axis, limits = bins or (0, np.array([-np.inf, np.inf]))
-    periods, position, mass = scene.periodic or (None, None), state.position, scene.mass
+    present, periods = state.present, scene.periodic or (None, None)
+    position, velocity, mass = state.position[present], state.velocity[present], scene.mass[present]
     period = periods[axis] if bins else None
     below = _areas_below(_container(world.boundaries.planes, periods, bins), axis, limits)
     for b, solid in enumerate(scene.solids, len(scene.walls)):
@@ -133,16 +134,16 @@ def stress(
     ends = np.concatenate([contacts.granule[between], contacts.partner[between]])
     point, normal = contacts.point[between], contacts.normal[between]
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        within, momentum = held(mass, position), held(mass[:, None] * state.velocity, position)
-        moving = held(mass[:, None, None] * _outer(state.velocity, state.velocity), position)
+        within, momentum = held(mass, position), held(mass[:, None] * velocity, position)
+        moving = held(mass[:, None, None] * _outer(velocity, velocity), position)
         moving -= _outer(momentum, momentum) / np.maximum(within, LEAST)[:, None, None]
         carried = _outer(contacts.total_force, contacts.branch)
-        start, one = position[contacts.granule], np.ones(len(point))
+        start, one = state.position[contacts.granule], np.ones(len(point))
         measured = Stress(
             contact=held(carried, start, contacts.branch) / volume[:, None, None],
             kinetic=moving / volume[:, None, None],
             fabric=held(_outer(normal, normal), point) / held(one, point)[:, None, None],
-            coordination_number=held(np.bincount(ends, minlength=len(mass)), position)
+            coordination_number=held(np.bincount(ends, minlength=scene.granules)[present], position)
             / held(np.ones(len(mass)), position),
         )
     return measured if bins else Stress(*(values[0] for values in measured))

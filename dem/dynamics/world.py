@@ -264,7 +264,7 @@ class World(NamedTuple):
         The law of contacts.
     gravity : ndarray of shape (2,)
         Acceleration (m/s2).
-    account : ndarray of shape (9,)
+    account : ndarray of shape (11,)
         Energy ledger (dem.contacts.layout), zeros where none is kept.
     """
 

@@ -37,12 +37,16 @@ def export(motion: Snapshots, path: Path, progress=lambda done: None) -> None:
 
 
 def _mesh(motion: Snapshots, snapshot: int) -> meshio.Mesh:
-    rings = motion.outlines[:, :, :-1]  # the last point is the first
+    there = np.flatnonzero(~np.isnan(motion.angle[snapshot]))
+    rings = motion.outlines[there, :, :-1]  # the last point is the first
     count, parts, corners, _ = rings.shape
-    place, angle = wrapped(motion.position[snapshot], motion.periodic), motion.angle[snapshot]
+    place, angle = (
+        wrapped(motion.position[snapshot], motion.periodic),
+        motion.angle[snapshot, there],
+    )
     solids, contacts = motion.solids(snapshot), motion.contacts(snapshot)
     start = place[contacts.granule]
-    blocks = [placed(rings.reshape(count, -1, 2), place, angle).reshape(-1, corners, 2)]
+    blocks = [placed(rings.reshape(count, -1, 2), place[there], angle).reshape(-1, corners, 2)]
     for solid in solids:
         centre = wrapped(np.array(solid.position), motion.periodic)
         blocks.append(solid.placed(centre, solid.angle)[None, :-1])
@@ -54,15 +58,16 @@ def _mesh(motion: Snapshots, snapshot: int) -> meshio.Mesh:
         for block, numbers in zip(blocks, np.split(np.arange(len(points)), ends), strict=False)
     ]
     numbers = np.flatnonzero(~np.isnan(motion.turn[snapshot]))  # of solids that are there
-    rows, total = [*range(count), *(count + numbers)], len(motion.drawn)
+    granules, total = len(place), len(motion.drawn)
+    rows = [*there, *(granules + numbers)]
     places = np.concatenate([motion.position, motion.place], axis=1)
     velocity = mean_velocity(places, motion.time)[snapshot, rows]
     bodies = {
-        "granule": np.append(np.arange(count), -1 - numbers),
-        "diameter": np.append(motion.diameters, [2.0 * solid.radius for solid in solids]),
+        "granule": np.append(there, -1 - numbers),
+        "diameter": np.append(motion.diameters[there], [2.0 * solid.radius for solid in solids]),
         "angle": np.append(angle, [solid.angle for solid in solids]),
         "velocity": np.pad(velocity, ((0, 0), (0, 1))),
-        "force": sums_of_forces(contacts, count, total)[rows],
+        "force": sums_of_forces(contacts, granules, total)[rows],
     }
     lines = {"granule": np.full(len(start), -1 - total), "force": contacts.force}
     data = {

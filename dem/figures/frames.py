@@ -72,7 +72,8 @@ def of_motion(motion: Snapshots, rings: np.ndarray | None = None) -> Frames:
     rings: outlines in place of its own
     """
     run, values = motion.replicate, motion.replicate.configuration
-    stand, drawn, start = walled(motion.periodic), motion.displacement, motion.position[0]
+    stand, drawn = walled(motion.periodic), motion.displacement
+    start = first_places(motion.position)
     velocity, marks = mean_velocity(motion.position, motion.time), motion.marks
     paints = {"layer": layer_colours(start, motion.height[0])}
     if drawn is not None:
@@ -113,7 +114,9 @@ def of_motion(motion: Snapshots, rings: np.ndarray | None = None) -> Frames:
         place=motion.place,
         turn=motion.turn,
         contacts=motion.contacts,
-        fastest=np.hypot(*velocity.T).max() or 1.0 if drawn is None else values.cylinder.velocity,
+        fastest=np.nanmax(np.hypot(*velocity.T)) or 1.0
+        if drawn is None
+        else values.cylinder.velocity,
         paints=paints,
         captions=[SECONDS(mark) if drawn is None else f"{mark:.2f} mm" for mark in marks],
         record=None if motion.force is None else record,
@@ -128,6 +131,12 @@ def mean_velocity(position: np.ndarray, time: np.ndarray) -> np.ndarray:
     return np.concatenate([velocity[:1], velocity])
 
 
+def first_places(position: np.ndarray) -> np.ndarray:
+    """Where each granule of positions (f, n, 2) is first there (n, 2) in m, NaN if never."""
+    first = np.isfinite(position[..., 0]).argmax(axis=0)
+    return position[first, np.arange(len(first))]
+
+
 def sums_of_forces(contacts: ContactList, granules: int, solids: int = 0) -> np.ndarray:
     """Sums (n + k,) in N of the normal forces on granules, then on solids."""
     partner = np.where(contacts.partner < 0, granules - 1 - contacts.partner, contacts.partner)
@@ -138,7 +147,7 @@ def sums_of_forces(contacts: ContactList, granules: int, solids: int = 0) -> np.
 
 def layer_colours(start, height: float) -> np.ndarray:
     """Colours (n,) of horizontal layers in turn, by where granules begin."""
-    return np.array(style.LAYERS)[layers_of(start, height) % len(style.LAYERS)]
+    return np.array(style.LAYERS)[layers_of(np.nan_to_num(start), height) % len(style.LAYERS)]
 
 
 @checked
@@ -149,8 +158,9 @@ def of_result(
 
     solid: number of one, None for the sum over all
     """
-    scene, start, groups = result.scene, result.position[0], forces_of(result)
-    low, height = start[:, 1].min(), np.ptp(start[:, 1]) or 1.0
+    scene, start, groups = result.scene, first_places(result.position), forces_of(result)
+    low = np.nanmin(start[:, 1])
+    height = np.nanmax(start[:, 1]) - low or 1.0
     solids = [*range(len(scene.solids))]
     if solid is not None:
         solids = [parsed(Annotated[Count, Field(ge=0, lt=len(solids))], solid, "solid")]
@@ -167,7 +177,7 @@ def of_result(
         place=result.solid_position,
         turn=result.solid_angle,
         contacts=result.contacts,
-        fastest=float(np.linalg.norm(result.velocity, axis=-1).max()) or 1.0,
+        fastest=float(np.nanmax(np.linalg.norm(result.velocity, axis=-1))) or 1.0,
         paints={"layer": layer_colours(start - [0.0, low], height)},
         captions=[f"t = {SECONDS(time)}" for time in result.time],
         record=(lambda axes: draw_forces(axes, result, *groups[0])) if groups else None,

@@ -409,7 +409,8 @@ def minimise(scene, state, iterations, enough=None, job=None):
     stopped, state = job.stopped(), state.checked(scene.granules)
     order = stopped["order"] if stopped else order_of(scene, state)
     scene, state = ordered(scene, state, order)
-    table, skin = granule_table(scene), skin_of(scene, SKIN_OF_PACKING)
+    table = granule_table(scene)
+    skin = skin_of(scene, table, SKIN_OF_PACKING)
     system = assemble(scene, state, table, work=fire)
     radius, modulus = table.radius.mean(), table.modulus
     law = system.world.law

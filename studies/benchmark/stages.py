@@ -111,7 +111,7 @@ def stage_times(case: Case, times: int) -> dict[str, float]:
     """Time (s) of one step by stage, and of the whole step; the mean of a number of `times`."""
     table, dt = granule_table(case.scene), STILL * case.time_step
     system = assemble(case.scene, case.state.checked(case.scene.granules), table)
-    system.rebuild(skin_of(case.scene, SKIN))
+    system.rebuild(skin_of(case.scene, table, SKIN))
     system.advance(dt, dt, WARM, math.inf)
     world, flags, layout = system.world, system.kernels.flags, system.kernels.layout
 

@@ -150,13 +150,23 @@ CHANGES = {
 }
 
 
-@pytest.mark.parametrize("change", CHANGES)
-def test_a_run_goes_on_with_another_motion_of_a_solid(change):
+def moved(run):
+    """The smallest granule is put where the largest was, which is gone."""
+    sizes, place = run.scene.shape.bounding_radius, run.state.position
+    run.remove_granules([sizes.argmin(), sizes.argmax()])
+    run.insert_granules([sizes.argmin()], place[[sizes.argmax()]], angular_velocity=[500.0])
+
+
+OTHERS = {"granules that go": lambda run: run.remove_granules([0, 12]), "one that is moved": moved}
+
+
+@pytest.mark.parametrize("change", CHANGES | OTHERS)
+def test_a_run_goes_on_with_another_motion_of_a_solid_or_with_other_granules(change):
     """A checkpoint keeps it for another simulation of the scene; one from before undoes it."""
     make = partial(maker("box of discs"), ledger=True)  # as others are where a solid is driven
     run, other = begun(make), begun(make, 0.5)
     before = run.checkpoint()
-    CHANGES[change](run)
+    (CHANGES | OTHERS)[change](run)
     other.restore(run.checkpoint())
     assert_bits_are_the_same(*(seen(simulation, LASTS / 8) for simulation in (run, other)))
     run.restore(before)

@@ -57,6 +57,22 @@ def test_a_disc_is_drawn_at_its_place_with_its_radius(frame, time):
         assert (place - reach > low).all() and (place + reach < high).all()
 
 
+def test_a_granule_that_is_not_there_is_not_drawn(tmp_path):
+    """Nor does it change the view, the scale or the layers of others."""
+    run = dem.Simulation(dem.Scene(dem.Disc([*RADIUS, 1e-3]), SOFT, **SCENES["both"]), dem.State(
+        [*STATE.position, [np.nan] * 2], [*STATE.velocity, [0.0, 0.0]]
+    ))  # fmt: skip
+    run.remove_granules([0])
+    result = result_of("both")._replace(scene=run.scene, simulation=run).continuation(1e-6)
+    for color in ("layer", "speed", "force"):
+        figure = dem.plot.bed(result, color=color, forces=True)
+        gone, left, never = figure.axes[0].collections[0].get_paths()
+        assert np.isnan([gone.vertices, never.vertices]).all() and np.isfinite(left.vertices).all()
+        figure.savefig(tmp_path / "bed.png")
+    low, high = figure.axes[0].get_ylim()
+    assert np.isfinite(low) and high < 7.0
+
+
 @pytest.mark.parametrize(
     "planes", [dem.box(4e-3, 3e-3), [[0.0, -1.0, 1e-3]], [[0.6, 0.8, 2e-3], [-0.6, -0.8, 1e-3]]]
 )

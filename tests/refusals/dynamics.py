@@ -1,5 +1,6 @@
 """What no simulation takes."""
 
+import numpy as np
 from scenes import scene_of
 
 import dem
@@ -22,6 +23,23 @@ def simulated(**options):
     return lambda: dem.simulate(SCENE, STATE, 1e-6, **options)
 
 
+def inserted(*granules, at=((0.0, 0.0),)):
+    """Granules of a bed from which the first is gone."""
+
+    def call():
+        changed = run()
+        changed.remove_granules([0])
+        changed.insert_granules([*granules], at)
+
+    return call
+
+
+def removed_granule():
+    changed = run()
+    for _ in range(2):
+        changed.remove_granules([0])
+
+
 EDGES = "it must hold two or more edges of bins that rise, in m"
 CALLS = {
     "duration is 1 s, more than 1e+11 time steps": lambda: dem.simulate(*TINY, 1.0),
@@ -37,6 +55,18 @@ CALLS = {
     ),
     "spin is 'on'; it must be an angular velocity or a dem.Turn": lambda: run().set_motion(
         0, spin="on"
+    ),
+    "granules has 20; the scene has 20, numbered from 0": lambda: run().remove_granules([3, 20]),
+    "granules must leave at least one granule there": lambda: run().remove_granules([*range(20)]),
+    "granules is [0.5]; it must be numbers of granules": lambda: run().remove_granules([0.5]),
+    "granules has 0, which is not there; leave it out": removed_granule,
+    "granules has 3, which is there already; leave it out": inserted(3),
+    "granules has a number twice": inserted(0, 0, at=[[0.0, 0.0]] * 2),
+    "position has 1 rows; it must have 2, as granules": inserted(0, 1),
+    "position is [[nan, 0.0]]; all must be": inserted(0, at=[[np.nan, 0.0]]),
+    "m inside wall ": inserted(0, at=[[0.0, 0.0]]),
+    "m inside solid 0; insert granules where there is room": inserted(
+        0, at=[SCENE.solids[0].position]
     ),
     "saved is no whole checkpoint; it lacks": lambda: run().restore(
         {"scene": run().checkpoint()["scene"]}

@@ -35,6 +35,12 @@ CALLS = {
     "it must have 2, as position.": lambda: dem.State(PLACES, velocity=[[0, 0]] * 3),
     "state has 1 granules; it must have 2, as scene.": lambda: simulate(state=dem.State([[0, 0]])),
     "and nan is at [0, 0].": lambda: dem.State([[np.nan, 0.0]]),
+    "velocity is not a number where position is one": lambda: dem.State(
+        PLACES, np.full((2, 2), np.nan)
+    ),
+    "state must leave at least one granule there": lambda: simulate(
+        state=dem.State([[np.nan] * 2] * 2)
+    ),
     "it must be 'common_normal' or 'geometric_potential', or a": lambda: dem.Ellipse(
         [1.0], [1.0], contact="chord"
     ),
