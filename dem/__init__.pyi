@@ -20,6 +20,7 @@ from .material import Material as Material
 from .material import Rolling as Rolling
 from .motion import Drive as Drive
 from .motion import Held as Held
+from .motion import PrescribedLoad as PrescribedLoad
 from .motion import PrescribedMotion as PrescribedMotion
 from .motion import Turn as Turn
 from .packing.random import Bed as Bed

@@ -16,6 +16,7 @@ from dem.base.types import (
     Mass,
     NotNegative,
     Number,
+    Position,
     Positive,
     Unit,
     Velocity,
@@ -91,10 +92,69 @@ class PrescribedMotion:
             )
 
 
+@checked
+@dataclass(frozen=True, eq=False)
+class PrescribedLoad:
+    """A force along one axis, or a torque, that is given over time.
+
+    It is linear in time between the rows, and constant before the first and after the last.
+
+    Parameters
+    ----------
+    time : array_like of shape (k,)
+        Times since the motion began (s) in rising order: since the start of the simulation, or since
+        `Simulation.set_motion`.
+    value : array_like of shape (k,)
+        Force (N) or torque (N m) at these times.
+
+    Raises
+    ------
+    InputError
+        If the times do not rise, or an argument is not an array of finite numbers of its shape.
+
+    Notes
+    -----
+    A kick by forces sees the load in its middle, so that the times should be many time steps apart.
+
+    Examples
+    --------
+    A lid that presses with 2 N after a tenth of a second:
+
+    >>> import dem
+    >>> load = dem.PrescribedLoad([0.0, 0.1], [0.0, -2.0])
+    >>> lid = dem.Drive(force=(None, load), mass=1e-3)
+    """
+
+    time: Series
+    value: Series
+
+    def __post_init__(self) -> None:
+        if len(self.time) != len(self.value) or (np.diff(self.time) <= 0.0).any():
+            raise InputError(
+                f"PrescribedLoad.time has {len(self.time)} rows; it must rise, with a value for each row."
+            )
+
+
+Load = Number | InstanceOf[PrescribedLoad]
 Force = Annotated[
-    tuple[Number | None, Number | None],
+    tuple[Load | None, Load | None],
     must("be two forces (x, y), None for an axis whose velocity is kept"),
     Unit("N"),
+]
+Spring = Annotated[
+    Annotated[
+        NotNegative | tuple[NotNegative, NotNegative],
+        AfterValidator(lambda k: k if isinstance(k, tuple) else (k, k)),
+    ],
+    must("be a stiffness, or two (x, y), not negative"),
+    Unit("N m-1"),
+]
+Anchor = Annotated[
+    Velocity | InstanceOf[PrescribedMotion],
+    must(
+        "be a velocity (x, y) or a dem.PrescribedMotion without spin",
+        lambda motion: getattr(motion, "spin", None) is None,
+    ),
 ]
 
 
@@ -103,12 +163,13 @@ Force = Annotated[
 class Drive:
     """A boundary that moves as the forces on it say.
 
-    Its acceleration is ``(force + contact forces - damping * velocity) / mass``. A wall that is
-    pressed keeps its pressure in this way, and yields.
+    Its acceleration is ``(force + spring * (anchor's way - way) + contact forces - damping *
+    velocity) / mass``. A wall that is pressed keeps its pressure in this way, and yields; a sled that
+    a spring pulls sticks and slips.
 
     Parameters
     ----------
-    force : tuple of float or None
+    force : tuple of float, PrescribedLoad or None
         Force (x, y) from outside (N). None for an axis along which the velocity is kept.
     mass : float
         Mass of the boundary (kg).
@@ -116,6 +177,11 @@ class Drive:
         Force against the motion over the velocity (N s/m).
     velocity : tuple of float
         Velocity (x, y) at the start (m/s).
+    spring : float or tuple of float
+        Stiffness (N/m), along both axes or (x, y), of a spring to a point, the anchor. It begins
+        without force, and acts along the axes that are driven.
+    anchor : tuple of float or PrescribedMotion
+        Velocity (x, y) of the anchor (m/s), or what it follows; at rest by default.
 
     Raises
     ------
@@ -125,8 +191,8 @@ class Drive:
     Notes
     -----
     Gravity does not act on a boundary: add its weight to `force`. The time step follows the stiffness
-    of the contacts over `mass` too. A mass of the granules that the boundary touches, or more, leaves
-    it as it is.
+    of the contacts and the spring over `mass` too. A mass of the granules that the boundary touches,
+    or more, leaves it as it is.
 
     Examples
     --------
@@ -142,6 +208,8 @@ class Drive:
     mass: Mass
     damping: Annotated[NotNegative, Unit("N s m-1")] = 0.0
     velocity: Velocity = (0.0, 0.0)
+    spring: Spring = (0.0, 0.0)
+    anchor: Anchor = (0.0, 0.0)
 
 
 @checked
@@ -149,18 +217,28 @@ class Drive:
 class Turn:
     """Rotation of a solid as the torques on it say.
 
-    Its angular acceleration is ``(torque + contact torques - damping * spin) / inertia``.
+    Its angular acceleration is ``(torque + spring * (anchor's angle - angle) + torque of the weight +
+    contact torques - damping * spin) / inertia``.
 
     Parameters
     ----------
     inertia : float
         Moment of inertia about the position of the solid (kg m2).
-    torque : float
+    torque : float or PrescribedLoad
         Torque from outside (N m), anticlockwise.
     damping : float
         Torque against the rotation over the angular velocity (N m s).
     spin : float
         Angular velocity at the start (rad/s), anticlockwise.
+    spring : float
+        Stiffness (N m/rad) of a torsion spring to an anchor, which begins without torque.
+    anchor : float
+        Angular velocity of the anchor (rad/s), anticlockwise.
+    weight : tuple of float
+        Force (x, y) in N, such as mass times gravity, of which the torque counts. Its direction stays.
+    centre : tuple of float
+        Point (x, y) of the outline where the weight acts (m), at angle zero: `Solid.centre`. It turns
+        with the solid.
 
     Raises
     ------
@@ -175,12 +253,22 @@ class Turn:
     >>> import numpy as np
     >>> free = dem.Turn(inertia=0.5 * 7.8e3 * np.pi * 1e-3**4 * 1e-3)
     >>> cylinder = dem.Cylinder(2e-3, (5e-3, 5e-3), velocity=(0.0, 2.0), spin=free)
+
+    A pendulum of 1 g that hangs from the end of a plate:
+
+    >>> plate = dem.Polygon([[0.0, -8e-3], [0.0, 0.0]], radius=1e-3)
+    >>> bar = dem.Solid(plate, position=(5e-3, 15e-3), angle=0.3)
+    >>> swing = dem.Turn(1e-3 * bar.gyration_squared, weight=(0.0, -9.81e-3), centre=bar.centre)
     """
 
     inertia: Annotated[Positive, Unit("kg m2")]
-    torque: Annotated[Number, Unit("N m")] = 0.0
+    torque: Annotated[Load, must("be a torque or a dem.PrescribedLoad"), Unit("N m")] = 0.0
     damping: Annotated[NotNegative, Unit("N m s")] = 0.0
     spin: Annotated[Number, Unit("rad s-1")] = 0.0
+    spring: Annotated[NotNegative, Unit("N m rad-1")] = 0.0
+    anchor: Annotated[Number, Unit("rad s-1")] = 0.0
+    weight: Annotated[tuple[Number, Number], Unit("N")] = (0.0, 0.0)
+    centre: Position = (0.0, 0.0)
 
 
 Spin = Annotated[

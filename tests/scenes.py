@@ -28,7 +28,16 @@ TO_AND_FRO = ((0.0, 1.0), (1.0, -1.0), (2.0, 1.0), (0.0, -1.0))  # m/s
 LID = dem.Drive(force=(None, -0.2), mass=5e-6, velocity=(0.3, 0.0))
 
 
+RISING = TIME_STEP * np.array([10.0, 50.0])
+
+
 DAMPED = dem.Drive(force=(0.1, -0.3), mass=2e-5, damping=0.05, velocity=(1.0, 2.0))
+
+
+PULLED = dem.Drive(
+    force=(dem.PrescribedLoad(RISING, [-0.1, 0.3]), -0.3), mass=2e-5, damping=0.05, velocity=(1.0, 2.0),
+    spring=(2e3, 1e3), anchor=path(*TO_AND_FRO),
+)  # fmt: skip
 
 
 GUIDED = dem.Drive(force=(None, -0.3), mass=2e-5, damping=0.05, velocity=(1.0, 2.0))
@@ -37,7 +46,10 @@ GUIDED = dem.Drive(force=(None, -0.3), mass=2e-5, damping=0.05, velocity=(1.0, 2
 FREE = dem.Drive(force=(0.1, -0.3), mass=2e-5, velocity=(1.0, 2.0))
 
 
-TURN = dem.Turn(inertia=1e-10, torque=1e-5, damping=1e-6, spin=500.0)
+TURN = dem.Turn(
+    inertia=1e-10, torque=dem.PrescribedLoad(RISING, [3e-5, 1e-5]), damping=1e-6, spin=500.0,
+    spring=1e-3, anchor=300.0, weight=(0.05, -0.1), centre=(1e-4, 2e-4),
+)  # fmt: skip
 
 
 WALLS = dem.box(WIDTH, HEIGHT)
@@ -105,7 +117,7 @@ def scene_of(name):
             "material": [damped, elastic],
             "walls": moving((0.0, 0.0), (-1.0, 2.0), path(*TO_AND_FRO), LID, friction=0.1, material=elastic),
             "solids": [
-                dem.Cylinder(1e-3, axis, DAMPED, TURN),
+                dem.Cylinder(1e-3, axis, PULLED, TURN),
                 dem.Cylinder(6e-4, (4.8e-3, 3.75e-3), (0.5, 0.0), -900.0, friction=0.9, material=elastic),
             ],
             "gravity": (3e3, -1e4),

@@ -81,6 +81,45 @@ def test_nothing_passes_a_moving_boundary_unseen(body):
     assert thin == pytest.approx(thick, rel=1e-6) and thick < -1.0
 
 
+# Springs and loads over time
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_a_mass_swings_about_an_anchor_that_moves(body):
+    """As v t - v / w sin w t + F / k (1 - cos w t), where a force F acts too."""
+    mass, spring, v, push, t = 1e-3, 40.0, 0.05, 0.02, np.array([7e-3, 15e-3])
+    run = squeezed(body, dem.Drive((push, 0.0), mass, spring=spring, anchor=(v, 0.0)), 20e-3)
+    w = np.sqrt(spring / mass)
+    way = v * t - v / w * np.sin(w * t) + push / spring * (1.0 - np.cos(w * t))
+    start = place(body, run, 1e-12)
+    gone = [place(body, run, interval) - start for interval in np.diff(t, prepend=0.0)]
+    assert_allclose(gone, way, rtol=1e-5)
+
+
+def test_an_anchor_on_a_path_is_where_its_path_leads():
+    """Held by a stiff spring with much damping a solid is there in the end, whatever the corners."""
+    run, t = begun((0.0, 0.0)), 1e-3
+    path = dem.PrescribedMotion([0.0, 0.3 * t, 0.31007 * t, t], [[0, 0], [3, 1], [-1, 2], [0, 0]])
+    run.set_motion(0, dem.Drive((0.0, 0.0), 1e-3, 1.5, spring=1e3, anchor=path))
+    way = np.trapezoid(path.velocity, path.time, axis=0)
+    assert_allclose(moved(run, 50.0 * t)[:2], way, rtol=1e-9)
+
+
+def test_momentum_is_the_integral_of_a_load_over_time():
+    """Of a force and of a torque, from when they are set."""
+    run, t = begun((0.0, 0.0)), 1e-3
+    load = dem.PrescribedLoad([0.0, t, 3.0 * t], [2.0, 4.0, 0.0])
+    run.set_motion(0, dem.Drive((load, None), 2e-3), dem.Turn(1e-7, load))
+    run.advance(3.0 * t)
+    assert_allclose(moved(run, t), [3.5 * t * t / 1e-3, 0.0, 7e7 * t * t], rtol=1e-5, atol=1e-14)
+
+
+def test_a_light_mass_on_a_stiff_spring_is_stable_at_the_step_that_is_chosen():
+    run = squeezed("solid", dem.Drive((0.0, 0.0), 1e-9, velocity=(1.0, 0.0), spring=1e4), 20e-3)
+    way = run.record(1.0007e-6, 200).solid_position[:, 0, 0]
+    assert np.ptp(way) < 2.1 * np.sqrt(1e-9 / 1e4)
+
+
 # Changes during a run; all begin within a step
 
 

@@ -391,7 +391,7 @@ class Boundaries(Bodies):
         angle = np.zeros(count) if angle is None else angle
         super().__init__(position, np.zeros((count, 2)), angle, np.zeros(count))
         self.force, self.torque = np.zeros((count, 2)), np.zeros(count)
-        self.last = np.zeros((count, 3))
+        self.last, self.begin = np.zeros((count, 3)), np.column_stack([position, angle])
         for b, (motion, spin) in enumerate(zip(motions, self.spins, strict=True)):
             self.spin[b] = spin.spin if isinstance(spin, dem.Turn) else spin
             if not isinstance(motion, dem.PrescribedMotion):
@@ -413,15 +413,22 @@ class Boundaries(Bodies):
     def kick(self, time, kick, dt):
         """Velocities for the next step of dt (s), after forces have acted for `kick` (s)."""
         self.follow(time, dt)
+        middle = time + 0.5 * (dt - kick)
+        gone = np.column_stack([self.position, self.angle]) - self.begin
         for b, (drive, turn) in enumerate(zip(self.motions, self.spins, strict=True)):
             for axis, push in enumerate(drive.force if isinstance(drive, dem.Drive) else ()):
                 if push is not None:
-                    pushed = push + self.force[b, axis]
+                    ahead = way(drive.anchor, axis, time) - gone[b, axis]
+                    pushed = load(push, middle) + drive.spring[axis] * ahead + self.force[b, axis]
                     self.velocity[b, axis], self.change[b, axis] = self.yielded(
                         b, axis, self.velocity[b, axis], pushed, drive.damping, drive.mass, kick, dt
                     )
             if isinstance(turn, dem.Turn):
-                pushed = turn.torque + self.torque[b]
+                arm = turn.centre @ np.array([unit(self.angle[b]), turned(unit(self.angle[b]))])
+                pushed = (
+                    load(turn.torque, middle) + cross(arm, np.array(turn.weight)) + self.torque[b]
+                )
+                pushed += turn.spring * (turn.anchor * time - gone[b, 2])
                 self.spin[b], self.spin_change[b] = self.yielded(
                     b, 2, self.spin[b], pushed, turn.damping, turn.inertia, kick, dt
                 )
@@ -434,6 +441,20 @@ class Boundaries(Bodies):
         change = 0.5 * dt * (2.0 * acceleration - self.last[b, axis])
         self.last[b, axis] = acceleration
         return new_velocity, change
+
+
+def load(push, time):
+    """A force (N) or a torque (N m) at a time (s)."""
+    return np.interp(time, push.time, push.value) if isinstance(push, dem.PrescribedLoad) else push
+
+
+def way(anchor, axis, time):
+    """How far an anchor has gone along an axis (m) at a time (s)."""
+    if not isinstance(anchor, dem.PrescribedMotion):
+        return anchor[axis] * time
+    moments = np.unique(np.clip([0.0, time, *anchor.time], 0.0, time))
+    velocity = np.interp(moments, anchor.time, anchor.velocity[:, axis])
+    return (0.5 * (velocity[1:] + velocity[:-1]) * np.diff(moments)).sum()
 
 
 def lightness_of(motions):

@@ -27,6 +27,7 @@ from dem.dynamics.world import (
     PATCH,
     POLYGONS,
     WALLS,
+    WAYPOINT,
     Boundaries,
     Constituents,
     Faces,
@@ -213,7 +214,7 @@ def boundaries(scene: Scene, sections: np.ndarray) -> Boundaries:
     motions += [(group.motion, 0.0) for group in scene.held]
     r, bodies = len(motions), walls + len(solids)
     moved, drive, angle, reach = aligned(r, 8), np.zeros((r, DRIVE)), np.zeros(r), np.zeros(bodies)
-    paths = [np.empty((0, 4))] * r
+    paths = [np.empty((0, WAYPOINT))] * r
     for b, motion in enumerate(motions):
         paths[b], drive[b], moved[b, RATES] = motion_of(*motion)
     for b, solid in enumerate(solids, walls):
@@ -232,7 +233,7 @@ def boundaries(scene: Scene, sections: np.ndarray) -> Boundaries:
         previous_acceleration=np.zeros((r, 3)),
         time=np.zeros(1),
         first_waypoint=np.cumsum([0, *map(len, paths)]),
-        waypoints=np.concatenate([np.empty((0, 4)), *paths]),
+        waypoints=np.concatenate([np.empty((0, WAYPOINT)), *paths]),
         drive=drive,
     )
 

@@ -8,8 +8,8 @@ import math
 import numpy as np
 
 from dem.contacts.layout import DVX, FX, FY, TAU, VX, VY, W
-from dem.dynamics.motion import greater
-from dem.dynamics.world import EXTERNAL_FORCE, INVERSE_MASS
+from dem.dynamics.motion import greater, held_back
+from dem.dynamics.world import INVERSE_MASS, LOAD
 from dem.jit.intrinsics import apart
 from dem.laws.protocol import impact_overlap, length, measure, root, slope, stiffest
 
@@ -66,16 +66,27 @@ def fastest(boundaries):
 
 
 def driven_acceleration(boundaries):
-    """Greatest acceleration (m/s2) of driven surfaces, without their damping."""
-    drive, force, greatest = boundaries.drive, boundaries.force, 0.0
+    """Greatest acceleration (m/s2) of driven surfaces, without their damping, by the forces of now and
+    the loads of now or later."""
+    drive, force, waypoints, greatest = (
+        boundaries.drive,
+        boundaries.force,
+        boundaries.waypoints,
+        0.0,
+    )
     for b in range(force.shape[0]):
-        ax = drive[b, INVERSE_MASS] * (drive[b, EXTERNAL_FORCE] + force[b, FX])
-        ay = drive[b, INVERSE_MASS + 1] * (drive[b, EXTERNAL_FORCE + 1] + force[b, FY])
-        acceleration = math.sqrt(ax * ax + ay * ay)
-        if b < boundaries.reach.shape[0]:
-            torque = drive[b, EXTERNAL_FORCE + 2] + force[b, TAU]
-            acceleration += boundaries.reach[b] * drive[b, INVERSE_MASS + 2] * abs(torque)
-        greatest = greater(greatest, acceleration)
+        fx = held_back(boundaries, b, 0) + force[b, FX]
+        fy = held_back(boundaries, b, 1) + force[b, FY]
+        last = boundaries.first_waypoint[b + 1] - 1
+        for q in range(boundaries.first_waypoint[b], last + 1):
+            if q == last or waypoints[q + 1, 0] > boundaries.time[0]:
+                ax = drive[b, INVERSE_MASS] * (waypoints[q, 1 + LOAD] + fx)
+                ay = drive[b, INVERSE_MASS + 1] * (waypoints[q, 2 + LOAD] + fy)
+                acceleration = math.sqrt(ax * ax + ay * ay)
+                if b < boundaries.reach.shape[0]:
+                    torque = waypoints[q, 3 + LOAD] + held_back(boundaries, b, 2) + force[b, TAU]
+                    acceleration += boundaries.reach[b] * drive[b, INVERSE_MASS + 2] * abs(torque)
+                greatest = greater(greatest, acceleration)
     return greatest
 
 

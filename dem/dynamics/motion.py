@@ -27,8 +27,8 @@ from dem.contacts.layout import (
     X,
     Y,
 )
+from dem.dynamics.world import COSINE, INVERSE_MASS, LOAD, SINE, SPRING, STRETCH
 from dem.dynamics.world import DAMPING as DAMPED
-from dem.dynamics.world import EXTERNAL_FORCE, INVERSE_MASS
 from dem.jit.intrinsics import apart, widest_vectors
 from dem.shapes.rotation import rotated
 
@@ -180,7 +180,7 @@ def move_boundaries(boundaries, constituents, account, kick, dt):
     Impulses take up what kicks: with the momentum of the granules, they are exact.
     """
     apart()
-    motion, first, planes = boundaries.motion, boundaries.first_waypoint, boundaries.planes
+    motion, planes = boundaries.motion, boundaries.planes
     loads, impulses, force = boundaries.contact_forces, boundaries.impulses, boundaries.force
     rows, orientation = constituents.motion, constituents.orientation
     bodies, granules = constituents.reference.shape[0], constituents.first.shape[0] - 1
@@ -188,9 +188,8 @@ def move_boundaries(boundaries, constituents, account, kick, dt):
         vx, vy, spin = motion[b, VX], motion[b, VY], motion[b, W]
         for c in range(5):
             impulses[b, c] += kick * loads[b, c]
-        if first[b] < first[b + 1]:
-            follow_path(boundaries, b, dt)
         kick_driven(boundaries, b, kick, dt)
+        follow_path(boundaries, b, dt)
         if LEDGER:  # at the mean velocity, as the kick changes kinetic energies
             twice = force[b, FX] * (vx + motion[b, VX])
             twice += force[b, FY] * (vy + motion[b, VY])
@@ -223,7 +222,7 @@ def waypoint_after(waypoints, first, last, time):
 
 
 def on_path(waypoints, first, last, after, time, c):
-    """Velocity of component c at a time (s) before waypoint `after` of a path."""
+    """Velocity or load of component c at a time (s) before waypoint `after` of a path."""
     low, high = max(after - 1, first), min(after, last - 1)
     span = waypoints[high, 0] - waypoints[low, 0]
     change = waypoints[high, 1 + c] - waypoints[low, 1 + c]
@@ -235,43 +234,63 @@ def on_path(waypoints, first, last, after, time, c):
 def follow_path(boundaries, b, dt):
     """Velocity of boundary b on its path: the mean over the step, and the change to its end.
 
-    Corners and jumps within the step count from their time on. What is driven stays as it is.
+    Corners and jumps within the step count from their time on. Along what is driven the anchor moves so.
     """
     motion, waypoints, time = boundaries.motion, boundaries.waypoints, boundaries.time[0]
     first, last = boundaries.first_waypoint[b], boundaries.first_waypoint[b + 1]
     after, end, left = waypoint_after(waypoints, first, last, time), time + dt, 1.0
-    axes = 2 if boundaries.drive[b, INVERSE_MASS + 2] > 0.0 else 3
-    for c in range(axes):
-        motion[b, VX + c] = 0.0
+    drive = boundaries.drive
+    for c in range(3):
+        if not drive[b, INVERSE_MASS + c] > 0.0:
+            motion[b, VX + c] = 0.0
     while True:
         ends = after == last or not waypoints[after, 0] < end
         stop = end if ends else waypoints[after, 0]
         share = left if ends else (stop - time) / dt
-        for c in range(axes):
+        for c in range(3):
             middle = on_path(waypoints, first, last, after, 0.5 * (time + stop), c)
-            motion[b, VX + c] += share * middle
+            if drive[b, INVERSE_MASS + c] > 0.0:
+                drive[b, STRETCH + c] += dt * (share * middle)
+            else:
+                motion[b, VX + c] += share * middle
         if ends:
             break
         time, after, left = stop, after + 1, left - share
-    for c in range(axes):
-        motion[b, DVX + c] = on_path(waypoints, first, last, after, end, c) - motion[b, VX + c]
+    for c in range(3):
+        if not drive[b, INVERSE_MASS + c] > 0.0:
+            motion[b, DVX + c] = on_path(waypoints, first, last, after, end, c) - motion[b, VX + c]
 
 
 def kick_driven(boundaries, b, kick, dt):
     """Velocity and spin of boundary b where it is driven, after a kick (s): as of a granule, with
-    damping at its mean."""
-    motion, drive = boundaries.motion, boundaries.drive
-    previous = boundaries.previous_acceleration
+    damping at its mean, and with the load in its middle."""
+    motion, drive, waypoints = boundaries.motion, boundaries.drive, boundaries.waypoints
+    previous, middle = boundaries.previous_acceleration, boundaries.time[0] + 0.5 * (dt - kick)
+    first, last = boundaries.first_waypoint[b], boundaries.first_waypoint[b + 1]
     for c in range(3):
         inverse_mass = drive[b, INVERSE_MASS + c]
         if inverse_mass > 0.0:
             drag, before = drive[b, DAMPED + c] * inverse_mass, motion[b, VX + c]
-            pushed = inverse_mass * (drive[b, EXTERNAL_FORCE + c] + boundaries.force[b, FX + c])
+            at = waypoint_after(waypoints, first, last, middle)
+            load = on_path(waypoints, first, last, at, middle, LOAD + c) + held_back(
+                boundaries, b, c
+            )
+            pushed = inverse_mass * (load + boundaries.force[b, FX + c])
             after = (before * (1.0 - 0.5 * kick * drag) + kick * pushed) / (1.0 + 0.5 * kick * drag)
             motion[b, VX + c] = after
+            drive[b, STRETCH + c] -= dt * after
             now = pushed - 0.5 * drag * (before + after)
             motion[b, DVX + c] = 0.5 * dt * (2.0 * now - previous[b, c])
             previous[b, c] = now
+
+
+def held_back(boundaries, b, c):
+    """Force (N) or torque (N m) on boundary b by its spring and its weight where it is."""
+    drive, angle = boundaries.drive, boundaries.angle[b]
+    load = drive[b, SPRING + c] * drive[b, STRETCH + c]
+    if drive[b, COSINE + c] != 0.0 or drive[b, SINE + c] != 0.0:
+        load += drive[b, COSINE + c] * math.cos(angle) + drive[b, SINE + c] * math.sin(angle)
+    return load
 
 
 # How far bodies have moved since the list was made

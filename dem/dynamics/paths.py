@@ -7,14 +7,18 @@ import numpy as np
 from dem.contacts.layout import DVX, DVY, DW, VX, VY, W, X, Y
 from dem.dynamics.motion import on_path, waypoint_after
 from dem.dynamics.world import (
+    COSINE,
     DAMPING,
     DRIVE,
-    EXTERNAL_FORCE,
     INVERSE_MASS,
+    LOAD,
     REMOVED,
+    SINE,
+    SPRING,
+    WAYPOINT,
     Boundaries,
 )
-from dem.motion import Drive, PrescribedMotion, Turn
+from dem.motion import Drive, PrescribedLoad, PrescribedMotion, Turn
 
 RATES, CHANGES = [VX, VY, W], [DVX, DVY, DW]
 
@@ -22,34 +26,58 @@ RATES, CHANGES = [VX, VY, W], [DVX, DVY, DW]
 def motion_of(velocity, spin=0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows of Boundaries.waypoints and row of Boundaries.drive of one boundary, and its velocity (x, y)
     and spin (m/s, rad/s) when the motion begins, at time zero."""
-    path, drive, start = np.empty((0, 4)), np.zeros(DRIVE), np.zeros(3)
+    drive, loads = np.zeros(DRIVE), [constant(0.0)] * 3
+    along = velocity.anchor if isinstance(velocity, Drive) else velocity
+    if isinstance(along, PrescribedMotion):
+        rates = [(along.time, row) for row in along.velocity.T]
+    else:
+        rates = [*map(constant, along)]
+    if isinstance(along, PrescribedMotion) and along.spin is not None:
+        rates.append((along.time, along.spin + (0.0 if isinstance(spin, Turn) else spin)))
+    else:
+        rates.append(constant(0.0 if isinstance(spin, Turn) else spin))
+    start = np.array([np.interp(0.0, *rate) for rate in rates])
     if isinstance(velocity, Drive):
         start[:2] = velocity.velocity
         for c, force in enumerate(velocity.force):
             drive[DAMPING + c] = velocity.damping
-            if force is not None:
-                drive[[EXTERNAL_FORCE + c, INVERSE_MASS + c]] = force, 1.0 / velocity.mass
-    elif isinstance(velocity, PrescribedMotion):
-        own = np.zeros(len(velocity.time)) if velocity.spin is None else velocity.spin
-        path = np.column_stack([velocity.time, velocity.velocity, own])
-    else:
-        path = np.array([[0.0, *velocity, 0.0]])
+            if force is None:
+                rates[c] = constant(start[c])
+            else:
+                drive[[INVERSE_MASS + c, SPRING + c]] = 1.0 / velocity.mass, velocity.spring[c]
+                loads[c] = series(force)
     if isinstance(spin, Turn):
-        drive[EXTERNAL_FORCE + 2 :: 3] = spin.torque, 1.0 / spin.inertia, spin.damping
-        start[2] = spin.spin
-    else:
-        path[:, 3] += spin
-        start[2] = spin
-    if len(path):
-        for c in range(2 if isinstance(spin, Turn) else 3):
-            start[c] = np.interp(0.0, path[:, 0], path[:, 1 + c])
-    return path, drive, start
+        (fx, fy), (x, y) = spin.weight, spin.centre
+        drive[[INVERSE_MASS + 2, DAMPING + 2, SPRING + 2]] = (
+            1.0 / spin.inertia,
+            spin.damping,
+            spin.spring,
+        )
+        drive[[COSINE + 2, SINE + 2]] = x * fy - y * fx, -x * fx - y * fy
+        rates[2], loads[2], start[2] = constant(spin.anchor), series(spin.torque), spin.spin
+    return joined(rates + loads), drive, start
+
+
+def constant(value):
+    """Times (s) and values of what is the same at all times."""
+    return np.zeros(1), np.array([value])
+
+
+def series(load):
+    """Times (s) and values of a force or a torque."""
+    return (load.time, load.value) if isinstance(load, PrescribedLoad) else constant(load)
+
+
+def joined(columns):
+    """Waypoints from the times and values of each column."""
+    time = np.unique(np.concatenate([column[0] for column in columns]))
+    return np.column_stack([time, *(np.interp(time, *column) for column in columns)])
 
 
 def path_from(path: np.ndarray, time: float) -> np.ndarray:
     """The rows of a path from a time (s) on, the first of them then."""
     after = waypoint_after(path, 0, len(path), time)
-    now = [on_path(path, 0, len(path), after, time, c) for c in range(3)]
+    now = [on_path(path, 0, len(path), after, time, c) for c in range(WAYPOINT - 1)]
     return np.array([[time, *now], *path[after:]])
 
 
@@ -66,9 +94,8 @@ def shown(boundaries: Boundaries) -> np.ndarray:
 
 
 def is_driven(boundaries: Boundaries, b: int) -> bool:
-    """Whether boundary b follows no path, or forces move or turn it."""
-    first, last = boundaries.first_waypoint[b : b + 2]
-    return first == last or bool(boundaries.drive[b].any())
+    """Whether forces move or turn boundary b."""
+    return bool(boundaries.drive[b].any())
 
 
 def with_motion(
@@ -86,20 +113,17 @@ def with_motion(
     new, drive, start = motion_of(velocity or (0.0, 0.0), spin or 0.0)
     keeps_spin = spin is None and getattr(velocity, "spin", None) is None
     stays = np.array([velocity is None, velocity is None, keeps_spin])
-    drive = np.where(np.tile(stays, 3), boundaries.drive[b], drive)
-    follows = len(paths[b] if velocity is None else new) > 0
+    drive = np.where(np.tile(stays, DRIVE // 3), boundaries.drive[b], drive)
     now = np.where(stays, motion[b, RATES], start)
-    old = path_from(paths[b], begin) if len(paths[b]) else np.array([[begin, *now]])
-    new = path_from(new, 0.0) if len(new) else np.array([[0.0, *start]])
+    old, new = path_from(paths[b], begin), path_from(new, 0.0)
     new[:, 0] += begin
     for k in range(1, len(new)):  # rounding must not make one time of two, between which is a jump
         new[k, 0] = max(new[k, 0], math.nextafter(new[k - 1, 0], math.inf))
-    time = np.union1d(old[:, 0], new[:, 0])
-    parts = [old if stays[c] else new for c in range(3)]
-    rates = [np.interp(time, part[:, 0], part[:, 1 + c]) for c, part in enumerate(parts)]
-    paths[b] = np.column_stack([time, *rates]) if follows else np.empty((0, 4))
+    parts = [old if stay else new for stay in np.tile(stays, 2)]
+    paths[b] = joined([(part[:, 0], part[:, 1 + c]) for c, part in enumerate(parts)])
     if ahead > 0.0:  # until then it moves as it was seen to
-        paths[b] = np.vstack([[begin, *way / ahead], paths[b]])
+        before = [begin, *way / ahead, *paths[b][0, 1 + LOAD :]]
+        paths[b] = np.vstack([before, paths[b]])
     if seen is None:
         motion[b, RATES], motion[b, CHANGES] = now, 0.0
     drives = boundaries.drive.copy()

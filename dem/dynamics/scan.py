@@ -9,7 +9,7 @@ translation, one of rotation) belongs to granule 1. For any s > 0
     g g^T <= (1 + s) g1 g1^T + (1 + 1/s) g2 g2^T,
 
 so that blocks of three by three, one per granule, bound both matrices, and the eigenvalues of the
-blocks bound theirs; s = |g2| / |g1|. A boundary that is driven counts as a granule does. The force
+blocks bound theirs; s = |g2| / |g1|. A boundary that is driven counts as a granule does, with its spring. The force
 at a contact usually lowers the stiffness, and attraction does as it fades. Off the centre of a granule it can raise the rotational
 stiffness, by GranuleTable.bend at most. All contacts are taken to stick. The bound leaves out that
 contacts grow stiffer until the next scan, and that the dashpot of a contact changes with its
@@ -40,7 +40,7 @@ from dem.dynamics.measures import (
     usual_overlap,
 )
 from dem.dynamics.motion import greater
-from dem.dynamics.world import INVERSE_MASS, PAIRS, SECTIONS, WALLS
+from dem.dynamics.world import COSINE, INVERSE_MASS, PAIRS, SECTIONS, SINE, SPRING, WALLS
 from dem.jit.intrinsics import apart
 from dem.laws.protocol import (
     attraction,
@@ -266,6 +266,17 @@ def scan_blocks(world, bed, layout, begin, geometry, bounds, result):
             add_contact(world.law, layout, table, p, bounds, limits, contact, (one, two))
 
 
+def add_springs(boundaries, granules, rows):
+    """Stiffness of the springs that drive boundaries, and of weights, on their rows after those of
+    granules."""
+    drive = boundaries.drive
+    for b in range(drive.shape[0]):
+        for c in range(3):
+            stiff = drive[b, SPRING + c] + math.hypot(drive[b, COSINE + c], drive[b, SINE + c])
+            column = BOUND_STIFFNESS + (0, 2, 5)[c]  # xx, yy, rr
+            rows[granules + b, column] += stiff * drive[b, INVERSE_MASS + c]
+
+
 def greatest_eigenvalue(rows, i, column):
     """Bound on the greatest eigenvalue of one row."""
     xx, xy, yy = rows[i, column], rows[i, column + 1], rows[i, column + 2]
@@ -357,4 +368,5 @@ def scan(world, bed, layout, task, moment, begin, geometry, bounds, result):
             result[LEAST_OVERLAP] = usual_overlap(world.law, bed, speed)
     scan_blocks(world, bed, layout, begin, geometry, bounds, result)
     if bounds.shape[0] > 0 and end == world.contacts.first[SECTIONS]:
+        add_springs(world.boundaries, world.granules.angle.shape[0], bounds)
         result[CRITICAL], result[CHOSEN] = shortest_steps(bounds, bed.fraction)

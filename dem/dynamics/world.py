@@ -15,7 +15,9 @@ REMOVED = -1  # the section of a solid that no list holds any more
 # of the granule in 1/E*; from there on COEFFICIENT and the next two columns of dem.contacts.layout
 MODULUS, ALPHA, SHARE, COULOMB, LAW = 0, 1, 2, 3, 6
 
-EXTERNAL_FORCE, INVERSE_MASS, DAMPING, DRIVE = 0, 3, 6, 9  # of Boundaries.drive: x, y, angle
+# Columns of Boundaries.drive, each of x, y and the angle
+INVERSE_MASS, DAMPING, SPRING, STRETCH, COSINE, SINE, DRIVE = range(0, 21, 3)
+LOAD, WAYPOINT = 3, 7  # of Boundaries.waypoints: the first of loads after the time, all
 
 
 class Granules(NamedTuple):
@@ -130,15 +132,16 @@ class Boundaries(NamedTuple):
     time : ndarray of shape (1,)
         Time since the start (s).
     first_waypoint : ndarray of shape (r + 1,)
-        The waypoints of boundary b are rows first_waypoint[b] to first_waypoint[b + 1]; none if it
-        is driven.
-    waypoints : ndarray of shape (k, 4)
-        Time (s), velocity x and y (m/s) and spin (rad/s) of all paths, one after the other. A
-        constant velocity has one; one more is the velocity before a change within a step.
-    drive : ndarray of shape (r, 9)
-        Of a driven one: external force along x and y (N) and torque (N m), inverse mass along x and
-        y (1/kg) and inverse inertia (1/(kg m2)), zero where the velocity is kept, damping along x
-        and y (N s/m) and of the rotation (N m s).
+        The waypoints of boundary b are rows first_waypoint[b] to first_waypoint[b + 1].
+    waypoints : ndarray of shape (k, 7)
+        Time (s), velocity x and y (m/s) and spin (rad/s) of all paths, one after the other: of the
+        anchor along what is driven, with force x and y (N) and torque (N m) from outside. What is
+        constant has one; one more is the velocity before a change within a step.
+    drive : ndarray of shape (r, 18)
+        Of a driven one, along x and y and of the rotation: inverse mass (1/kg) or inertia (1/(kg m2)),
+        zero where the velocity is kept; damping (N s/m, N m s); stiffness of a spring to the anchor
+        (N/m, N m/rad); how far that is ahead (m, rad); what a torque from outside has times the
+        cosine and the sine of the angle (N m).
     """
 
     planes: np.ndarray
