@@ -41,7 +41,9 @@ from .solids import Polygon as Polygon
 from .solids import Solid as Solid
 from .solids import Wall as Wall
 from .solids import box as box
+from .solids import circle as circle
 from .solids import plate as plate
+from .solids import ring as ring
 from .sweep.library import load_sweep as load_sweep
 from .sweep.library import run_experiment as run_experiment
 from .sweep.library import run_sweep as run_sweep

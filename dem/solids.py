@@ -10,11 +10,12 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import AfterValidator, InstanceOf, PlainValidator
+from pydantic import AfterValidator, Field, InstanceOf, PlainValidator
 
 from dem.base.errors import InputError
 from dem.base.types import (
     Coefficient,
+    Count,
     Length,
     Number,
     Position,
@@ -32,6 +33,8 @@ from dem.shapes.protocol import is_alone, is_shape, resized, sizes_of
 ROUNDED, EXACT = 1e-3, 1e-8  # off 1: the length of a normal that is rounded, and of a unit vector
 ROWS: Any = finite(None, 3).func
 PLANE = np.array([1.0, 1j])  # of points as complex numbers
+LENGTHENED = 1e-4  # of the diameter of a round piece
+Sides = Annotated[Count, Field(ge=3, le=10_000)]
 FLAT = 1e-12  # of the squared size of a polygon: twice the area of three corners in a line
 
 
@@ -216,9 +219,10 @@ class Polygon:
         return np.column_stack([self.corners, along[:, 1], -along[:, 0], length])
 
     @property
-    def chains(self) -> list[np.ndarray]:
-        """Rows of `faces` that are convex: several have ends (dem.outlines)."""
-        return [self.faces]
+    def chains(self) -> list[tuple[np.ndarray, float, bool]]:
+        """Rows of `faces` that are convex, with their radius (m), and whether another goes on where they
+        end (dem.outlines)."""
+        return [(self.faces, self.radius, False)]
 
     @property
     def gyration_squared(self) -> float:
@@ -242,19 +246,22 @@ class Polygon:
 
 
 class Pieces(Polygon):
-    """Outline of a solid: convex polygons of one radius as one; raises ValueError.
+    """Outline of a solid: convex polygons as one.
 
-    pieces: the polygons.
+    pieces: the polygons; radius: the least of theirs (m).
     """
 
     pieces: tuple[Polygon, ...]
 
     def __init__(self, pieces: Sequence[Polygon]):
-        low, *_, high = sorted(piece.radius for piece in [*pieces, pieces[0]])
-        if low < high:
-            raise ValueError(f"its pieces must have one radius, not {low:g} and {high:g} m")
         corners = np.concatenate([piece.corners for piece in pieces])
-        vars(self).update(pieces=tuple(pieces), corners=corners, radius=low)
+        radius = min(piece.radius for piece in pieces)
+        vars(self).update(pieces=tuple(pieces), corners=corners, radius=radius)
+
+    @property
+    def bounding_radius(self) -> float:
+        """As of a Polygon."""
+        return max(piece.bounding_radius for piece in self.pieces)
 
     @property
     def area(self) -> float:
@@ -262,26 +269,34 @@ class Pieces(Polygon):
         return float(0.5 * (self.path[:-1].conj() * self.path[1:]).imag.sum())
 
     @property
-    def chains(self) -> list[np.ndarray]:
-        """As of a Polygon."""
+    def chains(self) -> list[tuple[np.ndarray, float, bool]]:
+        """As of a Polygon; pieces of one radius are joined."""
+        every = []
+        for radius in sorted({piece.radius for piece in self.pieces}):
+            alike = [piece for piece in self.pieces if piece.radius == radius]
 
-        def inside(z: np.ndarray) -> np.ndarray:
-            return depth(self.pieces, z.view(float).reshape(-1, 2))
+            def inside(z: np.ndarray, alike: list[Polygon] = alike) -> np.ndarray:
+                return depth(alike, z.view(float).reshape(-1, 2))
 
-        found = rings([piece.corners @ PLANE for piece in self.pieces])
-        alone = len(found) == 1
-        return [np.array(row) for z in found for row in chains(z, alone, self.radius, inside)]
+            found = rings([piece.corners @ PLANE for piece in alike])
+            rows = [row for z in found for row in chains(z, len(found) == 1, radius, inside)]
+            every += [(np.array(row), radius, len(rows) > 1) for row in rows]
+        return every
 
     @cached_property
     def path(self) -> np.ndarray:
         """Closed outline (m,) in m; a line leads to each ring but the first, and back."""
         path: list[complex] = []
-        for z in rings([piece.polygons(65)[0, 0, :-1] @ PLANE for piece in self.pieces]):
+        points = [65 if np.ptp(p.corners, axis=0).max() > p.radius else 513 for p in self.pieces]
+        outlines = [
+            p.polygons(n)[0, 0, :-1] @ PLANE for p, n in zip(self.pieces, points, strict=True)
+        ]
+        for z in rings(outlines):
             path += [*z, *z[:1], *path[:1]]
         return np.array(path)
 
     def polygons(self, points: int) -> np.ndarray:
-        """Closed outline (1, 1, m, 2) in m, of 65 points or more a piece."""
+        """Closed outline (1, 1, m, 2) in m, of 65 points or more a piece, 513 if that is round."""
         return self.path.view(float).reshape(1, 1, -1, 2)
 
 
@@ -337,6 +352,80 @@ def plate(length: Length, thickness: Length) -> Polygon:
     return Polygon([[-half, 0.0], [half, 0.0]], 0.5 * thickness)
 
 
+@checked
+def circle(diameter: Length, position: Position = (0.0, 0.0)) -> Polygon:
+    """A round piece of an outline: a plate that is a ten-thousandth longer than thick.
+
+    Parameters
+    ----------
+    diameter : float
+        Diameter (m).
+    position : tuple of float
+        Place (x, y) of its middle (m) in the frame of the solid.
+
+    Returns
+    -------
+    Polygon
+        The outline.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used.
+
+    Examples
+    --------
+    Two balls and a bar, as one body:
+
+    >>> import dem
+    >>> balls = [dem.circle(2e-3, (-3e-3, 0.0)), dem.circle(1e-3, (3e-3, 0.0))]
+    >>> club = dem.Solid([dem.plate(6e-3, 0.5e-3), *balls], position=(5e-3, 5e-3))
+    >>> print(f"{1e3 * club.centre[0]:.2f} mm")
+    -1.05 mm
+    """
+    return Polygon(
+        plate(diameter * (1.0 + LENGTHENED), diameter).corners + position, 0.5 * diameter
+    )
+
+
+@checked
+def ring(diameter: Length, thickness: Length, sides: Sides = 36) -> list[Polygon]:
+    """Plates around a room, in which granules can be.
+
+    Parameters
+    ----------
+    diameter : float
+        Diameter (m) of the room.
+    thickness : float
+        Thickness (m) of the plates, less than the diameter.
+    sides : int
+        Number of plates, without unit.
+
+    Returns
+    -------
+    list of Polygon
+        The outline, about the middle of the room.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used.
+
+    Examples
+    --------
+    A drum with a blade, which turns as one body:
+
+    >>> import dem
+    >>> blade = dem.Polygon([[-8e-3, 0.0], [-4e-3, 0.0]], radius=0.3e-3)
+    >>> drum = dem.Solid([*dem.ring(24e-3, 1e-3), blade], position=(0.0, 0.0), spin=-6.0)
+    >>> print(f"{1e3 * drum.radius:.1f} mm")
+    13.0 mm
+    """
+    turn = 2.0 * np.pi / sides * np.arange(sides + 1)
+    corners = (0.5 * diameter + 0.5 * thickness) * np.column_stack([np.cos(turn), np.sin(turn)])
+    return [Polygon(corners[k : k + 2], 0.5 * thickness) for k in range(sides)]
+
+
 def granules(value: Any) -> Any:
     """Granules of one shape, with copies of their sizes; raises ValueError."""
     if not is_shape(type(value)):
@@ -374,8 +463,9 @@ class Solid:
     outline : Polygon, list of Polygon, or granules of a shape
         Outline in the frame of the solid: a `Polygon`, a `plate`, or one granule of a shape, such
         as ``dem.Disc([1e-3])``. A granule that is not round must be of the shape of the bed, or
-        the bed be of discs or dumbbells. Polygons of one radius that touch or overlap make one
-        outline, which need not be convex: granules do not feel where one polygon ends.
+        the bed be of discs or dumbbells. Polygons make one body, which need not be convex: a `ring`,
+        a `circle` or others. They may lie apart or overlap. Where those of one radius meet, granules
+        do not feel where one ends.
     position : tuple of float
         Position (x, y) of the origin of the outline at the start (m).
     angle : float
@@ -398,7 +488,8 @@ class Solid:
     Notes
     -----
     Solids meet neither each other nor walls. Gravity does not act on them: add the weight to the
-    force of a `Drive`.
+    force of a `Drive`, or give it to a `Turn`. A body that both move turns about its position, which
+    should then be its centre.
 
     See Also
     --------
@@ -442,6 +533,14 @@ class Solid:
     def area(self) -> float:
         """Area (m2)."""
         return float(np.sum(self.outline.area))
+
+    @property
+    def centre(self) -> tuple[float, float]:
+        """Centre of the area (x, y) in m, in the frame of the outline, to 1e-3 of its size."""
+        z = self.ring(1025) @ PLANE
+        triangle = (z[:-1].conj() * z[1:]).imag
+        middle = (triangle * (z[:-1] + z[1:])).sum() / 3.0 / triangle.sum()
+        return float(middle.real), float(middle.imag)
 
     @property
     def gyration_squared(self) -> float:

@@ -12,6 +12,7 @@ import pytest
 from numpy.testing import assert_allclose
 from outlines import outside
 from scenes import ANCHOR
+from scipy.special import ellipk
 
 import dem
 
@@ -32,6 +33,8 @@ def slab(left, right, low, high, slope=0.0):
 
 PLATES = [dem.Polygon(np.array([[0, 0], end]) * R, 0.3e-3) for end in ([5, 1], [2, 5], [-3, 4])]
 ANGLE = [slab(0.0, 6e-3, -R, 0.0), slab(-R, 0.0, -R, 6e-3)]
+# of other radii, and one of them apart
+CLUB = [PLATES[0], dem.circle(4e-3, (5e-3, R)), dem.circle(2e-3, (-3e-3, -R))]
 SOFT = dem.Material(young_modulus=1e8, restitution=0.1)
 FAR = dem.Cylinder(1e-3, (1.0, 1.0))
 # so that all scenes of discs with friction are of one kind
@@ -42,24 +45,26 @@ OTHERS = [
 
 
 def away(points, pieces):
-    """Distances (n,) of points from the nearest of some polygons."""
-    return np.min([outside(points, piece.corners) for piece in pieces], axis=0)
+    """Distances (n,) of points from the nearest of some polygons, negative within its rim."""
+    return np.min([outside(points, piece.corners) - piece.radius for piece in pieces], axis=0)
 
 
-@pytest.mark.parametrize("pieces", [[WEDGE], [BLADE], PLATES, ANGLE])
+@pytest.mark.parametrize("pieces", [[WEDGE], [BLADE], PLATES, ANGLE, CLUB])
 def test_area_and_inertia_of_polygons_are_those_of_the_points_in_them(pieces):
-    solid, radius = dem.Solid(pieces if pieces[1:] else pieces[0], (0.0, 0.0)), pieces[0].radius
+    solid = dem.Solid(pieces if pieces[1:] else pieces[0], (0.0, 0.0))
+    radius = max(piece.radius for piece in pieces)
     corners = np.concatenate([piece.corners for piece in pieces])
     low, high = (side(corners, axis=0) for side in (np.min, np.max))
     size, share = high - low + 2.0 * radius, (np.arange(300) + 0.5) / 300
     points = low - radius + size * np.stack(np.meshgrid(share, share), -1).reshape(-1, 2)
-    inside = points[away(points, pieces) < radius]
+    inside = points[away(points, pieces) < 0.0]
     squared = (inside**2).sum(axis=1)
     assert solid.area == pytest.approx(len(inside) / 300**2 * size.prod(), rel=3e-3)
     assert solid.gyration_squared == pytest.approx(squared.mean(), rel=3e-3)
     assert solid.radius == pytest.approx(math.sqrt(squared.max()), rel=5e-3)
+    assert_allclose(solid.centre, inside.mean(axis=0), rtol=0.0, atol=3e-3 * solid.radius)
     rim = away(solid.placed((0.0, 0.0), 0.0), pieces)
-    assert_allclose(rim, radius, rtol=1e-9 if len(pieces) == 1 else 1e-2)
+    assert_allclose(rim, 0.0, atol=(1e-9 if len(pieces) == 1 else 1e-2) * radius)
 
 
 def of_pieces(pieces, state, material, turned=0.0, gravity=(0.0, -9.81), **values):
@@ -73,12 +78,11 @@ def of_pieces(pieces, state, material, turned=0.0, gravity=(0.0, -9.81), **value
     return dem.Simulation(scene, state)
 
 
-@pytest.mark.parametrize("pieces", [PLATES, ANGLE])
+@pytest.mark.parametrize("pieces", [PLATES, ANGLE, CLUB])
 def test_a_disc_touches_pieces_where_they_are_nearest(pieces):
     """On both sides of each, in and around their corners, and nowhere else."""
-    rng, reach = np.random.default_rng(1), R + pieces[0].radius
-    places = rng.uniform(-5e-3, 8e-3, (4000, 2))
-    overlap = reach - away(places, pieces)
+    places = np.random.default_rng(1).uniform(-5e-3, 8e-3, (4000, 2))
+    overlap = R - away(places, pieces)
     near = overlap < 0.1 * R
     contacts = of_pieces(pieces, dem.State(places[near]), dem.Material()).contacts()
     found, at_solid = np.zeros(near.sum()), contacts.partner == -1
@@ -188,6 +192,39 @@ def test_a_disc_and_what_it_hits_part_as_rigid_bodies_of_that_restitution(body, 
     gives = (2.0 if body == "free" else 1.0) / mass
     rebound = (1.0 + restitution) / (1.0 + own * gives) - 1.0
     assert run.state.velocity[0, 1] == pytest.approx(rebound, abs=1e-2)
+
+
+@pytest.mark.parametrize("swing", [0.01, 2.5])
+def test_a_pendulum_of_two_pieces_has_the_period_of_its_inertia(swing):
+    """4 K(sin(swing / 2)) sqrt(J / m g l): a quarter of it after it was let go, it hangs down."""
+    solid = dem.Solid([CLUB[0], CLUB[1]], (0.0, 0.0))
+    mass, inertia = 1e-3, 1e-3 * solid.gyration_squared
+    (x, y), arm = solid.centre, math.hypot(*solid.centre)
+    start = swing - 0.5 * math.pi - math.atan2(y, x)
+    turn = dem.Turn(inertia, weight=(0.0, -9.81 * mass), centre=solid.centre)
+    run = of_pieces(CLUB[:2], dem.State([[0.5, 0.5]]), SOFT, start, (0.0, 0.0), spin=turn)
+    quarter = ellipk(math.sin(0.5 * swing) ** 2) * math.sqrt(inertia / (mass * 9.81 * arm))
+    record = run.record(0.5 * quarter, 2)
+    assert abs(record.solid_angle[1, 0] - start + swing) < 1e-4 * swing
+
+
+def test_the_torque_that_drives_a_drum_is_the_angular_momentum_of_it_and_its_granules():
+    """Without gravity, of a ring and a blade as one body, from when discs lie in it to when they fly."""
+    drum = [*dem.ring(18e-3, 1e-3), dem.Polygon([[-9e-3, 0.0], [-5e-3, 0.0]], 0.3e-3)]
+    inertia, torque, time = 1e-7, dem.PrescribedLoad([0.0, 10e-3], [0.0, 2e-3]), 20e-3
+    x, y = 2.2e-3 * np.mgrid[-2:3, -2:2].reshape(2, -1)
+    state = dem.State(np.column_stack([x, y + R]))
+    run = of_pieces(drum, state, SOFT, 0.0, (0.0, 0.0), spin=dem.Turn(inertia, torque))
+    run.advance(time)
+    state, scene, near = run.state, run.scene, 1e-6
+    angle = run.record(near, 2).solid_angle[:, 0]
+    spin = (angle[1] - angle[0]) / near - 1.5 * near * torque.value[1] / inertia
+    across = (
+        state.position[:, 0] * state.velocity[:, 1] - state.position[:, 1] * state.velocity[:, 0]
+    )
+    taken = scene.mass @ across + scene.inertia @ state.angular_velocity
+    assert taken > 0.05 * inertia * spin
+    assert inertia * spin + taken == pytest.approx(2e-3 * (time - 5e-3), rel=1e-4)
 
 
 def test_a_line_marks_the_angle_of_round_solids_that_turn():

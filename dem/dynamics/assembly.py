@@ -273,23 +273,23 @@ def faces_of(scene: Scene) -> Faces:
     """Faces of the polygons of a scene, and what else contacts aim at."""
     none, outlines = np.empty((0, 5)), [None] * len(scene.walls)
     outlines += [solid.outline for solid in scene.solids]
-    chains = [line.chains if isinstance(line, Polygon) else [none] for line in outlines]
-    radius = [line.radius if isinstance(line, Polygon) else 0.0 for line in outlines]
+    alone = [(none, 0.0, False)]
+    chains = [line.chains if isinstance(line, Polygon) else alone for line in outlines]
     count = np.array([len(rows) for rows in chains], np.int64)
-    boundary = np.repeat(np.arange(len(count)), count)
-    rows = [none, *(row for rows in chains for row in rows)]
+    every = [chain for rows in chains for chain in rows]
+    rows = [none, *(row for row, _, _ in every)]
     return Faces(
-        boundary=boundary,
+        boundary=np.repeat(np.arange(len(count)), count),
         first=np.cumsum([len(row) for row in rows]),
         row=np.concatenate(rows),
-        radius=np.array(radius, float)[boundary],
-        has_ends=count[boundary] > 1,
+        radius=np.array([radius for _, radius, _ in every], float),
+        has_ends=np.array([ends for _, _, ends in every], bool),
     )
 
 
-def outlines_of(scene: Scene, sections: np.ndarray):
+def outlines_of(scene: Scene, sections: np.ndarray, faces: Faces):
     """The granules, and solids with the outline of a granule; the numbers of outlines of both: of
-    constituents, then of boundaries (c + r, s)."""
+    constituents, then of boundaries (c + r, s), of granules then of the corners of targets too."""
     shape, walls = scene.shape, len(scene.walls)
     r = walls + len(scene.solids) + len(scene.held)
     like = [
@@ -298,15 +298,15 @@ def outlines_of(scene: Scene, sections: np.ndarray):
         if s == OUTLINES
     ]
     solids = meeting(like[0].appended(*like[1:]), shape) if like else shape
-    of_granules = np.zeros((len(shape.owner) + r, shape.outlines.shape[1]))
-    of_solids = np.zeros((len(of_granules), solids.outlines.shape[1]))
+    of_granules = np.zeros((len(shape.owner) + r + len(faces.radius), shape.outlines.shape[1]))
+    of_solids = np.zeros((len(shape.owner) + r, solids.outlines.shape[1]))
     of_granules[: len(shape.owner)] = shape.outlines
     bodies = of_granules[len(shape.owner) :]
     for b, solid in enumerate(scene.solids, walls):
         if sections[b] == CIRCLES:
             bodies[b] = shape.circle_outline(solid.radius)
-        elif sections[b] == POLYGONS:
-            bodies[b] = shape.circle_outline(solid.outline.radius)
+    for t in np.flatnonzero(faces.radius):
+        bodies[r + t] = shape.circle_outline(faces.radius[t])
     if like:
         own = type(solids) is type(shape)
         rows = shape.outlines if own else map(solids.circle_outline, shape.constituent_radius)
@@ -357,7 +357,7 @@ def assemble(
     sections, sizes = sections_of(scene)
     moving = moving or boundaries(scene, sections)
     inverse_mass, inverse_inertia = mobilities(scene)
-    solids, of_granules, of_solids = outlines_of(scene, sections)
+    solids, of_granules, of_solids = outlines_of(scene, sections, faces)
     flags = flags_of(whole, table, moving, sections, solids)
     flags |= {"FULL": flags["DAMPING"] and not flags["TURNS"], "LEDGER": ledger}
     layout = layout_of(flags, of_granules.shape[1], of_solids.shape[1])

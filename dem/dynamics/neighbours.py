@@ -266,12 +266,14 @@ def add_contact(world, bodies, contacts, cursor, section, i, row, target):
     contacts.numbers[at + TARGET] = target
     contacts.count[block] = lane + 1
     table, p = contacts.table, layout.stride * block + lane
-    sizes, count = bodies.outlines, layout.size_count
+    sizes, count, second = bodies.outlines, layout.size_count, row
+    if section == POLYGONS:
+        second = motion.shape[0] + np.int64(target)
     if section == OUTLINES:
         sizes, count = bodies.others, layout.outline_size_count
     for c in range(count):
         table[p + layout.sizes + c * BLOCK] = sizes[i, c]
-        table[p + layout.sizes + layout.second + c * BLOCK] = sizes[row, c]
+        table[p + layout.sizes + layout.second + c * BLOCK] = sizes[second, c]
     dx, dy = motion[row, X] - motion[i, X], motion[row, Y] - motion[i, Y]
     if layout.shift_x >= 0:
         x, y = 0.0, 0.0

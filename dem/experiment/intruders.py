@@ -8,9 +8,8 @@ import numpy as np
 
 from dem.shapes.disc import Disc
 from dem.shapes.ellipse import Ellipse
-from dem.solids import Polygon, Solid
+from dem.solids import Polygon, Solid, ring
 
-SIDES = 36  # plates of a ring
 RATIOS = {
     "ellipse": 2.0,
     "plate": 6.0,
@@ -75,10 +74,8 @@ class Intruder:
 
     def _ring(self, radius: float) -> list[Polygon]:
         """Plates around the room inside, whose corners have a radius (m)."""
-        turn = 2.0 * np.pi / SIDES * np.arange(SIDES + 1)
-        corners = (0.5 * self.diameter + radius) * np.column_stack([np.cos(turn), np.sin(turn)])
-        corners += self.shift or (0.0, 0.0)
-        return [Polygon(corners[k : k + 2], radius) for k in range(SIDES)]
+        shift = self.shift or (0.0, 0.0)
+        return [Polygon(p.corners + shift, radius) for p in ring(self.diameter, 2.0 * radius)]
 
     @property
     def area(self) -> float:

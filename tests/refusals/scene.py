@@ -36,6 +36,18 @@ CALLS = {
     "it must be two forces (x, y), None for an axis whose": lambda: dem.Drive(3.0, 1.0),
     "Drive.mass is 0.0; it must be positive": lambda: dem.Drive((1.0, 1.0), 0.0),
     "Drive.damping is -1.0; it must be at least 0": lambda: dem.Drive((1.0, 1.0), 1.0, -1.0),
+    "Drive.spring is -1.0; it must be a stiffness, or two (x, y)": lambda: dem.Drive(
+        (1.0, 1.0), 1.0, spring=-1.0
+    ),
+    "it must be a velocity (x, y) or a dem.PrescribedMotion without spin": lambda: dem.Drive(
+        (1.0, 1.0), 1.0, spring=1.0, anchor=2.0
+    ),
+    "Turn.torque is 'all'; it must be a torque or a dem.PrescribedLoad": lambda: dem.Turn(
+        1.0, "all"
+    ),
+    "PrescribedLoad.time has 2 rows; it must rise, with a value for each row": lambda: (
+        dem.PrescribedLoad([0.0, 1.0], [1.0])
+    ),
     "numbers of granules, or one truth value per granule": lambda: dem.Held([-1]),
     "Held.motion is 'up'; it must be a velocity (x, y), a": lambda: dem.Held([0], "up"),
     "Held.motion is PrescribedMotion(time=": lambda: dem.Held([0], TURNING),
@@ -55,12 +67,10 @@ CALLS = {
     "two or more corners of a convex polygon, anticlockwise": lambda: dem.Polygon(
         [[0, 0], [2e-3, 0], [1e-3, 0.2e-3], [1e-3, 2e-3]], 1e-4
     ),
-    "its pieces must have one radius, not 0.0001 and 0.0002 m": lambda: dem.Solid(
-        [dem.plate(4e-3, 2e-4), dem.plate(4e-3, 4e-4)], (0, 0)
-    ),
     "has a radius of 0.0001 m; it must be more than 0.0002 m": beside(
-        (0, 0), outline=dem.plate(4e-3, 0.2e-3)
+        (0, 0), outline=[dem.plate(4e-3, 0.2e-3), dem.circle(4e-3)]
     ),
+    "sides is 2; it must be at least 3": lambda: dem.ring(10e-3, 1e-3, 2),
     "has the outline Ellipse; among granules of Superellipse it must be round": lambda: dem.Scene(
         PIECES, solids=dem.Solid(dem.Ellipse([2e-3], [1e-3]), (0, 0))
     ),
