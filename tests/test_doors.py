@@ -53,7 +53,7 @@ EXCEPTIONS = {
     "studies/stability/tests/test_stability.py: .world": "a watch must see a contact that is not listed",
     "studies/verification/tests/test_verification.py: assembly patched": "a law of the engine is broken",
     "tests/base/test_files.py: SimpleNamespace": "what the system says of a disk that is full",
-    "tests/experiment/test_identity.py: identity patched": "no other version of Numba can be installed in a test",
+    "tests/experiment/test_identity.py: replicate patched": "no other version of Numba can be installed in a test",
     "tests/experiment/test_scenes.py: run_checkpoint patched": "the process ends once a checkpoint is written",
     "tests/figures/test_plot.py: film patched": "a computer without an encoder",
     "tests/kinds.py: dem.jit.kernel.Kernel": "it counts the kinds of kernels that are compiled",

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dem.base.errors import InputError
+from dem.base.provenance import compilers
+from dem.base.source_hash import digest, run_hash
 from dem.contacts.force_law import effective_modulus
 from dem.experiment.bed_description import BedDescription, Part
-from dem.experiment.identity import Identity
 from dem.experiment.intruders import intruders_of
 from dem.experiment.sections import RollingSection, ShapeSection
 from dem.material import Material
@@ -20,8 +24,11 @@ if TYPE_CHECKING:
     from dem.experiment.config import Configuration  # which imports this file
 
 
+LAYOUT = 4  # of the files of runs: raise it where a variable comes, goes or has another meaning
+
+
 @dataclass(eq=False)
-class Replicate(Identity):
+class Replicate:
     """One run: values of a configuration, a shape of it, a density (kg/m3) and a seed; raises
     InputError where its granules cannot have them."""
 
@@ -37,6 +44,38 @@ class Replicate(Identity):
                 f"rolling is for discs, and shapes.{self.label}.kind is {self.shape.kind}; make the "
                 "coefficients of rolling zero, or leave this shape out of the sweep."
             )
+
+    # What it is known by
+
+    def run_key(self) -> str:
+        """All that the run depends on, as text."""
+        c = self.configuration
+        if c.module.constants.get("BED_ALONE"):
+            own = json.dumps(c.values().get(c.module.label), sort_keys=True)
+            return f"{c.experiment} {self.bed_description.text} {own}"
+        return f"{json.dumps(c.known[self.label], sort_keys=True)} {self.density} {self.seed}"
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files of its experiment, observables, shape and law."""
+        return self.configuration.files[self.label]
+
+    @property
+    def source_hash(self) -> str:
+        """Hash of the code that decides the numbers of this run, and of what compiles it."""
+        return digest(run_hash(*self.files), compilers())
+
+    @cached_property
+    def id(self) -> str:
+        """Identity of the run: hash of the values that it reads and the code that it runs."""
+        return digest(self.run_key(), self.source_hash, str(LAYOUT))
+
+    @property
+    def bed_id(self) -> str:
+        """Identity of its bed."""
+        return self.bed_description.id
+
+    # What it is made of
 
     @property
     def shape(self) -> ShapeSection:

@@ -142,7 +142,7 @@ def write_batch(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
         run.labels()
         | {
             "run_id": run.id,
-            "bed_family": run.bed_family,
+            "bed_family": run.bed_description.family,
             "spent": float(row["spent"]),
             "failure": np.int8(row["failure"]),
             "failure_reason": str(row["failure_reason"]) or " ",

@@ -191,7 +191,7 @@ def _labels(block: Block, layout: dict, left: set[str]) -> Iterator[tuple]:
     ids, families = (np.zeros(block.shape, "U32") for _ in range(2))
     for point, run in block.runs.items():
         if run.id not in left:
-            ids[point], families[point] = run.id, run.bed_family
+            ids[point], families[point] = run.id, run.bed_description.family
     yield "run_id", block.dims, ids, attributes("run_id", layout)
     if "jam_fraction" in layout:
         yield "bed_family", block.dims, families, attributes("bed_family", layout)

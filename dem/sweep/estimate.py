@@ -71,21 +71,22 @@ def time_of(store: Store, runs: list[Replicate], processes: int) -> tuple[float,
     speeds = speeds_of(store)
     new = sorted({kind for run in runs if (kind := _kind(run)) not in speeds})
     how = f"a guess: no {' and '.join(new)} was made here yet" if new else "as such runs took"
-    packed = {run.bed_key() for run in runs if store.file_of_bed(run).is_file()}
+    packed = {run.bed_description.text for run in runs if store.file_of_bed(run).is_file()}
     times = zip(guessed(runs, packed), runs, strict=True)
     return sum(time * speeds.get(_kind(run), 1.0) for time, run in times) / processes, how
 
 
 def guessed(runs: list[Replicate], packed: set[str]) -> Iterator[float]:
-    """Processor time (s) of some runs, each bed with the first that needs it; packed: bed_key of
-    beds that exist."""
+    """Processor time (s) of some runs, each bed with the first that needs it; packed: text of
+    the beds that exist."""
     for run in runs:
         speed = GUESS.get(run.shape.kind, ITERATED)
         seconds = speed * effort(run)
-        if run.configuration.module.observed and run.bed_key() not in packed:
+        bed = run.bed_description.text
+        if run.configuration.module.observed and bed not in packed:
             time = packing_time(run.shape.granules, run.configuration.packing.fraction)
             seconds += time * speed / GUESS["disc"]  # as if its granules were discs
-            packed.add(run.bed_key())
+            packed.add(bed)
         yield seconds
 
 

@@ -35,7 +35,7 @@ def plan_batches(
             experiment = replicate.configuration.module
             keys[at] = (replicate.files, *experiment.layout), *experiment.sizes(replicate).values()
         beds = groups.setdefault(keys[at], {})
-        beds.setdefault(replicate.bed_key(), []).append(replicate)
+        beds.setdefault(replicate.bed_description.text, []).append(replicate)
     parts, new = {}, {}
     for (kind, *_), beds in groups.items():
         runs = list(chain.from_iterable(beds.values()))

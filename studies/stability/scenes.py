@@ -40,7 +40,7 @@ _beds = {}
 
 def bed_of(replicate: Replicate):
     """The bed of a replicate, made once per process: many cases share it."""
-    key = replicate.bed_key()
+    key = replicate.bed_description.text
     if key not in _beds:
         _beds[key] = make_bed(replicate.bed_description)
     return _beds[key]

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from dem.base.source_hash import PACKAGE, ROOT, RUNS, code_hash, codes, files_of
-from dem.experiment import identity
+from dem.experiment import replicate
 from dem.experiment.config import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
 from dem.io import dataset
@@ -58,7 +58,6 @@ NO_NUMBERS = {
     "experiment/kinds/__init__.py",
     "experiment/observables/__init__.py",
     "experiment/run_checkpoint.py",
-    "experiment/identity.py",
     "io/dataset.py",  # names of variables, whose layout has a version
 }
 
@@ -77,7 +76,7 @@ def test_all_that_sets_a_number_of_a_run_is_known():
 
 def test_a_run_depends_on_versions(monkeypatch):
     first = load("config/smoke.yaml").block("drag").first.id
-    monkeypatch.setattr(identity, "compilers", lambda: "numba 0.1")
+    monkeypatch.setattr(replicate, "compilers", lambda: "numba 0.1")
     assert load("config/smoke.yaml").block("drag").first.id != first
 
 
@@ -99,4 +98,4 @@ def test_another_layout_of_the_files_of_runs_has_another_version():
     # names, dimensions and units; words may change
     layout = [{name: entry[:2] for name, entry in table.items()} for table in tables]
     digest = hashlib.sha256(json.dumps(layout, sort_keys=True).encode()).hexdigest()[:16]
-    assert LAYOUTS[identity.LAYOUT] == digest
+    assert LAYOUTS[replicate.LAYOUT] == digest

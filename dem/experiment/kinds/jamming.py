@@ -159,7 +159,7 @@ def derive(name: str, results, replicate: Replicate, other: Replicate, friction:
     # a bed in two files counts once
     jamming = Jamming(pd.concat(tables).drop_duplicates("run_id").rename(columns=columns))
     kinds, fraction = (
-        (replicate.bed_family, other.bed_family),
+        (replicate.bed_description.family, other.bed_description.family),
         replicate.configuration.packing.fraction,
     )
     try:
