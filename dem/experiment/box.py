@@ -109,9 +109,9 @@ def _check_cylinder(configuration, intruders, height: float, where: str) -> None
 
 
 def check_stroke(replicate, bed) -> None:
-    """Raise PackingError where a bed under a pressure came to rest too low for the stroke."""
+    """Raise PackingError where a bed under a pressure came to rest too low for the stroke of a cylinder."""
     cylinder, description = replicate.configuration.cylinder, replicate.bed_description
-    if description.pressure is None:
+    if cylinder is None or description.pressure is None:
         return
     height = description.start_height(bed.height)
     top = max(solid.place(height)[1] + solid.radius for solid in description.solids)

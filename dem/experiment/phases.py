@@ -11,6 +11,8 @@ from dem.base.plugins import load
 from dem.contacts.layout import VX, VY, W
 from dem.dynamics.result import Record
 from dem.dynamics.simulation import Simulation
+from dem.experiment.bed import make_bed
+from dem.experiment.box import check_stroke
 from dem.experiment.config import Configuration
 from dem.experiment.intruders import towards
 from dem.experiment.replicate import Replicate
@@ -47,19 +49,22 @@ class RunData(NamedTuple):
         return snapshots_of(self.replicate, values)
 
 
-def recorded(
+def run(
     replicate: Replicate,
-    bed: Bed,
+    bed: Bed | None = None,
     progress: Callable[[float], None] = lambda done: None,
     checkpoint: Path | None = None,
 ) -> dict:
-    """Play the phases of a run in a bed at rest; returns the variables of the run by name.
+    """Play the phases of a run in a bed at rest, packed here if None; returns the variables of the run by
+    name. It is the `run` of an experiment that has none of its own.
 
     progress is called with the share of the last phase that is done. checkpoint: a file to which a
     long run saves itself every minute, and from which it goes on, bit for bit, if it was stopped; it
     is the caller's to remove once the result is on disk. Raises RunError where the run fails.
     """
     c, scene = replicate.configuration, replicate.configuration.scene
+    bed = bed or make_bed(replicate.bed_description)
+    check_stroke(replicate, bed)
     observables = [load(file) for file in c.module.files[1:]]
     ledger = any(getattr(module, "LEDGER", False) for module in observables)
     simulation = start(replicate, bed, ledger=ledger, threads=1 if ledger else c.threads)

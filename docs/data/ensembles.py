@@ -15,8 +15,7 @@ import numpy as np
 from measurements import arguments, report
 from nightly.faults import Checkout
 
-from dem.experiment.bed import make_bed
-from dem.experiment.kinds import drag
+from dem.experiment import phases
 from dem.sweep.batch import write_batch
 from dem.sweep.config import load
 from dem.sweep.state import SweepState
@@ -89,7 +88,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         checkout = Checkout(Path(folder), sweep={"case": ["c1"], "seed": [1]})
         one = next(load(checkout.folder / checkout.sweep("many")).block("drag").unique())
-        row = drag.run(one, make_bed(one.bed_description))
+        row = phases.run(one)
         row |= {"failure": 0, "failure_reason": "", "spent": row["run_time"]}
         for at, count in enumerate(options.runs):
             for name, (time, memory) in commands(checkout, count, row):

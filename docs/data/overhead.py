@@ -17,8 +17,8 @@ from measurements import arguments, processor_time, report
 from nightly.faults import Checkout, varied
 
 from dem.base.errors import RunError
+from dem.experiment import phases
 from dem.experiment.bed import make_bed
-from dem.experiment.kinds import drag
 from dem.sweep import store as stores
 from dem.sweep.batch import write_batch
 from dem.sweep.config import load
@@ -54,7 +54,7 @@ def kernels(config: Path) -> tuple[float, float, float]:
             packed = time.process_time()
             packing += packed - began
         for replicate in replicates:
-            values = drag.run(replicate, bed)
+            values = phases.run(replicate, bed)
         running += time.process_time() - packed
     row = values | {"failure": 0, "failure_reason": "", "spent": 0.0}
     with tempfile.TemporaryDirectory() as folder:

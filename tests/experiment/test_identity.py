@@ -28,7 +28,7 @@ HARMLESS = {
     "analysis/drag.py": LINE,
     "contacts/response.py": "\n# a comment\n",
     "experiment/scene.py": ('"""The scene of the run."""', '"""Another word."""'),
-    "experiment/kinds/drag.py": ("checkpoint: Path | None", "checkpoint: str | None"),
+    "experiment/kinds/drag.py": ("-> np.ndarray:", "-> list:"),
     "experiment/kinds/heat.py": "SECTIONS = {}\n",
 }
 

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from project import quick
 
 import dem
+from dem.experiment import phases
 from dem.experiment.bed import make_bed
 from dem.experiment.box import check_stroke
 from dem.experiment.kinds import drag
@@ -28,7 +29,7 @@ def bed_under(pressure=PRESSURE):
 @cache
 def drawn():
     """What the run records."""
-    return drag.run(replicate(), bed_under())
+    return phases.run(replicate(), bed_under())
 
 
 @quick

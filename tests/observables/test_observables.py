@@ -9,6 +9,7 @@ from beds import PRESSURE
 from numpy.testing import assert_allclose
 from sweeps import smoke
 
+from dem.experiment import phases
 from dem.experiment.bed import make_bed
 from dem.experiment.kinds import drag
 from dem.experiment.observables import OBSERVABLES
@@ -51,7 +52,7 @@ def replicate(name):
 
 @cache
 def recorded(name):
-    return drag.run(replicate(name))
+    return phases.run(replicate(name))
 
 
 def pairs(contacts):

@@ -20,7 +20,7 @@ duration(replicate)                           time (s) that a run simulates, to 
 check(configuration)                          raises ValueError where its values do not go together; of kinds of this folder
 derive(name, results, replicate, other, ...)  a value of DERIVES for a run of another block; results: files of its
                                               own runs, open; other: a run of the file to compare with; options
-All but run may be left out.
+All but run may be left out, and run too of kinds of this folder, which have then that of dem.experiment.phases.
 """
 
 from contextlib import suppress
@@ -42,6 +42,7 @@ from dem.io.dataset import LABELS, OF_RUN, OF_STORE, OF_SWEEP
 
 EXPERIMENTS = described(Path(__file__).parent, "SECTIONS")
 FILES = {name: Path(__file__).with_name(f"{name}.py") for name in EXPERIMENTS}
+PHASES = Path(__file__).parents[1] / "phases.py"
 TYPES = {bool: bool, int: Count, float: Number, str: str}  # of values, by those of their defaults
 
 
@@ -139,7 +140,8 @@ class Experiment:
     def run(self, replicate, *args, **options) -> dict:
         """Make one run; its variables by name, each as long as `sizes` says. Raises RunError where
         they are not those of its layout."""
-        values, sizes = load(self.file).run(replicate, *args, **options), self.sizes(replicate)
+        file = self.file if "run" in definitions(self.file) else PHASES
+        values, sizes = load(file).run(replicate, *args, **options), self.sizes(replicate)
         layout = self.layout
         if wrong := set(values if isinstance(values, dict) else ()) ^ layout.keys():
             raise RunError(

@@ -1,7 +1,5 @@
 """The paper's experiment: draw a cylinder through a bed at rest and record it."""
 
-from pathlib import Path
-
 import numpy as np
 
 from dem.experiment.config import Configuration
@@ -53,25 +51,6 @@ def axes(configuration: Configuration) -> dict:
         "wall": np.array(WALLS),
         "snapshot_displacement": np.linspace(0.0, stroke, record.snapshots),
     }
-
-
-def run(
-    replicate: Replicate,
-    bed=None,
-    progress=lambda done: None,
-    checkpoint: Path | None = None,
-) -> dict:
-    """Draw the cylinder over its stroke; returns the variables of a run by name.
-
-    All is as of `dem.experiment.phases.recorded`. Raises RunError where the run fails.
-    """
-    from dem.experiment.bed import make_bed
-    from dem.experiment.box import check_stroke
-    from dem.experiment.phases import recorded
-
-    bed = bed or make_bed(replicate.bed_description)
-    check_stroke(replicate, bed)
-    return recorded(replicate, bed, progress, checkpoint)
 
 
 def duration(replicate: Replicate) -> float:

@@ -3,8 +3,6 @@
 A phase takes a time, or lasts until the granules are at rest; solids that it does not name move on.
 """
 
-from pathlib import Path
-
 import numpy as np
 
 from dem.base.messages import did_you_mean
@@ -81,19 +79,6 @@ def axes(configuration: Configuration) -> dict:
         "time": duration * (np.arange(record.bins) + 0.5) / record.bins,
         "snapshot_time": np.linspace(0.0, duration, record.snapshots),
     }
-
-
-def run(
-    replicate: Replicate,
-    bed=None,
-    progress=lambda done: None,
-    checkpoint: Path | None = None,
-) -> dict:
-    """Make one run; all is as of `dem.experiment.phases.recorded`."""
-    from dem.experiment.bed import make_bed
-    from dem.experiment.phases import recorded
-
-    return recorded(replicate, bed or make_bed(replicate.bed_description), progress, checkpoint)
 
 
 def duration(replicate: Replicate) -> float:
