@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar, NamedTuple, get_origin
 
 import numpy as np
-from pydantic import AfterValidator, Field, create_model, model_validator
+from pydantic import Field, create_model, model_validator
 from pydantic.fields import FieldInfo
 
 from dem.base.errors import InputError
@@ -35,6 +35,7 @@ from dem.experiment.kinds import EXPERIMENTS, Experiment
 from dem.experiment.replicate import Replicate
 from dem.experiment.sections import (
     CELLS,
+    SORTED,
     BasePlateSection,
     ContactSection,
     CylinderSection,
@@ -59,9 +60,6 @@ from dem.periodic import Sides
 from dem.shapes import Kind, kind_of
 
 HERTZ = "hertz"  # the law of contacts where none is named
-SORTED = AfterValidator(
-    lambda table: dict(sorted(table.items()))
-)  # in any order they are one scene
 # sections that only some experiments read
 SECTIONS = "cylinder", "record", "shear", "solids", "phases"
 # of the section record, which only some experiments read, and what they have without it

@@ -47,6 +47,8 @@ from dem.laws import LAWS
 from dem.material import BasePlate, Friction, Rolling, Tilt
 from dem.shapes import KINDS
 
+# in any order they are one bed, or one scene
+SORTED = AfterValidator(lambda table: dict(sorted(table.items())))
 Share = Annotated[Ratio, Field(lt=1)]
 # the shortest length of an outline, however slender or rounded, is one that the library takes
 Diameter = Annotated[Number, Field(ge=1e-12), Unit("m")]
@@ -65,36 +67,23 @@ def or_file(known: Iterable[str]) -> AfterValidator:
     return AfterValidator(check)
 
 
-def _corners(region):
-    """Left, bottom, right, top; raises ValueError."""
-    if region and not (region[0] < region[2] and region[1] < region[3]):
-        raise ValueError("it must be left, bottom, right, top, in this order and apart")
-    return region
-
-
 Place = Annotated[Number, Unit("m")]
 Region = Annotated[
-    Annotated[tuple[Place, Place, Place, Place], AfterValidator(_corners)],
-    must("be left, bottom, right, top, in this order and apart"),
+    tuple[Place, Place, Place, Place],
+    must(
+        "be left, bottom, right, top, in this order and apart",
+        lambda region: region[0] < region[2] and region[1] < region[3],
+    ),
 ]
 Angle = Annotated[Number, Unit("rad")]
 
 
-def _rising(rows):
-    """Rows of a path; raises ValueError."""
-    times = [row[0] for row in rows]
-    if any(later <= time for time, later in pairwise(times)):
-        raise ValueError("its times must rise")
-    return rows
-
-
 Path = Annotated[
-    Annotated[
-        tuple[tuple[NotNegative, Number, Number, Number], ...],
-        Field(min_length=2),
-        AfterValidator(_rising),
-    ],
-    must("be rows [time, velocity along x, along y, spin] whose times rise"),
+    Annotated[tuple[tuple[NotNegative, Number, Number, Number], ...], Field(min_length=2)],
+    must(
+        "be rows [time, velocity along x, along y, spin] whose times rise",
+        lambda rows: all(before[0] < after[0] for before, after in pairwise(rows)),
+    ),
 ]
 Spin = Annotated[
     Literal["free"] | Annotated[Number, Unit("rad s-1")],
@@ -528,11 +517,7 @@ Discs = Annotated[
     must("be a list of discs [x, y, radius], or a file with a line x, y, radius of each"),
     WithJsonSchema({"anyOf": [{"type": "array"}, {"type": "string"}]}),
 ]
-Mixture = Annotated[
-    dict[Label, Share],
-    Field(min_length=2),
-    AfterValidator(lambda shares: dict(sorted(shares.items()))),  # in any order they are one bed
-]
+Mixture = Annotated[dict[Label, Share], Field(min_length=2), SORTED]
 
 
 class ShapeSection(Section):
