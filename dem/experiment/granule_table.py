@@ -83,8 +83,8 @@ def _numbers(name: str, values: Iterable) -> np.ndarray:
 @lru_cache(64)  # runs of a sweep share a few
 def table_of_lines(lines: tuple[str, ...]) -> GranuleTable:
     """The table of the lines of a CSV file, the first of which names the columns; raises ValueError."""
-    full = [line.split(",") for line in lines if line.strip()]
-    names, *rows = [[cell.strip() for cell in row] for row in full] or [[]]
+    full = [[*map(str.strip, line.split(","))] for line in lines if line.strip()]
+    names, *rows = full or [[]]
     for name in names:
         if name not in COLUMNS or names.count(name) > 1:
             words = "is twice there" if name in COLUMNS else f"is none of {', '.join(COLUMNS)}"

@@ -103,11 +103,6 @@ def towards(direction: float | None) -> tuple[float, float]:
     return (0.0, 1.0) if direction is None else (math.cos(direction), math.sin(direction))
 
 
-def intruders_of(configuration) -> tuple[Intruder, ...]:
-    """Those of a configuration."""
-    return tuple(map(intruder_of, configuration.scene.solids.values()))
-
-
 def intruder_of(solid) -> Intruder:
     """A solid of a scene, from its section."""
     x = solid.x if solid.pivot_x is None else solid.pivot_x

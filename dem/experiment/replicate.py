@@ -15,10 +15,9 @@ from dem.base.provenance import compilers
 from dem.base.source_hash import digest, run_hash
 from dem.contacts.force_law import effective_modulus
 from dem.experiment.bed_description import BedDescription, Part
-from dem.experiment.intruders import intruders_of
+from dem.experiment.intruders import intruder_of
 from dem.experiment.sections import RollingSection, ShapeSection
 from dem.material import Material
-from dem.shapes import Kind
 
 if TYPE_CHECKING:
     from dem.experiment.config import Configuration  # which imports this file
@@ -144,7 +143,7 @@ class Replicate:
             size_spread=packing.size_spread,
             width=c.box_width,
             periodic=c.periodic,
-            solids=intruders_of(c),
+            solids=tuple(map(intruder_of, c.scene.solids.values())),
             law=c.law_name,
             constants=c.contact.constants,
             preparation=packing.preparation,
@@ -180,11 +179,6 @@ class Replicate:
         if (rolling := self.configuration.rolling) and self.shape.kind != "disc":
             return rolling if rolling.granule or rolling.wall or rolling.cylinder else None
         return rolling
-
-    @property
-    def kind(self) -> Kind:
-        """The kind of its granules; raises InputError where its file cannot be used."""
-        return self.configuration.kind_of(self.label)
 
     @property
     def law(self):

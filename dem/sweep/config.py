@@ -160,7 +160,7 @@ def extended(data, source: str, left: int = DEEPEST):
     folder = Path(source.partition(", ")[0]).parent  # of the first, where Snakemake names several
     if not isinstance(data, dict):
         return data
-    data = with_granules(with_discs(with_folder(data, folder), source, folder), source, folder)
+    data = with_files(data, source, folder)
     # without keys for anchors of YAML, as Docker Compose has them
     data = {key: value for key, value in data.items() if not str(key).startswith("x-")}
     if "extends" not in data:
@@ -179,8 +179,10 @@ def extended(data, source: str, left: int = DEEPEST):
     return merged(extended(read(base), str(base), left - 1), data)
 
 
-def with_discs(data: dict, source: str, folder: Path) -> dict:
-    """Values of a file, with the discs of clumps in place of files in its folder that hold them."""
+def with_files(data: dict, source: str, folder: Path) -> dict:
+    """Values of a file, with the discs of clumps and the granules of a table in place of files in its
+    folder that hold them; raises InputError."""
+    data = with_granules(with_folder(data, folder), source, folder)
     if not isinstance(shapes := data.get("shapes"), dict):
         return data
     shapes = dict(shapes)

@@ -4,6 +4,7 @@ from typing import Any, NamedTuple
 
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
+from dem.base.plugins import load
 from dem.base.types import parsed, written
 from dem.experiment.replicate import Replicate
 
@@ -44,4 +45,4 @@ def derived(
         return run.configuration.at(path)
     files = [file for other in blocks if asked in blocks[other].derives for file in results[other]]
     other = Replicate(sweep.changed({}, shape), shape, 1.0, 0)
-    return experiment.derive(asked, files, run, other, **options)
+    return load(experiment.file).derive(asked, files, run, other, **options)

@@ -1,6 +1,7 @@
 """Files of granules beside a sweep file: CSV, text dumps of LAMMPS, and files of results."""
 
 import re
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -73,16 +74,14 @@ def _of_dump(text: str) -> GranuleTable:
     taken = {name: columns[name] for name in ("angle", "diameter") if name in columns}
     if "radius" in columns:
         taken["diameter"] = 2.0 * columns["radius"]
-    for axis, ends in zip("xy", bounds, strict=False):
-        for name in (axis, f"{axis}u"):
-            if name in columns:
-                taken.setdefault(axis, columns[name])
-        for name in (f"{axis}s", f"{axis}su"):
-            if name in columns:
+    for (axis, ends), end in product(zip("xy", bounds, strict=False), ("", "u", "s", "su")):
+        if (values := columns.get(axis + end)) is not None:
+            if "s" in end:
                 if len(ends) != 2:
                     raise ValueError("its box is tilted; let it give x and y in place of xs and ys")
                 low, high = map(float, ends)
-                taken.setdefault(axis, low + (high - low) * columns[name])
+                values = low + (high - low) * values
+            taken.setdefault(axis, values)
     if "id" in columns:
         order = np.argsort(columns["id"])
         taken = {name: values[order] for name, values in taken.items()}

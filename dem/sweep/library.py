@@ -10,8 +10,7 @@ from dem.base.errors import InputError
 from dem.experiment.config import of_values
 from dem.io.dataset import LABELS, attributes, global_attributes
 from dem.io.lazily import open_results
-from dem.sweep.config import load, merged, with_discs
-from dem.sweep.granule_file import with_granules
+from dem.sweep.config import load, merged, with_files
 from dem.sweep.restart import prepare
 from dem.sweep.state import SweepState
 from dem.sweep.workers import workers_of
@@ -154,8 +153,7 @@ def run_experiment(values: dict) -> xr.Dataset:
 
 def _whole(values: dict) -> dict:
     """Values merged over the file that they extend."""
-    values = with_discs(plugins.with_folder(values, Path()), "values", Path())
-    values = with_granules(values, "values", Path())
+    values = with_files(values, "values", Path())
     if "extends" not in values:
         return values
     if "shape" not in values:

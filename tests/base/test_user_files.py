@@ -156,17 +156,21 @@ def test_a_file_may_have_the_name_of_an_installed_module(file):
     assert dem.run_sweep(file)["product"].sum() == 12
 
 
+def shape_of(file: Path):
+    return first_run(file).configuration.kind_of("p").shape
+
+
 @quick
 def test_an_edited_shape_is_another_class(file):
     """A comment is no edit, and the class is one for all who import it from its folder."""
     product = f"from pebbles import Pebble\n{PRODUCT}"
     write(file.parent, pebbles=SHAPE, sweep=OF_PEBBLES, product=product)
-    first = first_run(file).kind.shape
+    first = shape_of(file)
     assert plugins.load(file.with_name("product.py")).Pebble is first
     write(file.parent, pebbles=SHAPE.replace("0.08", "0.07"))
-    assert first_run(file).kind.shape.of_size([1e-3], 1.0).bulge == 0.07
+    assert shape_of(file).of_size([1e-3], 1.0).bulge == 0.07
     write(file.parent, pebbles=f"{SHAPE}# a comment\n")
-    assert first_run(file).kind.shape is first
+    assert shape_of(file) is first
 
 
 BULGING = "raise dem.InputError('bulge is 1.0; it must lie in 0 to 0.12.')\n        unit = cls"

@@ -116,10 +116,6 @@ class Experiment:
                 f"experiment is {self.name!r}; its DERIVES must be plain values, name: (options, what it asks for)."
             ) from None
 
-    def derive(self, *args, **options):
-        """A value of `derives` for a run of another block."""
-        return load(self.file).derive(*args, **options)
-
     def section(self, table: dict) -> type[Section]:
         """The section of such VALUES; raises InputError where they are none."""
         fields = {}
