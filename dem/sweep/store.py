@@ -1,7 +1,8 @@
 """The store that all sweeps share: batches of finished runs, and what those under way have so far.
 
 batches/{batch}.nc      finished runs with all that they gave
-batches/{batch}.json    what a batch is to make: its runs, and in the second line their values
+batches/{batch}.json    what a batch is to make: its runs, and in the second line the values that they
+                        share, once, and those of each
 runs/{xx}/{run}.npz     finished runs of batches that have not ended, and checkpoints
 beds/{xx}/{bed}.npz     beds, for all runs that share them, and checkpoints of those that are packed
 """
@@ -112,7 +113,8 @@ class Store:
         # what is wrong with a plan does not matter, because it is written again
         with suppress(Exception):
             head, body = content.decode().splitlines()
-            replicates = [of_values(values | self.values) for values in json.loads(body)]
+            shared, others = json.loads(body)
+            replicates = [of_values(shared | values | self.values) for values in others]
             if json.loads(head) == [run.id for run in replicates]:
                 return replicates
         if again:
@@ -125,8 +127,10 @@ class Store:
 
     def write_plan(self, batch: Batch, replicates: list[Replicate]) -> None:
         """Write what a batch is to make."""
-        values = [replicate.values() for replicate in replicates]
-        text = f"{json.dumps(batch.runs)}\n{json.dumps(values)}\n"
+        values = [replicate.values().items() for replicate in replicates]
+        shared = [item for item in values[0] if all(item in other for other in values)]
+        others = [dict(item for item in items if item not in shared) for items in values]
+        text = f"{json.dumps(batch.runs)}\n{json.dumps([dict(shared), others])}\n"
         write_bytes(self.plan_of(batch.id), text.encode())
 
     def add(self, batch: str, content: bytes | None) -> None:
