@@ -235,8 +235,10 @@ def about(sweep: Sweep, block: Block, provenance: dict) -> dict:
     configuration, drawn = sweep.dump(), {}
     if sweep.record and sweep.cylinder:
         drawn["window_start"], drawn["window_stop"] = sweep.record.window
-    velocity = ["cylinder.velocity"] if sweep.cylinder else []
-    for path in dict.fromkeys([*block.paths, *velocity]):
+        velocities = {run.at("cylinder.velocity") for run in block.runs.values()}
+        if len(velocities) == 1:
+            drawn["cylinder_velocity"] = velocities.pop()
+    for path in block.paths:
         *groups, last = path.split(".")
         values = {
             run.at(path)
@@ -244,10 +246,7 @@ def about(sweep: Sweep, block: Block, provenance: dict) -> dict:
             if groups[:1] != ["shapes"] or groups[1] in run.configuration.shapes
         }
         if len(values) == 1 and path not in RUN_KEYS:
-            (value,) = values
-            reduce(dict.__getitem__, groups, configuration)[last] = value
-            if drawn and [path] == velocity:
-                drawn["cylinder_velocity"] = value
+            reduce(dict.__getitem__, groups, configuration)[last] = values.pop()
     return global_attributes(
         sweep.title, "dem sweep", configuration=json.dumps(configuration), **provenance, **drawn
     )
