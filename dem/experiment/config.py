@@ -252,8 +252,8 @@ class Configuration(Section):
     @property
     def recorded(self) -> tuple[str, ...]:
         """What runs record: observables, or what an experiment of its own gives."""
-        names = self.observables if self.module.observed else (self.experiment,)
-        return tuple(name.removesuffix(".py") for name in names)
+        module = self.module
+        return tuple(file.stem for file in module.files[module.observed :])
 
     def values(self) -> dict:
         """The values of a run as plain groups, but for those that are null."""
@@ -299,6 +299,10 @@ class Configuration(Section):
             for path, value in by_path(values).items()
             if path not in UNHASHED_KEYS and value != USUAL.get(path)
         } | {"record.observables": self.observables}
+        if self.packing.file is not None:
+            paths["packing.file"] = self.packing.file.id
+        if self.phases:
+            paths["phases"] = [*self.phases]  # their order
         for label, shape in self.shapes.items():
             if shape.mixture:
                 parts = {name: shapes[name] | {"granules": s} for name, s in shape.mixture.items()}
@@ -309,10 +313,6 @@ class Configuration(Section):
             if self.shape_of(label).kind == "ellipse":
                 groups["ellipse"] = ellipse
             known[label] = paths | by_path(groups)
-            if self.packing.file is not None:
-                known[label]["packing.file"] = self.packing.file.id
-            if self.phases:
-                known[label]["phases"] = [*self.phases]  # their order
         return known
 
     @cached_property
