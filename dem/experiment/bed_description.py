@@ -164,18 +164,23 @@ class BedDescription:
         return self.part_numbers if len(self.moduli) > 1 else None
 
     @property
+    def given_diameters(self) -> np.ndarray | None:
+        """Volume diameters (n,) in m of a file, None where the seed draws them."""
+        return self.table and self.table.diameters
+
+    @property
     def diameters(self) -> np.ndarray:
         """Volume diameters (n,) in m, those of a file, or each about the mean of its part."""
-        if self.table is not None and self.table.diameters is not None:
-            return self.table.diameters
+        if self.given_diameters is not None:
+            return self.given_diameters
         means = np.array([part.diameter for part in self.parts])[self.part_numbers]
         return sample_diameters(means, self.count, self.size_spread, self.seed)
 
     @property
     def extremes(self) -> tuple[float, float]:
         """Least and greatest volume diameter (m) that a granule of any seed may have."""
-        if self.table is not None and self.table.diameters is not None:
-            return self.table.diameters.min(), self.table.diameters.max()
+        if (given := self.given_diameters) is not None:
+            return given.min(), given.max()
         sizes = [part.diameter for part in self.parts]
         return min(sizes) * (1.0 - self.size_spread), max(sizes) * (1.0 + self.size_spread)
 

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, partial
-from itertools import product
+from itertools import compress, product
 from math import prod
 
 import numpy as np
@@ -65,10 +65,6 @@ class Block:
         """What varies along the axes, or is set for all runs."""
         return list(dict.fromkeys([*(p for axis in self.axes for p in axis.paths), *self.fixed]))
 
-    def without_seed(self, point: GridPoint) -> GridPoint:
-        """The point that all replicates of a run share."""
-        return tuple(i for i, axis in zip(point, self.axes, strict=True) if axis.name != "seed")
-
     def first_seeds(self) -> "Block":
         """The same block with the first seed alone."""
         at = self.dims.index("seed")
@@ -81,9 +77,9 @@ class Block:
     @cached_property
     def replicates(self) -> dict[GridPoint, list[Replicate]]:
         """The runs at each point but for the seed, in the order of the seeds."""
-        groups = {}
+        groups, kept = {}, [axis.name != "seed" for axis in self.axes]
         for point, run in self.runs.items():
-            groups.setdefault(self.without_seed(point), []).append(run)
+            groups.setdefault(tuple(compress(point, kept)), []).append(run)
         return groups
 
     @property
@@ -200,7 +196,7 @@ def expand(
     if twice := [name for name in names if names.count(name) > 1 or name in recorded]:
         raise InputError(f"{where} gives files of results two things named {twice[0]}; rename one.")
     seeds = max((len(axis.points) for axis in axes if axis.name == "seed"), default=1)
-    if seeds > 1 and first.packing.file and first.packing.file.diameters is not None:
+    if seeds > 1 and grid.first.bed_description.given_diameters is not None:
         raise InputError(
             f"{where}.seed has {seeds} seeds, and packing.file the diameters too; all of these runs "
             "would be the same, list one seed."
