@@ -7,7 +7,6 @@ of a sweep, which has all granules itself, or whose runs are in the store.
 import json
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 
 from dem.base.errors import InputError
@@ -15,7 +14,7 @@ from dem.experiment.config import Configuration, of_results
 from dem.experiment.replicate import Replicate
 from dem.io.lazily import open_lazily
 from dem.sweep.axis import RUN_KEYS, name_of
-from dem.sweep.selection import selected, values_of_runs
+from dem.sweep.selection import run_of
 from dem.sweep.store import Store
 
 
@@ -30,11 +29,9 @@ def open_run(
     with open_lazily(path) as dataset:
         if "run_id" not in dataset.variables:
             raise InputError(f"{path}: it holds no runs; name drag.nc or a file of runs.")
-        run, combined = selected(values_of_runs(dataset), select), "run" not in dataset.dims
+        one, combined = run_of(dataset, select), "run" not in dataset.dims
+        run = one["run_id"].item()
         if combined and "granule_x" in dataset.variables:
-            runs = dataset["run_id"]
-            (place,) = np.argwhere(runs.values == run)[:1]
-            one = dataset.isel(dict(zip(runs.dims, place.tolist(), strict=True)))
             one = one.dropna("granule", subset=["granule_diameter"])  # others may have more
             if not one.sizes["granule"]:
                 raise InputError(f"{path}: the run with {' '.join(select)} failed.")

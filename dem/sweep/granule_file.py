@@ -91,17 +91,14 @@ def _of_dump(text: str) -> GranuleTable:
 def _of_results(path: Path, select: list[str]) -> GranuleTable:
     """The last snapshot of a run."""
     from dem.io.lazily import open_lazily  # half a second to load
-    from dem.sweep.selection import selected, values_of_runs
+    from dem.sweep.selection import run_of
 
     names = {"x": "granule_x", "y": "granule_y", "angle": "granule_angle", "diameter": "granule_diameter"}  # fmt: skip
     with open_lazily(path) as dataset:
         if not {"run_id", *names.values()} <= dataset.variables.keys():
             raise ValueError("it has no snapshots of runs")
-        runs = dataset["run_id"]
-        place = np.argwhere(runs.values == selected(values_of_runs(dataset), select))[0]
-        last = dataset.isel(dict(zip(runs.dims, place, strict=True)) | {"snapshot": -1})
-        columns = {column: last[name].values for column, name in names.items()}
-    there = np.isfinite(columns["diameter"])  # fewer granules than those of another run
-    if not there.any():
-        raise ValueError("this run failed")
-    return table_of({column: values[there] for column, values in columns.items()})
+        last = run_of(dataset, select).isel(snapshot=-1)
+        last = last.dropna("granule", subset=["granule_diameter"])  # others may have more
+        if not last.sizes["granule"]:
+            raise ValueError("this run failed")
+        return table_of({column: last[name].values for column, name in names.items()})

@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -26,8 +27,15 @@ def values_of_runs(dataset: xr.Dataset) -> pd.DataFrame:
     return frame.set_index(dataset["run_id"].values)
 
 
+def run_of(dataset: xr.Dataset, select: list[str]) -> xr.Dataset:
+    """What a file has of the run with the values of some words."""
+    runs = dataset["run_id"]
+    place = np.argwhere(runs.values == selected(values_of_runs(dataset), select))[0]
+    return dataset.isel(dict(zip(runs.dims, place.tolist(), strict=True)))
+
+
 def selected(runs: pd.DataFrame, select: list[str]) -> str:
-    """The run that has the values of some words."""
+    """The identity of the run that has the values of some words."""
     columns, rest = {name.replace(".", "_"): name for name in runs}, runs
     for word in select:
         key, equal, text = word.partition("=")
