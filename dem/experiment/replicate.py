@@ -92,14 +92,9 @@ class Replicate:
         )
 
     @property
-    def parts(self) -> list[ShapeSection]:
-        """The shapes of a mixture; of another shape, itself."""
-        return self.configuration.parts_of(self.label)
-
-    @property
     def materials(self) -> tuple[Material, ...]:
         """Material of the granules; of a mixture one of each shape, if a shape has its own."""
-        sections = [part.material for part in self.parts]
+        sections = [part.material for part in self.configuration.parts_of(self.label)]
         return tuple(map(self.material_of, sections if any(sections) else [None]))
 
     @property
@@ -137,7 +132,7 @@ class Replicate:
             kind=shape.kind,
             parts=tuple(
                 Part(part.diameter, part.form, share)
-                for part, share in zip(self.parts, shares, strict=True)
+                for part, share in zip(c.parts_of(self.label), shares, strict=True)
             ),
             count=shape.granules,
             size_spread=packing.size_spread,

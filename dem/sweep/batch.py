@@ -121,20 +121,13 @@ def _run(store: Store, replicate: Replicate, progress) -> dict:
     return experiment.run(replicate, bed, progress, checkpoint=checkpoint)
 
 
-def layout_of(replicate: Replicate) -> dict:
-    """The variables of a batch of such runs, as in dem.io.dataset."""
-    experiment = replicate.configuration.module
-    of_run = experiment.layout | LABELS | OF_STORE
-    return experiment.along | {
-        name: (("run", *dims), *rest) for name, (dims, *rest) in of_run.items()
-    }
-
-
 def write_batch(path: Path, replicates: list[Replicate], rows: list[dict]) -> None:
     """Write the runs of a batch; what a failed run lacks is NaN."""
     first = replicates[0]
-    experiment, layout = first.configuration.module, layout_of(first)
+    experiment = first.configuration.module
     values, sizes = experiment.axes, experiment.sizes(first)
+    of_run = experiment.layout | LABELS | OF_STORE
+    layout = {name: (("run", *dims), *rest) for name, (dims, *rest) in of_run.items()}
     for name, (dims, *_) in experiment.layout.items():
         gap = np.full([sizes[dim] for dim in dims], np.nan)
         values[name] = np.stack([np.asarray(row.get(name, gap), float) for row in rows])
@@ -161,7 +154,7 @@ def write_batch(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
         processor=provenance.processor(),
         git_revision=provenance.git_revision(),
     )
-    write(path, values, attrs, layout)
+    write(path, values, attrs, experiment.along | layout)
 
 
 def write_one(path: Path, replicate: Replicate, values: dict) -> None:

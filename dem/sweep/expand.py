@@ -173,7 +173,7 @@ def expand(
     if not any("seed" in axis.paths for axis in axes):
         axes.append(axis_of("seed", [fixed.pop("seed", 1)], sweep, where))
     ways = Counter([*fixed, *(path for axis in axes for path in axis.paths)])
-    shaped = any(axis.points and all("shape" in p for p in axis.points) for axis in axes)
+    shaped = any(all("shape" in point for point in axis.points) for axis in axes)
     if len(sweep.shapes) > 1 and not shaped:
         raise InputError(
             f"{where} must give all runs a shape or a case; there are {', '.join(sweep.shapes)}."
