@@ -4,6 +4,7 @@ import os
 import sys
 from dataclasses import replace
 from functools import cached_property
+from itertools import takewhile
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -120,7 +121,7 @@ class Sweep(Configuration):
         """
         wanted = self.named(name).get("needs", ())
         names = tuple(wanted) if isinstance(wanted, list | tuple) else (wanted,)
-        before = list(self.blocks)[: list(self.blocks).index(name)]
+        before = [*takewhile(lambda other: other != name, self.blocks)]
         for other in names:
             if other not in before:
                 raise InputError(

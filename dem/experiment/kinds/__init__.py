@@ -41,7 +41,6 @@ from dem.experiment.observables import OBSERVABLES, file_of
 from dem.io.dataset import LABELS, OF_RUN, OF_STORE, OF_SWEEP
 
 EXPERIMENTS = described(Path(__file__).parent, "SECTIONS")
-FILES = {name: Path(__file__).with_name(f"{name}.py") for name in EXPERIMENTS}
 PHASES = Path(__file__).parents[1] / "phases.py"
 TYPES = {bool: bool, int: Count, float: Number, str: str}  # of values, by those of their defaults
 
@@ -79,8 +78,8 @@ class Experiment:
     @property
     def file(self) -> Path:
         """Its file; raises InputError where it cannot be used."""
-        if self.name in FILES:
-            return FILES[self.name]
+        if self.name in EXPERIMENTS:
+            return Path(__file__).with_name(f"{self.name}.py")
         known = *EXPERIMENTS, *OBSERVABLES  # whose files of results have these names
         return find_module("experiment", self.name, self.beside, known, "run")
 
@@ -203,7 +202,7 @@ class Experiment:
 
     def check_values(self) -> None:
         """Raise ValueError where the values of the configuration do not go together."""
-        if self.name in FILES and "check" in definitions(self.file):
+        if self.name in EXPERIMENTS and "check" in definitions(self.file):
             load(self.file).check(self.configuration)
 
     def check(self) -> None:

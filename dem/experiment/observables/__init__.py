@@ -16,13 +16,12 @@ from dem.base.plugins import find_module
 
 # Found and not listed, so that a new one does not change the code of runs without it.
 OBSERVABLES = described(Path(__file__).parent, "VARIABLES")
-FILES = {name: Path(__file__).with_name(f"{name}.py") for name in OBSERVABLES}
 
 
 def file_of(name: str, beside: str | None = None) -> Path:
     """The file of an observable; raises InputError where it cannot be used."""
-    if name in FILES:
-        return FILES[name]
+    if name in OBSERVABLES:
+        return Path(__file__).with_name(f"{name}.py")
     kinds = (path.stem for path in sorted(Path(__file__).parents[1].glob("kinds/[a-z]*.py")))
     known = *OBSERVABLES, *kinds  # whose files of results have these names
     return find_module("record.observables", name, beside, known, "measure", "look")
