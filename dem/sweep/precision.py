@@ -197,7 +197,7 @@ def short_of(block, values: dict[GridPoint, np.ndarray], near_zero: bool = False
 
 def replicates_needed(estimate: Estimate, runs: int, until: Until) -> float:
     """How many replicates a point takes by the scatter of its runs so far."""
-    return runs * (SAFETY * excess(estimate, until)) ** 2 if runs else math.inf
+    return runs * (SAFETY * excess(estimate, until)) ** 2
 
 
 def counts(
@@ -213,9 +213,9 @@ def counts(
     now = {point: len(runs) for point, runs in values.items()}
     after = dict(now)
     for point, mean in estimates(until, values, partners).items():
-        over = SAFETY * excess(mean, until)
-        for other in {point, partners[point] or point} if over > 1.0 else ():
-            wanted = min(now[other] * over**2, GROWTH * now[other], until.most)
+        for other in {point, partners[point] or point}:
+            wanted = replicates_needed(mean, now[other], until)
+            wanted = min(wanted, GROWTH * now[other], until.most)
             after[other] = max(after[other], math.ceil(wanted))
     return after
 
