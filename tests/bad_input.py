@@ -24,7 +24,7 @@ from project import ROOT
 from sweeps import SMOKE, Killed, contents, differing, killed_at
 
 import dem
-from dem.base.types import LISTED
+from dem.base.refusals import LISTED
 from dem.sweep.config import load, parse
 
 NASTY = (

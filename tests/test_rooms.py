@@ -23,7 +23,7 @@ DELETES_OR_CATCHES = {
     "base/files.py arrays_of: Exception": "of bytes that were read; no memory is raised before",
     "base/plugins.py load: Exception": "any error of a user's file becomes a sentence",
     "base/types.py real_array: Exception": "any error of a user's object becomes a sentence",
-    "base/types.py shown: Exception": "any error of a user's object becomes a sentence",
+    "base/refusals.py shown: Exception": "any error of a user's object becomes a sentence",
     "cli/sweep.py simulate: unlink": "checkpoints of a run whose file is written",
     "io/dataset.py content_of: Exception": "it becomes a sentence, once all bytes could be read",
     "jit/cache.py checked: unlink": "machine code that is damaged; it is compiled again",

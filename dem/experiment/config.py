@@ -15,20 +15,8 @@ from pydantic.fields import FieldInfo
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
 from dem.base.plugins import is_plugin
-from dem.base.types import (
-    Count,
-    Density,
-    Label,
-    Length,
-    NotNegative,
-    Section,
-    Seed,
-    Unit,
-    checked,
-    parsed,
-    section_of,
-    unit_of,
-)
+from dem.base.refusals import parsed, section_of, unit_of
+from dem.base.types import Count, Density, Label, Length, NotNegative, Section, Seed, Unit, checked
 from dem.experiment.box import check_room
 from dem.experiment.cylinder import as_scene
 from dem.experiment.kinds import EXPERIMENTS, Experiment

@@ -13,8 +13,9 @@ import numpy as np
 from pydantic import PlainSerializer, PlainValidator, WithJsonSchema
 
 from dem.base.errors import InputError
+from dem.base.refusals import shown
 from dem.base.source_hash import digest
-from dem.base.types import MOST, shown
+from dem.base.types import MOST
 
 COLUMNS = "x", "y", "angle", "diameter"  # in m, m, rad, m
 LEAST = 1e-12  # m, of a diameter

@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.ticker import EngFormatter
 from pydantic import Field, InstanceOf
 
-from dem.base.types import Count, checked, parsed
+from dem.base.refusals import parsed
+from dem.base.types import Count, checked
 from dem.dynamics.contact_output import ContactList
 from dem.dynamics.result import Result
 from dem.experiment.observables.flow import layers_of

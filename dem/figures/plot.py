@@ -7,7 +7,8 @@ from matplotlib.figure import Figure
 from pydantic import Field, InstanceOf
 
 from dem.base.errors import InputError
-from dem.base.types import Count, checked, parsed
+from dem.base.refusals import parsed
+from dem.base.types import Count, checked
 from dem.dynamics.result import Result
 from dem.figures import style
 from dem.figures.bed import view_of

@@ -11,7 +11,8 @@ from typing import NamedTuple
 
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
-from dem.base.types import SEEDS, Label, Number, parsed, written
+from dem.base.refusals import parsed, written
+from dem.base.types import SEEDS, Label, Number
 from dem.experiment.config import Configuration, Entry, entries
 from dem.experiment.kinds import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES

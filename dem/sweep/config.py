@@ -15,8 +15,9 @@ from dem.base.errors import InputError
 from dem.base.files import write_bytes
 from dem.base.messages import did_you_mean
 from dem.base.plugins import refresh, with_folder
+from dem.base.refusals import parsed
 from dem.base.source_hash import ROOT
-from dem.base.types import Coefficient, Count, Density, Label, Section, must, parsed
+from dem.base.types import Coefficient, Count, Density, Label, Section, must
 from dem.base.yaml_file import DEEPEST, read, text_of
 from dem.experiment.config import Configuration, model_of
 from dem.experiment.replicate import Replicate

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
 from dem.base.plugins import load
-from dem.base.types import parsed, written
+from dem.base.refusals import parsed, written
 from dem.experiment.replicate import Replicate
 
 

@@ -7,8 +7,9 @@ from pathlib import Path
 import typer
 from typer.cli import get_docs_for_click
 
+from dem.base.refusals import section_of, unit_of
 from dem.base.source_hash import ROOT
-from dem.base.types import LEAST, section_of, unit_of
+from dem.base.types import LEAST
 from dem.cli.app import app
 from dem.experiment.config import SECTIONS, Configuration
 from dem.experiment.kinds import EXPERIMENTS, jamming, onset, shear

@@ -6,7 +6,7 @@ The first word of a block's name is the part of the study.
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.base.types import parsed
+from dem.base.refusals import parsed
 from dem.experiment.kinds import drag
 from dem.experiment.observables.alignment import VARIABLES as ALONG
 from dem.experiment.replicate import Replicate

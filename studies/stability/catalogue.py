@@ -5,7 +5,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from dem.base.types import Count, Label, NotNegative, Positive, Section, parsed
+from dem.base.refusals import parsed
+from dem.base.types import Count, Label, NotNegative, Positive, Section
 from dem.base.yaml_file import read
 
 RAN = "ran"

@@ -14,7 +14,7 @@ from project import quick
 from refusals.library import PLACES, scene
 
 import dem
-from dem.base.types import parsed
+from dem.base.refusals import parsed
 
 
 def public_arguments():

@@ -49,7 +49,16 @@ def test_a_run_is_made_again_only_where_its_numbers_may_change(tmp_path, name, e
     assert text != path.read_text() and (hash_of(package) != digest) == expected
 
 
-BASE = "constants", "errors", "files", "plugins", "messages", "provenance", "source_hash"
+BASE = (
+    "constants",
+    "errors",
+    "files",
+    "plugins",
+    "messages",
+    "provenance",
+    "refusals",
+    "source_hash",
+)
 # imported by what makes runs: read, check, write or say something, and set no number
 NO_NUMBERS = {
     *(f"base/{name}.py" for name in BASE),

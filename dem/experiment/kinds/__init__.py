@@ -36,7 +36,8 @@ from pydantic import Field, create_model
 from dem.base.constants import constants, definitions, described
 from dem.base.errors import InputError, RunError
 from dem.base.plugins import find_module, load
-from dem.base.types import BOUNDS, Count, Number, Section, Unit, shown
+from dem.base.refusals import BOUNDS, shown
+from dem.base.types import Count, Number, Section, Unit
 from dem.experiment.observables import OBSERVABLES, file_of
 from dem.io.dataset import LABELS, OF_RUN, OF_STORE, OF_SWEEP
 
