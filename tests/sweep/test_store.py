@@ -143,6 +143,18 @@ def test_a_plan_that_is_damaged_or_of_other_code_is_refused(content):
     assert len(made()) == 4
 
 
+@quick
+def test_a_plan_has_once_what_its_runs_share():
+    """A bed of thousands of granules from a file would else be written for each of them."""
+    sizes = []
+    for count in (1, 9):
+        state = SweepState.of(drawn(sweep=varied("a", seed=f"1 to {count}"), batch=9))
+        state.begin("drag")
+        (batch,) = state.batches("drag")
+        sizes.append(state.store.plan_of(batch.id).stat().st_size)
+    assert sizes[1] < 2 * sizes[0]
+
+
 def test_memory_of_combining_does_not_grow_with_the_runs():
     """The memory that Python hands out grows by less than what 20 more runs have."""
     record, peaks = {"bins": 1200, "snapshots": 3, "observables": ["drag"]}, []
