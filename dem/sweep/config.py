@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import cached_property
 from itertools import takewhile
 from pathlib import Path
+from textwrap import indent
 from typing import Annotated, Any
 
 import numpy as np
@@ -78,12 +79,6 @@ class Sweep(Configuration):
                 )
         return self
 
-    def check(self) -> None:
-        """Raise InputError where a block asks for what cannot be."""
-        for name in self.blocks:
-            self.needed(name)
-            self.block(name)
-
     @cached_property
     def blocks(self) -> dict[str, dict]:
         """What varies in each block, by its name; a sweep without blocks is one, named drag."""
@@ -148,11 +143,11 @@ def parse(data, source: str = "configuration") -> Sweep:
     data = extended(data, source)
     sweep = parsed(model_of(Sweep, data), data, source=source)
     try:
-        sweep.check()
+        for name in sweep.blocks:
+            sweep.needed(name)
+            sweep.block(name)
     except InputError as error:
-        raise InputError(
-            "\n".join(f"{source}: {line}" for line in str(error).splitlines())
-        ) from None
+        raise InputError(indent(str(error), f"{source}: ")) from None
     return sweep
 
 

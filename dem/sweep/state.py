@@ -327,8 +327,8 @@ class SweepState:
                 )
                 if not self.grow(name):
                     break
-            for observable, path in zip(self.observables(name), self.combined(name), strict=True):
-                combine_block(self, name, observable, path)
+            for path in self.combined(name):
+                combine_block(self, name, path.stem, path)
         if words := self.near_zero(*self.sweep.blocks):
             raise RunError(words)
 
