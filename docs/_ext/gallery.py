@@ -21,6 +21,9 @@ FOLDER = Path("_generated/gallery")  # in docs
 RUNS = {
     f"{shape}.nc": f"dem simulate --shape {shape} --density 3900 --seed 1 -o {shape}.nc"
     for shape in ("c1", "d1", "e3")
+} | {
+    f"{scene}.nc": f"dem simulate --config config/scenes/{scene}.yaml --shape disc --density 2500 --seed 1 -o {scene}.nc"
+    for scene in ("drum", "hopper", "column")
 }
 # file: the command line that draws it, what it shows
 PICTURES = {
@@ -36,6 +39,9 @@ PICTURES = {
         "dem draw d1.nc --color layer -o layers.png",
         "Dumbbells, coloured in layers before the cylinder moved",
     ),
+    "drum.mp4": ("dem draw drum.nc -o drum.mp4", "A drum with a blade turns a bed of discs: speed"),
+    "hopper.mp4": ("dem draw hopper.nc -o hopper.mp4", "A hopper empties: speed of the discs"),
+    "column.mp4": ("dem draw column.nc -o column.mp4", "A column of discs collapses: speed"),
     "cluster.png": (
         "dem draw e3.nc --color cluster -o cluster.png",
         "Ellipses, those that began ahead of the cylinder shaded",
