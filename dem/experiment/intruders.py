@@ -1,14 +1,14 @@
 """Outlines by name of what is drawn through a bed, and where they start in a box of any height."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from dem.shapes.disc import Disc
 from dem.shapes.ellipse import Ellipse
-from dem.solids import Polygon, Solid, ring
+from dem.solids import Polygon, Solid, circle, ring
 
 RATIOS = {
     "ellipse": 2.0,
@@ -30,9 +30,9 @@ class Intruder:
 
     Attributes
     ----------
-    kind : str
-        Name of the outline.
-    diameter : float
+    kind : str or None
+        Name of the outline; None of what has parts.
+    diameter : float or None
         Its length (m).
     thickness : float or None
         Width of an ellipse or a plate, thickness of a ring (m).
@@ -44,20 +44,25 @@ class Intruder:
         Angle at the start (rad).
     shift : tuple of float, optional
         From the axis to the middle of the outline (m), at angle zero.
+    parts : tuple of Intruder
+        Outlines of which it consists, at places from its middle; none: it is one.
     """
 
-    kind: str
-    diameter: float
+    kind: str | None
+    diameter: float | None
     thickness: float | None
     x: float
     start: float
     offset: float
     angle: float
     shift: tuple[float, float] | None = None
+    parts: tuple["Intruder", ...] = ()
 
     @cached_property
     def outline(self) -> Disc | Ellipse | Polygon | list[Polygon]:
         """The outline, with its length along x, and a tip upwards."""
+        if self.parts:
+            return [piece for part in self.parts for piece in part.pieces(self.shift or (0.0, 0.0))]
         width = self.thickness or self.diameter
         if self.kind == "circle":
             return Disc([0.5 * self.diameter])
@@ -77,12 +82,21 @@ class Intruder:
         shift = self.shift or (0.0, 0.0)
         return [Polygon(p.corners + shift, radius) for p in ring(self.diameter, 2.0 * radius)]
 
+    def pieces(self, shift: tuple[float, float]) -> list[Polygon]:
+        """Polygons that it is, as a part of a body whose middle is at a place (m)."""
+        outline = circle(self.diameter) if self.kind == "circle" else self.outline
+        c, s = math.cos(self.angle), math.sin(self.angle)
+        turn, place = np.array([[c, s], [-s, c]]), np.add(self.place(0.0), shift)
+        pieces = outline if isinstance(outline, list) else [outline]
+        return [Polygon(piece.corners @ turn + place, piece.radius) for piece in pieces]
+
     @property
     def area(self) -> float:
         """Area (m2)."""
         if self.kind == "circle":  # to the last bit as equation 18 of the paper has it
             return 0.25 * math.pi * self.diameter**2
-        return self.solid(0.0).area if self.kind == "ring" else float(np.sum(self.outline.area))
+        several = isinstance(self.outline, list)
+        return self.solid(0.0).area if several else float(np.sum(self.outline.area))
 
     @property
     def radius(self) -> float:
@@ -108,16 +122,27 @@ def intruder_of(solid) -> Intruder:
     x = solid.x if solid.pivot_x is None else solid.pivot_x
     y = solid.y if solid.pivot_y is None else solid.pivot_y
     c, s, dx, dy = math.cos(solid.angle), math.sin(solid.angle), solid.x - x, solid.y - y
-    thickness = solid.thickness
-    if thickness is None and solid.outline in RATIOS:
-        thickness = solid.diameter / RATIOS[solid.outline]
-    return Intruder(
-        kind=solid.outline,
-        diameter=solid.diameter,
-        thickness=thickness,
+    return replace(
+        outline_of(solid),
         x=x,
         start=solid.start,
         offset=y,
-        angle=solid.angle,
         shift=(c * dx + s * dy, c * dy - s * dx) if dx or dy else None,
+        parts=tuple(map(outline_of, solid.parts.values())),
+    )
+
+
+def outline_of(section) -> Intruder:
+    """A solid at its middle, or a part of one, from its section."""
+    thickness = section.thickness
+    if thickness is None and section.outline in RATIOS:
+        thickness = section.diameter / RATIOS[section.outline]
+    return Intruder(
+        kind=section.outline,
+        diameter=section.diameter,
+        thickness=thickness,
+        x=section.x,
+        start=0.0,
+        offset=section.y,
+        angle=section.angle,
     )

@@ -144,9 +144,11 @@ def _move(
         return
     boundaries, b = simulation.world.boundaries, len(simulation.scene.walls) + k
     *velocity, spin = boundaries.motion[b, [VX, VY, W]].tolist()
-    if section.velocity is not None or section.forces == (None, None):
-        velocity = [speed * part for part in towards(direction)]
-    given = simulation.scene.solids[k], scene.solids[name].mass, tuple(velocity), spin
+    anchor = tuple(speed * part for part in towards(direction))
+    pulled = any(section.springs)
+    if not pulled and (section.velocity is not None or section.forces == (None, None)):
+        velocity = anchor
+    given = scene.solids[name], simulation.scene.solids[k], tuple(velocity), anchor, spin
     simulation.set_motion(k, *motion_of(section, replicate, *given))
 
 

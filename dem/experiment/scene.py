@@ -10,7 +10,7 @@ from dem.experiment.bed import shaped
 from dem.experiment.replicate import Replicate
 from dem.io.dataset import WALLS
 from dem.material import BasePlate, Friction, Rolling
-from dem.motion import Drive, PrescribedMotion, Turn
+from dem.motion import Drive, PrescribedLoad, PrescribedMotion, Turn
 from dem.packing.random import Bed
 from dem.periodic import walled
 from dem.scene import Scene
@@ -80,7 +80,8 @@ def solids(replicate: Replicate, height: float) -> tuple[Solid, ...]:
         material = section.material and replicate.material_of(section.material)
         solid = intruder.solid(height, friction=section.friction, material=material)
         velocity = tuple((section.velocity or 0.0) * component for component in section.ahead)
-        motion, spin = motion_of(section, replicate, solid, section.mass, velocity)
+        start = (0.0, 0.0) if any(section.springs) else velocity
+        motion, spin = motion_of(section, replicate, section, solid, start, velocity)
         drawn.append(
             replace(solid, velocity=velocity if motion is None else motion, spin=spin or 0.0)
         )
@@ -88,26 +89,44 @@ def solids(replicate: Replicate, height: float) -> tuple[Solid, ...]:
 
 
 def motion_of(
-    section, replicate: Replicate, solid: Solid, mass: float | None, velocity, spin: float = 0.0
+    section, replicate: Replicate, body, solid: Solid, velocity, anchor, spin: float = 0.0
 ) -> tuple:
     """How a solid moves from now on, and how it turns, as `Simulation.set_motion` takes them; None: as
     before.
 
-    section: a MotionSection; mass (kg): its own, where it has one; velocity, spin: those at which it
-    begins where forces move it.
+    section: a MotionSection; body: the SolidSection; velocity, spin: those at which it begins where
+    forces move it; anchor: velocity of the point to which springs pull it.
     """
     if section.path is not None:
         time, vx, vy, spins = np.transpose(section.path)
-        return PrescribedMotion(time, np.column_stack([vx, vy]), spins), None
-    mass = mass or replicate.mean_density * solid.area * replicate.thickness
+        pulled = any(section.springs)
+        anchor = PrescribedMotion(time, np.column_stack([vx, vy]), None if pulled else spins)
+        if not pulled:
+            return anchor, None
+    mass = body.mass or replicate.mean_density * solid.area * replicate.thickness
+    weight = -mass * replicate.configuration.gravity if body.weight else 0.0
     motion, turn = None, None if section.spin == "free" else section.spin
     if section.forces != (None, None):
-        motion = Drive(section.forces, mass, velocity=velocity)
+        forces = tuple(map(_load, section.forces, (0.0, weight)))
+        motion = Drive(forces, mass, velocity=velocity, spring=section.springs, anchor=anchor)
     elif section.velocity is not None or section.direction is not None:
         motion = velocity
     if section.spin == "free" or section.torque is not None:
-        turn = Turn(mass * solid.gyration_squared, section.torque or 0.0, spin=spin)
+        inertia, hangs = mass * solid.gyration_squared, body.weight and section.forces[1] is None
+        turn = Turn(inertia, _load(section.torque or 0.0), spin=spin)
+        if hangs:
+            turn = replace(turn, weight=(0.0, weight), centre=solid.centre)
     return motion, turn
+
+
+def _load(value, more: float = 0.0):
+    """A force or a torque, of rows [time, value] too, and some more; None for none."""
+    if value is None:
+        return None
+    if isinstance(value, tuple):
+        time, values = np.transpose(value)
+        return PrescribedLoad(time, values + more)
+    return value + more
 
 
 def start(replicate: Replicate, bed: Bed, **options) -> Simulation:

@@ -85,6 +85,19 @@ Path = Annotated[
         lambda rows: all(before[0] < after[0] for before, after in pairwise(rows)),
     ),
 ]
+Loads = Annotated[
+    tuple[tuple[NotNegative, Number], ...], Field(min_length=2), AfterValidator(_rising)
+]
+Push = Annotated[
+    Annotated[Number, Unit("N")] | Loads,
+    must("be a force, or rows [time, force] whose times rise"),
+    Unit("N"),
+]
+Torque = Annotated[
+    Annotated[Number, Unit("N m")] | Loads,
+    must("be a torque, or rows [time, torque] whose times rise"),
+    Unit("N m"),
+]
 Spin = Annotated[
     Literal["free"] | Annotated[Number, Unit("rad s-1")],
     must("be an angular velocity or free"),
@@ -172,19 +185,29 @@ class SecondSection(Section):
 class MotionSection(MovingSection):
     """The same of a solid of a scene, which forces may move too."""
 
-    force_x: Annotated[Number, Unit("N")] | None = None
-    """force that moves it along x, with those of the granules; none: its velocity does"""
-    force_y: Annotated[Number, Unit("N")] | None = None
+    force_x: Push | None = None
+    """force that moves it along x, with those of the granules, or rows [time, force] since its start; none: its velocity does"""
+    force_y: Push | None = None
     """the same along y"""
-    torque: Annotated[Number, Unit("N m")] | None = None
-    """torque that turns it, with those of the granules; none: its spin does"""
+    spring_x: Stiffness | None = None
+    """stiffness along x of a spring that pulls it to a point, which moves by velocity and direction, or by path; none: no spring"""
+    spring_y: Stiffness | None = None
+    """the same along y"""
+    torque: Torque | None = None
+    """torque that turns it, with those of the granules, or rows [time, torque] since its start; none: its spin does"""
     path: Path | None = None
     """rows [time, velocity along x, along y, spin] in s, m/s and rad/s since its start, linear in between; none: velocity"""
 
     @property
-    def forces(self) -> tuple[float | None, float | None]:
-        """Forces along x and y."""
-        return self.force_x, self.force_y
+    def springs(self) -> tuple[float, float]:
+        """Stiffness along x and y."""
+        return self.spring_x or 0.0, self.spring_y or 0.0
+
+    @property
+    def forces(self) -> tuple:
+        """Forces along x and y, none where its velocity moves it."""
+        pairs = zip((self.force_x, self.force_y), self.springs, strict=True)
+        return tuple(0.0 if force is None and spring else force for force, spring in pairs)
 
     @property
     def driven(self) -> bool:
@@ -194,7 +217,14 @@ class MotionSection(MovingSection):
     @model_validator(mode="after")
     def _check_motion(self):
         if self.path is not None:
-            others = "velocity", "direction", "spin", "force_x", "force_y", "torque"
+            others = ["velocity", "direction"]
+            if not any(self.springs):
+                others += ["spin", "force_x", "force_y", "torque"]
+            elif any(row[3] for row in self.path):
+                raise ValueError(
+                    "path has a spin, and it is that of the point to which a spring pulls; make it 0, "
+                    "and give spin or torque"
+                )
             for name in others:
                 if getattr(self, name) is not None:
                     raise ValueError(
@@ -206,7 +236,7 @@ class MotionSection(MovingSection):
                 "that it has, give both or none"
             )
         if self.torque is not None and self.spin is not None:
-            raise ValueError(f"torque is {self.torque:g} and spin {self.spin}; leave one out")
+            raise ValueError(f"torque is given and spin {self.spin}; leave one out")
         return self
 
 
@@ -224,11 +254,51 @@ class PhaseMotionSection(MotionSection):
         return self
 
 
-class SolidSection(MotionSection):
-    outline: Literal["circle", "ellipse", "plate", "square", "wedge", "ring"]
-    """outline, with its length from left to right and its tip upwards at an angle of 0"""
+def _check_thickness(section) -> None:
+    if section.thickness is not None and section.outline not in ("ellipse", "plate", "ring"):
+        raise ValueError(
+            f"thickness is {section.thickness:g} and outline {section.outline}; leave it out, or let "
+            "outline be plate, ellipse or ring"
+        )
+    long = section.outline in ("ellipse", "plate")
+    if long and (section.thickness or 0.0) >= section.diameter:
+        raise ValueError(
+            f"thickness is {section.thickness:g} m; it must be less than diameter, {section.diameter:g} m"
+        )
+
+
+class PartSection(Section):
+    """A part of a solid that has several."""
+
+    outline: Literal["circle", "plate", "square", "wedge", "ring"]
+    """outline, as of a solid"""
     diameter: Diameter
-    """diameter; length of a plate or an ellipse; of a ring, which has 36 plates, that of the room inside"""
+    """diameter, as of a solid"""
+    thickness: Length | None = None
+    """thickness of a ring or a plate; none: a sixth of the diameter"""
+    x: Place = 0.0
+    """place of its middle along x from that of the solid, where that has an angle of 0"""
+    y: Place = 0.0
+    """the same along y"""
+    angle: Angle = 0.0
+    """angle from that of the solid, anticlockwise"""
+
+    @model_validator(mode="after")
+    def _check(self):
+        _check_thickness(self)
+        return self
+
+
+class SolidSection(MotionSection):
+    outline: Literal["circle", "ellipse", "plate", "square", "wedge", "ring"] | None = None
+    """outline, with its length from left to right and its tip upwards at an angle of 0; none: it has parts"""
+    diameter: Diameter | None = None
+    """diameter; length of a plate or an ellipse; of a ring, which has 36 plates, that of the room inside; none: it has parts"""
+    parts: Annotated[
+        dict[Label, PartSection],
+        AfterValidator(lambda parts: dict(sorted(parts.items()))),  # in any order they are one run
+    ] = Field({})
+    """outlines that together are one body, by name"""
     thickness: Length | None = None
     """thickness of a ring or a plate, width of an ellipse; none: a sixth of the diameter, half of it"""
     x: Place
@@ -245,6 +315,8 @@ class SolidSection(MotionSection):
     """place along y of the point that it turns about; none: y"""
     mass: Mass | None = None
     """its mass where forces move or turn it; none: that of granules in its place"""
+    weight: bool = False
+    """true: its weight moves it where forces do along y, and else turns it, at the centre of its area"""
     friction: Coefficient | None = None
     """friction at it; none: friction.cylinder"""
     material: SolidMaterialSection | None = None
@@ -254,16 +326,13 @@ class SolidSection(MotionSection):
     def _check(self):
         if not {"y", "start"} & self.model_fields_set:
             raise ValueError("y is missing; give it, or start")
-        thick = self.outline in ("ellipse", "plate", "ring")
-        if self.thickness is not None and not thick:
-            raise ValueError(
-                f"thickness is {self.thickness:g} and outline {self.outline}; leave it out, or let "
-                "outline be plate, ellipse or ring"
-            )
-        if self.outline in ("ellipse", "plate") and (self.thickness or 0.0) >= self.diameter:
-            raise ValueError(
-                f"thickness is {self.thickness:g} m; it must be less than diameter, {self.diameter:g} m"
-            )
+        for name in ("outline", "diameter"):
+            if not self.parts and getattr(self, name) is None:
+                raise ValueError(f"{name} is missing; give it, or parts")
+        for name in ("outline", "diameter", "thickness"):
+            if self.parts and getattr(self, name) is not None:
+                raise ValueError(f"{name} and parts are given; parts have theirs, leave one out")
+        _check_thickness(self)
         turned = self.pivot_x is not None or self.pivot_y is not None
         if turned and self.outline in ("circle", "ellipse"):
             raise ValueError(

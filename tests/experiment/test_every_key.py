@@ -28,8 +28,11 @@ SECOND = {"diameter": 8e-4, "gap": 2e-4, "spin": 40.0, "friction": 0.1}
 WALLS = {side: {"friction": 0.2, "material": SOFT} for side in ("left", "right", "bottom", "top")}
 CELL = {"inertial_number": 0.1, "pressure": 1e7, "settle": 4.0, "strain": 0.01, "samples": 2}
 SOLIDS = {"plate": {"outline": "plate", "diameter": 2e-3, "thickness": 3e-4, "x": 2e-3, "y": 2e-3, "angle": 0.1, "pivot_x": 1.8e-3, "pivot_y": 2.1e-3,
-                    "velocity": 0.1, "direction": 0.2, "spin": 5.0, "friction": 0.2, "material": SOFT}}  # fmt: skip
-PISTON = {"outline": "circle", "diameter": 8e-4, "x": 3e-3, "y": 5e-4, "force_y": 0.1, "mass": 1e-5, "torque": 1e-6,
+                    "velocity": 0.1, "direction": 0.2, "spin": 5.0, "friction": 0.2, "material": SOFT},
+          "club": {"x": 1.2e-3, "y": 9e-3, "velocity": 0.1, "direction": 0.2, "spin": 5.0, "friction": 0.2, "material": SOFT, "parts": {
+              "bar": {"outline": "plate", "diameter": 8e-4, "thickness": 3e-4, "x": 1e-4, "y": 1e-4, "angle": 0.2},
+              "arm": {"outline": "plate", "diameter": 1.4e-3, "thickness": 3e-4, "x": 3e-4}}}}  # fmt: skip
+PISTON = {"outline": "circle", "diameter": 8e-4, "x": 3e-3, "y": 5e-4, "force_y": 0.1, "mass": 1e-5, "torque": 1e-6, "weight": True, "spring_x": 10.0,
           "velocity": 0.1, "direction": 0.4}  # fmt: skip
 SMALL = {"box_width": 4e-3, "packing.fraction": 0.74, "cylinder.diameter": 1e-3, "cylinder.stroke": 2e-5,
          "cylinder.start": 0.4, "record.bins": 6, "record.window": [0.0, 2e-5], "record.snapshots": 2,

@@ -268,6 +268,38 @@ def test_a_force_and_a_torque_move_a_solid_as_a_body_of_its_mass():
     np.testing.assert_allclose(values["solid_angle"][:, 0], turn, rtol=1e-3)
 
 
+def test_a_spring_pulls_a_solid_and_its_weight_lets_it_fall():
+    """Its end goes on a path, and a force along y rises up to the weight."""
+    mass, spring, v = 1e-5, 1.0, 0.05
+    path = [[0.0, v, 0.0, 0.0], [1.0, v, 0.0, 0.0]]
+    lift = [[0.0, 0.0], [2.0 * TIME, 2.0 * 9.81 * mass]]
+    pull = {"path": path, "spring_x": spring, "force_y": lift}
+    phases = {"wait": {"time": TIME}, "pull": {"time": TIME, "motion": {"paddle": pull}}}
+    paddle = PADDLE | {"mass": mass, "weight": True}
+    run = run_of(solids={"paddle": paddle}, phases=phases, periodic="x")
+    values, time = run.configuration.module.run(run), np.array([0.0, 0.5, 1.0]) * TIME
+    w = np.sqrt(spring / mass)
+    way = v * time - v / w * np.sin(w * time)
+    np.testing.assert_allclose(values["solid_x"][:, 0] - 4e-3, way, rtol=1e-4, atol=1e-12)
+    fall = 9.81 * (0.5 * time**2 - time**3 / (6.0 * TIME))
+    np.testing.assert_allclose(1e-3 - values["solid_y"][:, 0], fall, rtol=1e-4, atol=1e-12)
+
+
+def test_a_body_of_parts_hangs_at_the_centre_of_their_areas():
+    """Two balls whose areas are as one to four, apart, turned with the body about its pivot."""
+    balls = {
+        "small": {"outline": "circle", "diameter": 5e-4, "x": 1e-3},
+        "large": {"outline": "circle", "diameter": 1e-3, "x": -1e-3},
+    }
+    body = {"x": 4e-3, "y": 2.5e-3, "pivot_y": 3e-3, "angle": 0.5 * np.pi, "parts": balls}
+    run = run_of(solids={"body": body | {"mass": 1e-5, "weight": True, "spin": "free"}})
+    (solid,) = make_scene(run, make_bed(run.bed_description)).solids
+    np.testing.assert_allclose(solid.spin.weight, [0.0, -9.81e-5])
+    np.testing.assert_allclose(solid.spin.centre, [-0.5e-3 - 0.6e-3, 0.0], atol=1e-7)
+    area = 1.25 * np.pi * 0.25e-6
+    assert solid.area == pytest.approx(area, rel=1e-3)
+
+
 def test_a_solid_goes_on_a_path_and_what_lay_on_one_that_is_removed_falls(tmp_path):
     path = [[0.0, 0.1, 0.0, 7.0], [TIME, 0.3, 0.0, 7.0]]
     motion = {"paddle": {"path": path}, "floor": {"removed": True}}

@@ -21,6 +21,7 @@ def of_file(**changes):
     return scene(**{"packing__preparation": "file"} | granules | changes)
 
 
+BALL = {"outline": "circle", "diameter": 2e-3, "x": 3e-3}
 PART = {"kind": "disc", "diameter": 1e-3}
 MIXED = {"disc": {"granules": 1, "mixture": {"a": 0.5, "b": 0.5}}, "a": PART, "b": PART}
 
@@ -31,7 +32,7 @@ CALLS = {
     "phases.open.motion.gate.spin is 'fre'": scene(phases__open__motion={"gate": {"spin": "fre"}}),
     "motion has gate, which phases.fill removed": scene(phases__fill__motion={"gate": {"removed": True}}, phases__open__motion={"gate": {"spin": 1.0}}),
     "removed is true and spin given": scene(phases__open__motion={"gate": {"removed": True, "spin": 1.0}}),
-    "torque is 1 and spin free": solid(torque=1.0, spin="free"),
+    "torque is given and spin free": solid(torque=1.0, spin="free"),
     "direction is 1 and velocity missing": solid(direction=1.0, force_x=1.0),
     "solids.gate.mass is 1 and no force moves it": solid(mass=1.0),
     "solids.gate has a force, and the solid a pivot": solid(force_y=1.0, pivot_x=0.0),
@@ -39,6 +40,14 @@ CALLS = {
     "record.observables has flow, which needs a cylinder": scene(record__observables=["scene", "flow"]),
     "solids.gate.material.young_modulus cannot vary; there is no material, give that first": solid(material__young_modulus=1e9),
     "path and spin are given": solid(path=[[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 1.0, 0.0]], spin=1.0),
+    "path and direction are given": solid(path=[[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 1.0, 0.0]], spring_x=1.0, direction=0.0),
+    "path has a spin, and it is that of the point to which": solid(path=[[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 1.0, 2.0]], spring_x=1.0),
+    "solids.gate.force_x is [[1.0, 0.0], [1.0, 2.0]]; it must be a force, or rows [time, force] whose times rise": solid(force_x=[[1.0, 0.0], [1.0, 2.0]]),
+    "solids.gate.weight is true and no force moves it along y": solid(weight=True, force_x=1.0),
+    "solids.gate.weight is true and gravity 0": scene(solids__gate__weight=True, solids__gate__force_y=0.0, gravity=0.0, phases__fill={"time": 1.0, "until": None}),
+    "outline is missing; give it, or parts": solid(outline=None),
+    "outline and parts are given; parts have theirs": solid(parts={"a": BALL}),
+    "solids.gate.parts have their centre at [0.003, 0]; a body that forces move": solid(outline=None, diameter=None, thickness=None, parts={"a": BALL}, force_y=0.0, spin="free"),
     "rows [time, velocity along x, along y, spin] whose times rise": solid(path=[[1.0, 0.0, 0.0, 0.0], [1.0, 0.0, 1.0, 0.0]]),
     "a time or until, and both are given": scene(phases__fill__time=1.0),
     "a time or until, and neither is given": scene(phases__fill__until=None),

@@ -3,10 +3,13 @@
 A phase takes a time, or lasts until the granules are at rest; solids that it does not name move on.
 """
 
+import math
+
 import numpy as np
 
 from dem.base.messages import did_you_mean
 from dem.experiment.config import Configuration
+from dem.experiment.intruders import intruder_of
 from dem.experiment.replicate import Replicate
 
 SECTIONS = {"solids": True, "phases": True, "record": True}
@@ -16,6 +19,7 @@ AXIS = {
     "time": (("time",), "s", "time since the last phase began, middle of the bin"),
     "snapshot_time": (("snapshot",), "s", "time since the last phase began at the snapshot"),
 }
+OFF = 0.01  # of the radius of a body of parts: from its place to its centre
 SIZES = {"time": "record.bins", "snapshot": "record.snapshots"}
 
 
@@ -29,6 +33,7 @@ def check(configuration: Configuration) -> None:
                 f"solids.{name}.mass is {solid.mass:g} and no force moves it; leave it out, or give "
                 "force_x, force_y, torque or spin: free"
             )
+        _check_body(configuration, name, solid)
         _check_pivot(solid, solid, f"solids.{name}")
         if solid.path is not None or solid.forces != (None, None):
             forced.add(name)
@@ -62,6 +67,28 @@ def check(configuration: Configuration) -> None:
             )
     if not configuration.duration:
         raise ValueError(f"phases.{name} is the last and has until; what is recorded needs a time")
+
+
+def _check_body(configuration: Configuration, name: str, solid) -> None:
+    phases = configuration.phases.values()
+    moving = [solid, *(phase.motion[name] for phase in phases if name in phase.motion)]
+    turns = any(motion.torque is not None or motion.spin == "free" for motion in moving)
+    if solid.weight:
+        if not (turns or any(motion.forces[1] is not None for motion in moving)):
+            raise ValueError(
+                f"solids.{name}.weight is true and no force moves it along y, or turns it; leave it "
+                "out, or give force_y, spring_y, torque or spin: free"
+            )
+        if not configuration.gravity:
+            raise ValueError(f"solids.{name}.weight is true and gravity 0; leave it out")
+    if solid.parts and turns and any(motion.forces != (None, None) for motion in moving):
+        body = intruder_of(solid).solid(0.0)
+        x, y = (round(c, 9) + 0.0 for c in body.centre)
+        if math.hypot(x, y) > OFF * body.radius:
+            raise ValueError(
+                f"solids.{name}.parts have their centre at [{x:.4g}, {y:.4g}]; a body that forces move "
+                "and turn moves about it, put them so that it is at [0, 0]"
+            )
 
 
 def _check_pivot(solid, motion, where: str) -> None:
