@@ -78,24 +78,24 @@ Region = Annotated[
 Angle = Annotated[Number, Unit("rad")]
 
 
+def _rise(rows) -> bool:
+    """Whether the times of rows rise; a number has none."""
+    return not isinstance(rows, tuple) or all(one[0] < two[0] for one, two in pairwise(rows))
+
+
 Path = Annotated[
     Annotated[tuple[tuple[NotNegative, Number, Number, Number], ...], Field(min_length=2)],
-    must(
-        "be rows [time, velocity along x, along y, spin] whose times rise",
-        lambda rows: all(before[0] < after[0] for before, after in pairwise(rows)),
-    ),
+    must("be rows [time, velocity along x, along y, spin] whose times rise", _rise),
 ]
-Loads = Annotated[
-    tuple[tuple[NotNegative, Number], ...], Field(min_length=2), AfterValidator(_rising)
-]
+Loads = Annotated[tuple[tuple[NotNegative, Number], ...], Field(min_length=2)]
 Push = Annotated[
     Annotated[Number, Unit("N")] | Loads,
-    must("be a force, or rows [time, force] whose times rise"),
+    must("be a force, or rows [time, force] whose times rise", _rise),
     Unit("N"),
 ]
 Torque = Annotated[
     Annotated[Number, Unit("N m")] | Loads,
-    must("be a torque, or rows [time, torque] whose times rise"),
+    must("be a torque, or rows [time, torque] whose times rise", _rise),
     Unit("N m"),
 ]
 Spin = Annotated[
