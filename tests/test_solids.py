@@ -238,3 +238,17 @@ def test_a_line_marks_the_angle_of_round_solids_that_turn():
     axes = dem.plot.bed(dem.simulate(scene, dem.State([[0.0, 5e-3]]), 1e-5)).axes[0]
     (mark,) = axes.collections[3].get_segments()
     assert_allclose(mark[0], [8.0, 3.0])
+
+
+def test_granules_that_fly_against_a_ring_from_inside_keep_their_step():
+    """They are behind the sides of its outside, where a search for the nearest point has no end."""
+    rng, where = np.random.default_rng(1), np.linspace(0.0, 2.0 * np.pi, 18, endpoint=False)
+    outwards = np.column_stack([np.cos(where), np.sin(where)])
+    scene = dem.Scene(
+        dem.Ellipse.of_size(np.full(18, 1e-3), 2.0), friction=dem.Friction(),
+        solids=dem.Solid(dem.ring(50e-3, 1e-3), (0.0, 0.0)),
+    )  # fmt: skip
+    start = dem.State(24.15e-3 * outwards, 0.2 * outwards, rng.uniform(0.0, np.pi, 18))
+    run = dem.Simulation(scene, start)
+    first = run.advance(1e-4)
+    assert run.advance(1e-3) > 0.01 * first

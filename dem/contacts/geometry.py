@@ -298,7 +298,12 @@ def polygon_contact(shape, faces, t, turned, one, corner, dx, dy, guess):
     h, q, rho = support(shape, one, nx, ny)
     overlap, n1, t1 = -gap, h + 0.5 * gap, q
     length = faces.row[f, 4]
-    if place < 0.0 or place > length:  # beyond its ends: the corner there
+    before = place < 0.0 and f == faces.first[t]
+    after = place > length and f + 1 == faces.first[t + 1]
+    if faces.has_ends[t] and (before or after or gap < -h - faces.radius[t]):
+        # the next chain has this contact, or the granule is behind the face, where no search ends
+        overlap, n1 = -h, h
+    elif place < 0.0 or place > length:  # beyond its ends: the corner there
         c, s = turned
         far = length if place > length else 0.0
         px, py = faces.row[f, 0] - far * faces.row[f, 3], faces.row[f, 1] + far * faces.row[f, 2]
@@ -309,11 +314,6 @@ def polygon_contact(shape, faces, t, turned, one, corner, dx, dy, guess):
             contact, converged = find_contact(shape, x, y, one, corner, guess)
         overlap, nx, ny, n1, t1, _, _, _ = contact
         _, _, rho = support(shape, one, nx, ny)
-    if faces.has_ends[t]:
-        before = place < 0.0 and f == faces.first[t]
-        after = place > length and f + 1 == faces.first[t + 1]
-        if before or after or gap < -h - faces.radius[t]:
-            overlap = -h  # the next chain has this contact, or the granule is behind the face
     rx, ry = n1 * nx - t1 * ny - dx, n1 * ny + t1 * nx - dy  # from the origin of the polygon
     n2, t2 = -(rx * nx + ry * ny), ry * nx - rx * ny
     return ContactGeometry(overlap, nx, ny, n1, t1, n2, t2, rho)
