@@ -44,6 +44,7 @@ RUNS = (
     "experiment/bed_description.py",
     "experiment/box.py",
     "experiment/cylinder.py",
+    "experiment/exchange.py",
     "experiment/granule_table.py",
     "experiment/intruders.py",
     "experiment/phases.py",

@@ -7,6 +7,7 @@ import numpy as np
 from dem.base.errors import InputError, PackingError
 from dem.experiment.bed_description import length_of
 from dem.experiment.granule_table import check_table
+from dem.packing.random import Room
 from dem.periodic import ROOM, periods_of
 from dem.scene import Scene
 from dem.shapes import KINDS
@@ -79,6 +80,30 @@ def _check_box(replicate, height: float, largest: float) -> None:
             )
     if bed.solids:
         _check_scene(replicate, height, largest, where)
+    for name, source in c.sources.items():
+        _check_source(replicate, f"sources.{name}.region", source.region, (height, length), where)
+
+
+def _check_source(replicate, key: str, region, sizes, where: str) -> None:
+    """Raise InputError where a source has no room; sizes: height of the box, length of the largest
+    granule (m)."""
+    bed, (height, length) = replicate.bed_description, sizes
+    (left, bottom, right, top), words = region, f"{key} is {list(region)}"
+    if left < 0.0 or bottom < 0.0 or right > bed.width or top > height:
+        raise InputError(f"{words}: {where}; it must be within.")
+    edge = 0.5 * length
+    if min(right - left, top - bottom) < length:
+        raise InputError(
+            f"{words}; it must be wider and higher than the largest granule, {length:.4g} m."
+        )
+    sides = (np.linspace(left + edge, right - edge, 33), np.linspace(bottom + edge, top - edge, 33))
+    places = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
+    solids = [solid.solid(height) for solid in bed.solids]
+    room = Room(bed.width, height, tuple(solids), 0, bed.periodic)
+    for solid in solids:
+        places = places[room.depth(solid, places) < -edge]
+    if not len(places):
+        raise InputError(f"{words}; solids leave no place in it for a granule of {length:.4g} m.")
 
 
 def _check_cylinder(configuration, intruders, height: float, where: str) -> None:

@@ -16,7 +16,18 @@ from dem.base.errors import InputError
 from dem.base.messages import did_you_mean
 from dem.base.plugins import is_plugin
 from dem.base.refusals import parsed, section_of, unit_of
-from dem.base.types import Count, Density, Label, Length, NotNegative, Section, Seed, Unit, checked
+from dem.base.types import (
+    Count,
+    Density,
+    Label,
+    Length,
+    NotNegative,
+    Section,
+    Seed,
+    Time,
+    Unit,
+    checked,
+)
 from dem.experiment.box import check_room
 from dem.experiment.cylinder import as_scene
 from dem.experiment.kinds import EXPERIMENTS, Experiment
@@ -39,7 +50,9 @@ from dem.experiment.sections import (
     SecondSection,
     ShapeSection,
     ShearSection,
+    SinkSection,
     SolidSection,
+    SourceSection,
     WallsSection,
     or_file,
 )
@@ -49,7 +62,16 @@ from dem.shapes import Kind, kind_of
 
 HERTZ = "hertz"  # the law of contacts where none is named
 # sections that only some experiments read
-SECTIONS = "cylinder", "record", "shear", "solids", "phases"
+SECTIONS = (
+    "cylinder",
+    "record",
+    "shear",
+    "solids",
+    "phases",
+    "sinks",
+    "sources",
+    "exchange_interval",
+)
 # of the section record, which only some experiments read, and what they have without it
 RECORD_KEYS = {"window": None, "cells": CELLS, "region": None}
 NO_AXIS = (
@@ -60,6 +82,7 @@ NO_AXIS = (
     "file",
     "path",
     "removed",
+    "to",
 )  # names of others that cannot
 UNHASHED_KEYS = "beside", "record.window", "threads"  # that no number depends on
 FIXED_KEYS = *UNHASHED_KEYS, "record.observables"  # that cannot vary in a sweep
@@ -110,6 +133,12 @@ class Configuration(Section):
     """what is recorded"""
     phases: dict[Label, PhaseSection] = Field({})
     """what happens in a scene, one after the other; the last is recorded"""
+    sinks: Annotated[dict[Label, SinkSection], SORTED] = Field({})
+    """where granules leave a scene, by name"""
+    sources: Annotated[dict[Label, SourceSection], SORTED] = Field({})
+    """where granules come into a scene, by name"""
+    exchange_interval: Time | None = None
+    """time between two moments at which sinks and sources act; none: sqrt(diameter / gravity) / 4"""
     shear: ShearSection | None = None
     """how the bed is sheared"""
     numerics: NumericsSection = NumericsSection()
@@ -229,6 +258,16 @@ class Configuration(Section):
     def solid_count(self) -> int:
         """Number of these."""
         return len(self.solid_names)
+
+    @property
+    def sink_count(self) -> int | None:
+        """Number of sinks; None where there is none."""
+        return len(self.sinks) or None
+
+    @property
+    def source_count(self) -> int | None:
+        """Number of sources; None where there is none."""
+        return len(self.sources) or None
 
     @property
     def observables(self) -> tuple[str, ...]:

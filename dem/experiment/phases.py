@@ -14,6 +14,7 @@ from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import make_bed
 from dem.experiment.box import check_stroke
 from dem.experiment.config import Configuration
+from dem.experiment.exchange import Exchange
 from dem.experiment.intruders import towards
 from dem.experiment.replicate import Replicate
 from dem.experiment.run_checkpoint import PartialRun, resumed
@@ -32,12 +33,15 @@ class RunData(NamedTuple):
 
     record: of the bins of the last phase
     states: at the snapshots
+    exchanged: number and mass (kg) of granules in the bins, (s, 2, bins): of each sink, then of each
+    source
     """
 
     replicate: Replicate
     bed: Bed
     record: Record
     states: list
+    exchanged: np.ndarray
 
     @property
     def snapshots(self) -> Snapshots:
@@ -69,12 +73,13 @@ def run(
     ledger = any(getattr(module, "LEDGER", False) for module in observables)
     simulation = start(replicate, bed, ledger=ledger, threads=1 if ledger else c.threads)
     partial = (checkpoint and resumed(checkpoint, replicate, simulation)) or PartialRun()
+    exchange = Exchange(replicate, simulation, partial.exchange)
 
     def save() -> None:
         if checkpoint is not None:
             partial.save(checkpoint, replicate, simulation)
 
-    _play(replicate, simulation, partial, save)
+    _play(replicate, exchange, partial, save)
     bins, every = c.record.bins, c.record.bins // (c.record.snapshots - 1)
     simulation.check_duration(scene.duration)
     while True:
@@ -85,10 +90,10 @@ def run(
         if partial.bins == bins:
             break
         count = min(every - partial.bins % every, BINS_A_CALL)
-        partial.records.append(simulation.record(scene.duration / bins, count))
+        partial.records.append(exchange.record(scene.duration / bins, count))
         progress(partial.bins / bins)
         save()
-    data = RunData(replicate, bed, partial.record, partial.states)
+    data = RunData(replicate, bed, partial.record, partial.states, exchange.exchanged)
     values = {name: [look[name] for look in partial.looks] for name in partial.looks[0]}
     for module in observables:
         if hasattr(module, "measure"):
@@ -104,9 +109,9 @@ def run(
     }
 
 
-def _play(replicate: Replicate, simulation: Simulation, partial: PartialRun, save) -> None:
+def _play(replicate: Replicate, exchange: Exchange, partial: PartialRun, save) -> None:
     """All phases but the last, and how solids move in that."""
-    scene = replicate.configuration.scene
+    scene, simulation = replicate.configuration.scene, exchange.simulation
     moving = {
         name: (solid.velocity or 0.0, solid.direction) for name, solid in scene.solids.items()
     }
@@ -124,12 +129,12 @@ def _play(replicate: Replicate, simulation: Simulation, partial: PartialRun, sav
         if number < partial.phase or number == len(scene.phases):
             continue
         if phase.until:
-            _rest(scene, simulation, name, save)
+            _rest(scene, exchange, name, save)
             continue
         simulation.check_duration(phase.time)
         for end in partial.began + phase.time * np.arange(1, PIECES + 1) / PIECES:
             if end > simulation.time:  # and not before it was stopped
-                simulation.advance(end - simulation.time)
+                exchange.advance(end - simulation.time)
                 save()
 
 
@@ -152,10 +157,10 @@ def _move(
     simulation.set_motion(k, *motion_of(section, replicate, *given))
 
 
-def _rest(scene: Configuration, simulation: Simulation, phase: str, save) -> None:
+def _rest(scene: Configuration, exchange: Exchange, phase: str, save) -> None:
     """Go on until the granules are at rest."""
-    gravity = scene.gravity or scene.base_plate.gravity
-    energy, enough = come_to_rest(simulation, gravity, STILL, save)
+    simulation, gravity = exchange.simulation, scene.gravity or scene.base_plate.gravity
+    energy, enough = come_to_rest(simulation, gravity, STILL, save, exchange.advance)
     if energy > enough:
         raise RunError(
             f"phases.{phase}: the granules are not at rest after {simulation.time:.3g} s: their kinetic "

@@ -13,6 +13,7 @@ import numpy as np
 from dem.base.errors import InputError
 from dem.base.provenance import compilers
 from dem.base.source_hash import digest, run_hash
+from dem.base.types import SEEDS
 from dem.contacts.force_law import effective_modulus
 from dem.experiment.bed_description import BedDescription, Part
 from dem.experiment.intruders import intruder_of
@@ -98,9 +99,24 @@ class Replicate:
         return tuple(map(self.material_of, sections if any(sections) else [None]))
 
     @property
+    def beds(self) -> list[BedDescription]:
+        """Its bed; then the granules that sources have at the start, as if they were one, by a seed of
+        its own."""
+        bed, sources = self.bed_description, self.configuration.sources.values()
+        if not (count := sum(source.count or 0 for source in sources)):
+            return [bed]
+        return [bed, replace(bed, count=count, table=None, seed=self.seed + SEEDS)]
+
+    @property
+    def granules(self) -> int:
+        """Number of granules, those of sources too."""
+        return sum(bed.count for bed in self.beds)
+
+    @property
     def species(self) -> np.ndarray | None:
         """Which of the materials (n,) each granule is of; None if there is one."""
-        return self.bed_description.species
+        species = [bed.species for bed in self.beds]
+        return None if species[0] is None else np.concatenate(species)
 
     @property
     def mean_density(self) -> float:
@@ -114,7 +130,7 @@ class Replicate:
     @property
     def diameters(self) -> np.ndarray:
         """Volume diameters (n,) in m of its granules."""
-        return self.bed_description.diameters
+        return np.concatenate([bed.diameters for bed in self.beds])
 
     @property
     def bed_description(self) -> BedDescription:

@@ -27,6 +27,7 @@ class PartialRun:
     records: of the pieces that are done
     states:  at the snapshots
     looks:   values of observables at the snapshots, by name
+    exchange: what sinks and sources did and have still to do, as arrays
     before:  processor time (s) before this process
     """
 
@@ -35,6 +36,7 @@ class PartialRun:
     records: list[Record] = field(default_factory=list)
     states: list[State] = field(default_factory=list)
     looks: list[dict] = field(default_factory=list)
+    exchange: dict = field(default_factory=dict)
     before: float = 0.0
     started: float = field(default_factory=computing)
     saved_at: float = field(default_factory=time.monotonic)
@@ -64,6 +66,7 @@ class PartialRun:
             "states": {name: [getattr(state, name) for state in self.states] for name in ARRAYS},
             "run": {"id": replicate.id, "spent": self.spent},
             "scene": {"phase": self.phase, "began": self.began},
+            "exchange": self.exchange,
         }
         groups |= {f"look{number}": look for number, look in enumerate(self.looks)}
         arrays = {f"{group}.{k}": v for group, values in groups.items() for k, v in values.items()}
@@ -100,4 +103,5 @@ def resumed(path: Path, replicate: Replicate, simulation: Simulation) -> Partial
     looks = [groups[f"look{number}"] for number in range(len(states))]
     records = [Record(**groups["record"])] if groups["record"] else []
     place = int(groups["scene"]["phase"]), float(groups["scene"]["began"])
-    return PartialRun(*place, records, states, looks, float(groups["run"]["spent"]))
+    kept = records, states, looks, groups["exchange"]
+    return PartialRun(*place, *kept, float(groups["run"]["spent"]))

@@ -13,15 +13,19 @@ from dem.material import BasePlate, Friction, Rolling
 from dem.motion import Drive, PrescribedLoad, PrescribedMotion, Turn
 from dem.packing.random import Bed
 from dem.periodic import walled
-from dem.scene import Scene
+from dem.scene import Scene, State
 from dem.solids import Solid, Wall
 
 
-def granules(replicate: Replicate):
-    """Shape of all granules of this seed, contacts as the configuration asks."""
-    ellipse = replicate.configuration.ellipse
+def granules(replicate: Replicate, diameters: np.ndarray | None = None):
+    """Shape of all granules of this seed, contacts as the configuration asks; diameters (n,) in m:
+    theirs, as a file has them."""
+    ellipse, beds = replicate.configuration.ellipse, replicate.beds
     options = (ellipse.contact, ellipse.curvature) * (replicate.shape.kind == "ellipse")
-    return shaped(replicate.bed_description, replicate.diameters, *options)
+    sizes = replicate.diameters if diameters is None else diameters
+    parts = zip(beds, np.split(sizes, [beds[0].count][: len(beds) - 1]), strict=True)
+    first, *others = (shaped(bed, part, *options) for bed, part in parts)
+    return first.appended(*others) if others else first
 
 
 def make_scene(replicate: Replicate, bed: Bed) -> Scene:
@@ -132,8 +136,11 @@ def _load(value, more: float = 0.0):
 def start(replicate: Replicate, bed: Bed, **options) -> Simulation:
     """The bed at rest with the solids at their start; options of the Simulation count before those
     of the configuration. Raises RunError where that cannot be."""
-    numerics = replicate.configuration.numerics.model_dump()
-    simulation = Simulation(make_scene(replicate, bed), bed.state, **numerics | options)
+    numerics, scene = replicate.configuration.numerics.model_dump(), make_scene(replicate, bed)
+    position, count = np.full((scene.granules, 2), np.nan), len(bed.position)
+    position[:count] = bed.position
+    state = State(position, angle=np.resize(bed.angle, len(position)))
+    simulation = Simulation(scene, state, **numerics | options)
     if replicate.bed_description.table is not None:
         simulation.diagnose()  # nothing has packed these granules: they may be too deep in others
     return simulation

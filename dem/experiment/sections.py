@@ -75,6 +75,16 @@ Region = Annotated[
         lambda region: region[0] < region[2] and region[1] < region[3],
     ),
 ]
+Side = Place | None
+Opening = Annotated[
+    tuple[Side, Side, Side, Side],
+    must(
+        "be left, bottom, right, top, in this order and apart, null for a side that is open",
+        lambda region: all(
+            None in sides or sides[0] < sides[1] for sides in (region[::2], region[1::2])
+        ),
+    ),
+]
 Angle = Annotated[Number, Unit("rad")]
 
 
@@ -355,6 +365,30 @@ class PhaseSection(Section):
             words = "both are given" if self.time else "neither is given"
             raise ValueError(f"it must have a time or until, and {words}")
         return self
+
+
+class SinkSection(Section):
+    """Where granules leave a scene."""
+
+    region: Opening
+    """where a granule with its centre in it goes: left, bottom, right, top; null: open on that side"""
+    to: Label | None = None
+    """name of the source where it comes again; none: nowhere"""
+
+
+class SourceSection(Section):
+    """Where granules come into a scene."""
+
+    region: Region
+    """where they come, whole: left, bottom, right, top"""
+    count: Annotated[Count, Field(ge=1, le=10_000_000)] | None = None
+    """number of granules that it has at the start; none: those of sinks alone"""
+    rate: Annotated[Positive, Unit("s-1")] | None = None
+    """granules in a second, at most; none: as many as have room"""
+    velocity_x: Annotated[Number, Unit("m s-1")] = 0.0
+    """velocity along x with which they come"""
+    velocity_y: Annotated[Number, Unit("m s-1")] = 0.0
+    """the same along y"""
 
 
 class WallSection(Section):

@@ -7,9 +7,8 @@ import numpy as np
 
 from dem.dynamics.contact_output import ContactList
 from dem.dynamics.result import contacts_of
-from dem.experiment.bed import shaped
 from dem.experiment.replicate import Replicate
-from dem.experiment.scene import make_scene, solids
+from dem.experiment.scene import granules, make_scene, solids
 from dem.packing.random import Bed
 from dem.periodic import Periods, periods_of
 from dem.solids import Solid
@@ -46,7 +45,7 @@ class Snapshots(NamedTuple):
     @property
     def outlines(self) -> np.ndarray:
         """Outlines (n, rings, points, 2) in m about the centre at angle zero."""
-        return shaped(self.replicate.bed_description, self.diameters).polygons(33)
+        return granules(self.replicate, self.diameters).polygons(33)
 
     @property
     def marks(self) -> np.ndarray:

@@ -23,17 +23,22 @@ STILL = 1e-6  # of weight times diameter: mean kinetic energy of granules at res
 
 
 def come_to_rest(
-    run: Simulation, gravity: float, still: float = STILL, save: Callable[[], None] = lambda: None
+    run: Simulation,
+    gravity: float,
+    still: float = STILL,
+    save: Callable[[], None] = lambda: None,
+    advance: Callable[[float], object] | None = None,
 ) -> tuple[float, float]:
     """Go on until the granules are at rest under gravity (m/s2), for a limited time.
 
-    still: of weight times diameter, mean kinetic energy at rest; save: called while they are not.
+    still: of weight times diameter, mean kinetic energy at rest; save: called while they are not;
+    advance: what goes on by a time (s), `run.advance` if None.
     Returns their kinetic energy (J), and what it is at most at rest.
     """
     diameter = 2.0 * float(run.scene.shape.constituent_radius.mean())
-    enough = still * float(run.scene.mass.sum()) * gravity * diameter
     for _ in range(PIECES):
-        run.advance(PIECE * math.sqrt(diameter / gravity))
+        (advance or run.advance)(PIECE * math.sqrt(diameter / gravity))
+        enough = still * float(run.scene.mass[run.state.present].sum()) * gravity * diameter
         if (energy := run.diagnose().kinetic_energy) <= enough:
             break
         save()

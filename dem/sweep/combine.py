@@ -66,7 +66,7 @@ def combine(
     """
     layout, names = layout_of(block, observable)
     left, failed = set(block.points), {}
-    sizes = {run.shape.granules for run in block.runs.values()}
+    sizes = {run.granules for run in block.runs.values()}
     gaps = bool(sweep.failures or partial or block.until or observable == BEDS or len(sizes) > 1)
     origins = []
     with create(output) as file:
@@ -142,7 +142,7 @@ def _create_variables(file, block: Block, layout: dict, values: dict, gaps: bool
     gaps: whether runs may be missing, which a variable then has a value for.
     """
     add_dimensions(file, block.dims, block.shape)
-    most = max(run.shape.granules for run in block.runs.values())
+    most = max(run.granules for run in block.runs.values())
     labels = " ".join(block.labels())
     for name, array in values.items():
         dims = layout[name][0][len(block.dims) :]

@@ -98,7 +98,8 @@ def _of_results(path: Path, select: list[str]) -> GranuleTable:
         if not {"run_id", *names.values()} <= dataset.variables.keys():
             raise ValueError("it has no snapshots of runs")
         last = run_of(dataset, select).isel(snapshot=-1)
-        last = last.dropna("granule", subset=["granule_diameter"])  # others may have more
+        # others may have more, and some may have left
+        last = last.dropna("granule", subset=["granule_diameter", "granule_x"])
         if not last.sizes["granule"]:
             raise ValueError("this run failed")
         return table_of({column: last[name].values for column, name in names.items()})

@@ -53,6 +53,8 @@ SCENES = {
     "scene": {"experiment": "scene", "cylinder": None, "gravity": 1e3, "packing.fraction": None, "packing.height": 12e-3,
               "packing.preparation": "lattice", "packing.region": [0.0, 1e-3, 4e-3, 12e-3], "material.young_modulus": 1e8,
               "record": {"bins": 4, "snapshots": 3, "cells": 9, "region": [0.0, 0.0, 2e-3, 6e-3]}, "solids": SOLIDS,
+              "sinks": {"floor": {"region": [None, None, None, 2.2e-3], "to": "rain"}}, "exchange_interval": 1e-4,
+              "sources": {"rain": {"region": [5e-4, 8e-3, 3.5e-3, 11.5e-3], "count": 9, "rate": 1.5e4, "velocity_x": 0.1, "velocity_y": -0.2}},
               "phases": {"fall": {"time": 4e-4}, "move": {"time": 2e-4, "motion": {"plate": {"velocity": -0.5, "direction": 0.1, "spin": 9.0}}}}},
     "shear": {"experiment": "shear", "cylinder": None, "record": None, "shear": CELL, "periodic": "x",
               "packing.fraction": 0.83, "numerics.step_fraction": 0.3, "material.young_modulus": 2e10, "shapes": {"x": DISC | {"granules": 40}}},
@@ -60,13 +62,16 @@ SCENES = {
 FILE = ["x,y,angle", *(f"{1e-3 * (k % 3 + 1)},{1e-3 * (k // 3 + 4)},{k}" for k in range(20))]
 SCENES["file"] = SCENES["scene"] | {"packing.preparation": "file", "packing.region": None, "packing.file": FILE, "periodic": "x", "solids": {"piston": PISTON}}  # fmt: skip
 SCENES["file"] |= {
+    "sinks": {},
+    "sources": {},
+    "exchange_interval": None,
     "phases": {
         "fall": {"time": 4e-4},
         "move": {
             "time": 2e-4,
             "motion": {"piston": {"force_x": 0.1, "torque": -1e-6}},
         },
-    }
+    },
 }
 NAMES = {
     "experiment": [*EXPERIMENTS][::-1],
@@ -203,7 +208,7 @@ def test_each_value_changes_what_a_run_gives_or_is_refused(scene):
 def test_every_value_is_taken_in_some_scene():
     def paths(tables):
         return {
-            re.sub(r"(shapes|solids|motion)\.\w+", r"\1.x", path)
+            re.sub(r"(shapes|solids|motion|sinks|sources)\.\w+", r"\1.x", path)
             for table in tables
             for path in table
         }

@@ -47,6 +47,18 @@ def run_of(seed=1, **changes):
     )
 
 
+def fed(**changes):
+    """A dozen discs that fall past a plate out of the box, and come again above with two new ones."""
+    sinks = {"below": {"region": [None, None, None, 2e-3], "to": "above"}}
+    above = {"region": [1e-3, 9e-3, 7e-3, 11.5e-3], "count": 2, "velocity_y": -0.2, "rate": 500.0}
+    given = {"sinks": sinks, "sources": {"above": above}, "exchange_interval": 1.1e-3}
+    solids, phases = (
+        {"floor": FLOOR | {"diameter": 2e-3}},
+        {"fall": {"time": 2e-2}, "on": {"time": 3e-2}},
+    )
+    return run_of(solids=solids, phases=phases, **given | changes)
+
+
 @cache
 def held():
     run = run_of(**{"record.observables": ["scene", "stress"]})
@@ -228,6 +240,20 @@ def test_a_scene_goes_on_from_a_checkpoint_of_any_phase_with_the_same_bits(tmp_p
     phases = {"turn": {"time": TIME, "motion": {"paddle": turn}}, "fill": {"until": "rest"}}
     phases["back"] = {"time": TIME, "motion": {"paddle": back}}
     replicate = run_of(solids={"floor": FLOOR, "paddle": paddle}, phases=phases)
+    # in the first, the second and the last phase
+    assert_goes_on(replicate, tmp_path, monkeypatch, lambda count: [3, 21, count - 1])
+
+
+def test_a_scene_goes_on_with_the_granules_that_were_there_and_those_that_waited(
+    tmp_path, monkeypatch
+):
+    """Stopped between moments at which they go and come, in a phase that is recorded and in one that is not."""
+    values = assert_goes_on(fed(), tmp_path, monkeypatch, lambda count: [3, 11, count - 1])
+    assert values["sink_granules"].any() and np.isnan(values["granule_x"]).any()
+
+
+def assert_goes_on(replicate, tmp_path, monkeypatch, stops_of):
+    """A run that is stopped where it writes a checkpoint of some numbers, of so many, is the same; returns it."""
     path, clock = tmp_path / "run.npz", time.monotonic
     monkeypatch.setattr("time.monotonic", lambda: 1e6 * clock())  # it saves itself once a minute
     run, write, writes = replicate.configuration.module.run, run_checkpoint.write_arrays, []
@@ -241,7 +267,7 @@ def test_a_scene_goes_on_from_a_checkpoint_of_any_phase_with_the_same_bits(tmp_p
     monkeypatch.setattr(run_checkpoint, "write_arrays", counted)
     stops = ()
     whole = run(replicate, checkpoint=path)
-    stops = [3, 21, len(writes) - 1]  # in the first, the second and the last phase
+    stops = stops_of(len(writes))
     path.unlink(), writes.clear()
     for _ in stops:
         with pytest.raises(Killed):
@@ -249,6 +275,7 @@ def test_a_scene_goes_on_from_a_checkpoint_of_any_phase_with_the_same_bits(tmp_p
     resumed = run(replicate, checkpoint=path)
     for name in whole.keys() - {"run_time"}:
         np.testing.assert_array_equal(whole[name], resumed[name], err_msg=name)
+    return whole
 
 
 PADDLE = FLOOR | {"outline": "circle", "diameter": 1e-3, "thickness": None, "y": 1e-3}

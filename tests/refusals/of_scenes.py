@@ -16,6 +16,13 @@ def solid(**changes):
     return scene(**{f"solids__gate__{name}": value for name, value in changes.items()})
 
 
+def fed(by="above", **changes):
+    """A hopper whose granules come again above."""
+    source = {"region": [0.002, 0.045, 0.018, 0.058]} | changes.pop("source", {})
+    sink = {"region": [None, None, None, 0.004], "to": by} | changes.pop("sink", {})
+    return scene(sinks={"below": sink}, sources={"above": source}, **changes)
+
+
 def of_file(**changes):
     granules = {"packing__file": ["x,y", "0.01,0.03"], "packing__region": None}
     return scene(**{"packing__preparation": "file"} | granules | changes)
@@ -28,6 +35,14 @@ MIXED = {"disc": {"granules": 1, "mixture": {"a": 0.5, "b": 0.5}}, "a": PART, "b
 ANGULAR = {"disc": {"kind": "superellipse", "aspect_ratio": 1.2, "diameter": 1e-3, "granules": 60}}
 CALLS = {
     "gravity is 9.81, in the plane of the bed, and base_plate is given": scene(base_plate={"friction": 0.3}),
+    "sinks.below.to is 'abov', which is not one of sources; the nearest is above": fed("abov"),
+    "sources.above.count is missing; no sink gives it granules": fed(None, source={"rate": 9.0}),
+    "exchange_interval is missing; without gravity": fed(gravity=0.0, phases={"open": {"time": 0.1}}),
+    "exchange_interval is 0.001 s; there are no sinks and no sources": scene(exchange_interval=1e-3),
+    "sinks.below.region is [None, 0.01, None, 0.004]; it must be left, bottom, right, top": fed(sink={"region": [None, 0.01, None, 0.004]}),
+    "sources.above.region is [0.002, 0.045, 0.022, 0.058]: with shapes.disc": fed(source={"region": [0.002, 0.045, 0.022, 0.058]}),
+    "sources.above.region is [0.002, 0.045, 0.018, 0.046]; it must be wider": fed(source={"region": [0.002, 0.045, 0.018, 0.046]}),
+    "sources.above.region is [0.008, 0.0158, 0.012, 0.0172]; solids leave no place": fed(source={"region": [0.008, 0.0158, 0.012, 0.0172]}),
     "motion has 'gte', which is not one of solids; the nearest is gate": scene(phases__open__motion={"gte": {"spin": 1.0}}),
     "phases.open.motion.gate.spin is 'fre'": scene(phases__open__motion={"gate": {"spin": "fre"}}),
     "motion has gate, which phases.fill removed": scene(phases__fill__motion={"gate": {"removed": True}}, phases__open__motion={"gate": {"spin": 1.0}}),
@@ -77,6 +92,7 @@ CALLS = {
     "record.bins is 61; it must be a multiple": scene(record__bins=61),
 }  # fmt: skip
 FILES = {
+    "sinks is no section of the experiment drag": {"sinks": {"a": {"region": [None] * 4}}},
     "solids is no section of the experiment drag": {
         "solids": {"a": {"outline": "circle", "diameter": 1e-3, "x": 0.0, "y": 0.0}}
     },

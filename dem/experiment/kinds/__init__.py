@@ -161,7 +161,17 @@ class Experiment:
     @property
     def along(self) -> dict:
         """Variables along its dimensions, as VARIABLES."""
-        return self.table("AXIS")
+        axes = self.table("AXIS").items()
+        return {name: entry for name, entry in axes if not self.absent & set(entry[0])}
+
+    @property
+    def absent(self) -> set[str]:
+        """Dimensions of variables that are not there, by NEEDED, and of no others."""
+        every, there = (
+            {dim for dims, *_ in table.values() for dim in dims}
+            for table in (self.table("VARIABLES"), self.layout)
+        )
+        return every - there
 
     @property
     def layout(self) -> dict:
@@ -178,7 +188,7 @@ class Experiment:
 
     def sizes(self, replicate) -> dict[str, int]:
         """Length of every dimension of a run."""
-        return self.lengths | {"granule": replicate.shape.granules}
+        return self.lengths | {"granule": replicate.granules}
 
     @property
     def lengths(self) -> dict[str, int]:
@@ -187,13 +197,15 @@ class Experiment:
         return {
             dim: at(size) if isinstance(size, str) else size
             for dim, size in self.table("SIZES").items()
+            if dim not in self.absent
         }
 
     @property
     def axes(self) -> dict:
         """Values along these dimensions, by the names of `along`."""
         files = (file for file in self.files if "axes" in definitions(file))
-        return reduce(or_, (load(file).axes(self.configuration) for file in files), {})
+        values = reduce(or_, (load(file).axes(self.configuration) for file in files), {})
+        return {name: row for name, row in values.items() if name in self.along}
 
     def duration(self, replicate) -> float | None:
         """Time (s) that a run simulates; None where it prepares beds, or is a file that would run here."""

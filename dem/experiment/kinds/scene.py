@@ -12,7 +12,14 @@ from dem.experiment.config import Configuration
 from dem.experiment.intruders import intruder_of
 from dem.experiment.replicate import Replicate
 
-SECTIONS = {"solids": True, "phases": True, "record": True}
+SECTIONS = {
+    "solids": True,
+    "phases": True,
+    "record": True,
+    "sinks": False,
+    "sources": False,
+    "exchange_interval": False,
+}
 RECORD = ("cells", "region")
 OBSERVED = ("scene",)
 AXIS = {
@@ -24,7 +31,8 @@ SIZES = {"time": "record.bins", "snapshot": "record.snapshots"}
 
 
 def check(configuration: Configuration) -> None:
-    """Raise ValueError where a phase cannot be."""
+    """Raise ValueError where a phase, a sink or a source cannot be."""
+    _check_exchange(configuration)
     removed, solids, forced = {}, configuration.solids, set()
     for name, solid in solids.items():
         moving = (phase.motion.get(name, solid) for phase in configuration.phases.values())
@@ -89,6 +97,28 @@ def _check_body(configuration: Configuration, name: str, solid) -> None:
                 f"solids.{name}.parts have their centre at [{x:.4g}, {y:.4g}]; a body that forces move "
                 "and turn moves about it, put them so that it is at [0, 0]"
             )
+
+
+def _check_exchange(c: Configuration) -> None:
+    for name, sink in c.sinks.items():
+        if sink.to is not None and sink.to not in c.sources:
+            hint = did_you_mean(sink.to, c.sources)
+            raise ValueError(f"sinks.{name}.to is {sink.to!r}, which is not one of sources{hint}")
+    fed = {sink.to for sink in c.sinks.values()}
+    for name, source in c.sources.items():
+        if source.count is None and name not in fed:
+            raise ValueError(
+                f"sources.{name}.count is missing; no sink gives it granules, give it, or a sink to: {name}"
+            )
+    interval, acting = c.exchange_interval, c.sinks or c.sources
+    if interval and not acting:
+        raise ValueError(
+            f"exchange_interval is {interval:g} s; there are no sinks and no sources, leave it out"
+        )
+    if acting and not (interval or c.gravity or c.base_plate):
+        raise ValueError(
+            "exchange_interval is missing; without gravity nothing says how fast granules are, give it"
+        )
 
 
 def _check_pivot(solid, motion, where: str) -> None:

@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from dem.dynamics.paths import shown
+from dem.experiment.exchange import inside
 from dem.experiment.scene import make_scene
 from dem.motion import Drive
 from dem.periodic import Periods, wrapped
@@ -13,6 +14,8 @@ ON = "solid", "time"
 AT = "snapshot", "solid"
 N = ("time",)
 S = ("snapshot",)
+INTO = "sink", "time"
+FROM = "source", "time"
 VARIABLES = {
     "solid_force_x": (ON, "N", "force of the granules on the solid along x, mean of the bin"),
     "solid_force_y": (ON, "N", "force of the granules on the solid along y, mean of the bin"),
@@ -35,24 +38,41 @@ VARIABLES = {
     "top_y": (S, "m", "height of the top wall above the floor, where it holds a pressure"),
     "region_granules": (S, "1", "granules whose centre is in record.region"),
     "region_mass": (S, "kg", "mass of the granules whose centre is in record.region"),
+    "sink_granules": (INTO, "1", "granules that went into the sink in the bin"),
+    "sink_mass": (INTO, "kg", "mass of the granules that went into the sink in the bin"),
+    "source_granules": (FROM, "1", "granules that came from the source in the bin"),
+    "source_mass": (FROM, "kg", "mass of the granules that came from the source in the bin"),
 }
 AXIS = {
     "solid": (("solid",), None, "name of the solid"),
+    "sink": (("sink",), None, "name of the sink"),
+    "source": (("source",), None, "name of the source"),
     "cell": (("cell",), "1", "middle of the cell along x over the width of the box"),
 }
-SIZES = {"solid": "solid_count", "cell": "record.cells"}
+SIZES = {
+    "solid": "solid_count",
+    "cell": "record.cells",
+    "sink": "sink_count",
+    "source": "source_count",
+}
 NEEDED = {
     "top_y": "packing.pressure",
     "region_granules": "record.region",
     "region_mass": "record.region",
+    "sink_granules": "sink_count",
+    "sink_mass": "sink_count",
+    "source_granules": "source_count",
+    "source_mass": "source_count",
 }
 
 
 def axes(configuration) -> dict:
-    """Names of the solids, and where the cells are."""
+    """Names of the solids, sinks and sources, and where the cells are."""
     cells = configuration.record.cells
     return {
         "solid": np.array(configuration.solid_names),
+        "sink": np.array([*configuration.sinks]),
+        "source": np.array([*configuration.sources]),
         "cell": (np.arange(cells) + 0.5) / cells,
     }
 
@@ -90,14 +110,13 @@ def measure(run) -> dict:
         within = [inside(places, c.record.region, scene.periodic) for places in position]
         values["region_granules"] = [counted.sum() for counted in within]
         values["region_mass"] = [scene.mass[counted].sum() for counted in within]
+    for name, moved in (
+        ("sink", run.exchanged[: len(c.sinks)]),
+        ("source", run.exchanged[len(c.sinks) :]),
+    ):
+        if len(moved):
+            values[f"{name}_granules"], values[f"{name}_mass"] = moved[:, 0], moved[:, 1]
     return values
-
-
-def inside(position: np.ndarray, region: tuple, periodic: Periods = None) -> np.ndarray:
-    """Which centres (n, 2) in m are in a region: left, bottom, right, top (m) of the box."""
-    x, y = wrapped(position, periodic).T
-    left, bottom, right, top = region
-    return (x >= left) & (x <= right) & (y >= bottom) & (y <= top)
 
 
 def surface(
