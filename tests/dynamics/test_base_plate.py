@@ -58,6 +58,23 @@ def test_a_disc_stays_on_a_slope_up_to_the_coefficient(share):
     assert_allclose(first - run.state.velocity[0, 1], max(fall, 0.0) * 0.05, rtol=0.01, atol=1e-9)
 
 
+def test_a_disc_stays_on_a_slope_where_another_is_removed_and_comes_again():
+    """It keeps its anchor; the other slips from where it was put to where its own holds it."""
+    slip, slope = 1e-2, float(np.arctan(0.9 * MU))
+    scene, _ = alone(plate=dem.BasePlate(MU, slope=slope, slip=slip))
+    scene = dem.Scene(dem.Disc([R, R]), scene.material, dem.Friction(), base_plate=scene.base_plate)
+    run = dem.Simulation(scene, dem.State([[0.0, 0.0], [5.0 * R, 0.0]]))
+    run.advance(0.1)
+    held = run.state.position[1]
+    run.remove_granules([0])
+    run.advance(0.05)
+    assert_allclose(run.state.position[1], held, atol=1e-2 * slip * R)
+    run.insert_granules([0], [[0.0, 5.0 * R]])
+    run.advance(0.1)
+    fall = run.state.position - [[0.0, 5.0 * R], held]
+    assert_allclose(fall, [[0.0, -0.9 * slip * R], [0.0, 0.0]], atol=0.05 * slip * R)
+
+
 def test_a_solid_that_forces_move_rubs_on_the_plate_too():
     """A plate of its own coefficient, whatever its mass."""
     cylinder = dem.Cylinder(2e-3, (8e-3, 8e-3), dem.Drive((0.0, 0.0), 3e-4, velocity=(0.1, 0.0)))
