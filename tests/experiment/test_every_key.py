@@ -73,6 +73,8 @@ SCENES["file"] |= {
         },
     },
 }
+LYING = {"friction": 0.3, "solid": 0.2, "gravity": 1e3, "slope": 0.2, "slip": 0.01}
+SCENES["flat"] = SCENES["file"] | {"gravity": 0.0, "solids": {"piston": PISTON | {"weight": False}}, "base_plate": LYING}  # fmt: skip
 NAMES = {
     "experiment": [*EXPERIMENTS][::-1],
     "law": LAWS,

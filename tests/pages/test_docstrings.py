@@ -13,7 +13,7 @@ HOW = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
 NAMES = [name for name in dem.__all__ if not inspect.ismodule(getattr(dem, name))]
 NAMES += [f"plot.{name}" for name in dem.plot.__all__]
 NUMBER = re.compile(r"\b(float|int|ndarray|array_like)\b")
-UNIT = r"(m|m/s2?|s|rad|rad/s|N|N m|N s|N s/m|N m s|J|Pa|kg|kg m2|kg/m3|SI units)"
+UNIT = r"(m|m/s2?|s|rad|rad/s|N|N/m|N m|N m/rad|N s|N s/m|N m s|J|Pa|kg|kg m2|kg/m3|SI units)"
 STATED = re.compile(rf"\({UNIT}\)|\bin {UNIT}\b|without unit")
 
 
