@@ -292,6 +292,7 @@ class SweepState:
             axis
             for run in self.replicates()
             if (c := run.configuration).experiment == "drag"
+            if not (c.base_plate and c.base_plate.friction)
             for axis, share in zip("xy", c.cylinder.ahead, strict=True)
             if axis in c.periodic and abs(share) > 1e-3  # more than rounding
         }

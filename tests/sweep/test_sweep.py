@@ -110,6 +110,11 @@ def test_what_is_likely_a_mistake_is_one_sentence(values, words):
     assert len(sentences) == bool(words) and all(words in text for text in sentences)
 
 
+def test_a_plate_that_rubs_holds_a_bed_against_the_cylinder():
+    sweep = small(C1 | Y | {"periodic": ["xy"]}, base_plate={"friction": 0.1})
+    assert not any("periodic" in sentence for sentence in SweepState(sweep).check())
+
+
 def test_a_solid_of_a_scene_that_is_as_fast_as_sound_is_likely_a_mistake():
     values = load(CONFIG / "scenes/drum.yaml").dump()
     values["phases"]["turn"]["motion"]["blade"] |= {"velocity": -30.0}
