@@ -68,6 +68,7 @@ CALLS = {
     "a time or until, and neither is given": scene(phases__fill__until=None),
     "phases.open is the last and has until": scene(phases__open={"until": "rest"}),
     "without gravity nothing comes to rest": scene(gravity=0.0),
+    "to rest, give gravity, a base_plate with friction or a time": scene(gravity=0.0, base_plate={"friction": 0.0}),
     "phases is missing; the experiment scene needs it": scene(phases={}),
     "outline is circle, which turns about its middle": solid(outline="circle", thickness=None, pivot_x=0.0),
     "thickness is 0.0006 and outline square; leave it out": solid(outline="square"),

@@ -68,10 +68,11 @@ def check(configuration: Configuration) -> None:
                 forced.add(solid)
             elif motion.velocity is not None:
                 forced.discard(solid)
-        if phase.until and not configuration.gravity and not configuration.base_plate:
+        plate = configuration.base_plate
+        if phase.until and not configuration.gravity and not (plate and plate.friction):
             raise ValueError(
                 f"phases.{name}.until is rest and gravity 0; without gravity nothing comes to rest, "
-                "give gravity, a base_plate or a time"
+                "give gravity, a base_plate with friction or a time"
             )
     if not configuration.duration:
         raise ValueError(f"phases.{name} is the last and has until; what is recorded needs a time")
