@@ -44,6 +44,7 @@ Pressure <../_generated/studies/pressure>
 Jamming of ellipses <../_generated/studies/onset>
 Simple shear <../_generated/studies/shear>
 Intruders <../_generated/studies/intruders>
+Drag on a plate <../_generated/studies/base>
 Contact laws <../_generated/studies/law>
 Rolling resistance <../_generated/studies/rolling>
 Verification <../_generated/studies/verification>

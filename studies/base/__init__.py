@@ -1,0 +1,1 @@
+"""Does friction with a plate below a bed give the drag a yield force?"""
