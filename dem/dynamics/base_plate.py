@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dem.contacts.layout import ACCOUNTS, POWER_SPRINGS, VX, VY, W, X, Y
+from dem.contacts.layout import ACCOUNTS, FX, FY, POWER_SPRINGS, TAU, VX, VY, W, X, Y
 from dem.dynamics.measures import stable_step
+from dem.dynamics.motion import collect
 from dem.dynamics.world import INVERSE_MASS, Base
 from dem.jit.intrinsics import apart
 
@@ -28,7 +29,7 @@ NODES = 257  # of the table of shares
 STEEPEST = 1.7  # greatest curvature of d^2 / 2 along any motion of a disc, over its mass
 
 
-LEDGER = True  # what a kernel has: dem.dynamics.kinds
+LEDGER = COMPOSED = True  # what a kernel has: dem.dynamics.kinds
 
 
 def shares_of_friction() -> np.ndarray:
@@ -98,7 +99,7 @@ def sliding(shares, x, y, turned):
 
 def rub(base, row, motion, i, angle, moves, kick):
     """Kick body i, row `row` of the Base, at an angle (rad) by friction over a time (s), along the axes x,
-    y and angle that forces move. Returns the work (J/kg) on it over its mass."""
+    y and angle that forces move. Returns the changes of velocity (m/s) and spin (rad/s)."""
     apart()
     anchor, radius, grip, slip = base.anchor, base.radius[row], base.grip[row], base.slip[0]
     x, y = motion[i, X] - anchor[row, 0], motion[i, Y] - anchor[row, 1]
@@ -115,26 +116,32 @@ def rub(base, row, motion, i, angle, moves, kick):
     held = distance / slip
     damped = min(base.delay[0] * speed / slip, 1.0 - held)  # both together: no more than Coulomb's
     push = -kick * grip
-    if moves[0]:
-        motion[i, VX] = vx + push * (held * fx + damped * dx)
-    if moves[1]:
-        motion[i, VY] = vy + push * (held * fy + damped * dy)
-    if moves[2]:  # radius^2 / 2 is inertia over mass
-        motion[i, W] = spin + push * (held * torque + damped * twist) * 2.0 / radius
-    change = motion[i, VX] ** 2 - vx * vx + motion[i, VY] ** 2 - vy * vy
-    return 0.5 * change + 0.25 * radius * radius * (motion[i, W] ** 2 - spin * spin)
+    x = push * (held * fx + damped * dx) if moves[0] else 0.0
+    y = push * (held * fy + damped * dy) if moves[1] else 0.0
+    # radius^2 / 2 is inertia over mass
+    turn = push * (held * torque + damped * twist) * 2.0 / radius if moves[2] else 0.0
+    motion[i, VX], motion[i, VY], motion[i, W] = vx + x, vy + y, spin + turn
+    return x, y, turn
 
 
 ALL = True, True, True
 
 
-def rub_granules(base, granules, account, kick, low, high):
+def rub_granules(base, granules, constituents, gravity, account, kick, low, high):
     """Kick granules low to high by friction with the plate over a time (s)."""
+    motion, force = granules.motion, granules.force
+    if LEDGER and COMPOSED:
+        collect(force, constituents, low, high)
     for i in range(low, high):
         if base.grip[i] > 0.0:
-            work = rub(base, i, granules.motion, i, granules.angle[i], ALL, kick)
-            if LEDGER:
-                account[ACCOUNTS + POWER_SPRINGS] -= work / granules.inverse_mass[i]
+            x, y, turn = rub(base, i, motion, i, granules.angle[i], ALL, kick)
+            if LEDGER:  # at the mean velocity of the kick, which other forces change too
+                inverse, half = granules.inverse_mass[i], 0.5 * kick
+                vx = motion[i, VX] - 0.5 * x + half * (force[i, FX] * inverse + gravity[0])
+                vy = motion[i, VY] - 0.5 * y + half * (force[i, FY] * inverse + gravity[1])
+                spin = half * force[i, TAU] * granules.inverse_inertia[i]
+                spin = 0.5 * base.radius[i] ** 2 * turn * (motion[i, W] - 0.5 * turn + spin)
+                account[ACCOUNTS + POWER_SPRINGS] -= (x * vx + y * vy + spin) / inverse
 
 
 def rub_boundaries(base, boundaries, kick):

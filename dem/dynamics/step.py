@@ -90,7 +90,8 @@ def move_patch(world, kick, dt, patch, limit):
     constituents, granules = world.constituents, world.granules
     low, high = granules_of(granules.angle.shape[0], patch)
     if world.base.grip.shape[0] > 0:
-        rub_granules(world.base, granules, world.account, kick, low, high)
+        given = world.base, granules, constituents, world.gravity, world.account
+        rub_granules(*given, kick, low, high)
     drift(
         granules,
         constituents,

@@ -206,6 +206,11 @@ class Configuration(Section):
                 "lies on a plate by base_plate.gravity: make gravity 0, and tilt the plate by "
                 "base_plate.slope"
             )
+        if self.packing.preparation == "settled" and self.base_plate is not None:
+            raise ValueError(
+                "packing.preparation is settled and base_plate is given; granules that lie on a plate "
+                "settle on no floor, let it be relaxed or grown"
+            )
         if self.packing.preparation == "settled":
             if not self.gravity or "y" in self.periodic:
                 raise ValueError(

@@ -98,6 +98,16 @@ def test_what_a_gas_loses_on_the_plate_is_in_the_ledger():
     assert_allclose(ledger.kinetic, motion(scene, run.state), rtol=1e-9)
 
 
+def test_a_disc_at_rest_on_a_slope_loses_and_gains_no_energy():
+    """What friction and gravity change in a step cancels."""
+    scene, state = alone(plate=dem.BasePlate(MU, slope=0.3))
+    run = dem.Simulation(scene, state, ledger=True)
+    run.advance(0.02)
+    slid = run.ledger().slid
+    run.advance(0.1)
+    assert abs(run.ledger().slid - slid) < 1e-3 * slid
+
+
 def test_the_critical_step_counts_the_spring_of_a_granule_on_the_plate():
     """It may be stiffer than contacts: a disc that hangs on it stays where it is."""
     steep = {"slope": 0.3}

@@ -34,6 +34,7 @@ MIXED = {"disc": {"granules": 1, "mixture": {"a": 0.5, "b": 0.5}}, "a": PART, "b
 
 ANGULAR = {"disc": {"kind": "superellipse", "aspect_ratio": 1.2, "diameter": 1e-3, "granules": 60}}
 CALLS = {
+    "settle on no floor, let it be relaxed or grown": scene(gravity=0.0, base_plate={"friction": 0.3}, packing__preparation="settled", packing__region=None),
     "gravity is 9.81, in the plane of the bed, and base_plate is given": scene(base_plate={"friction": 0.3}),
     "sinks.below.to is 'abov', which is not one of sources; the nearest is above": fed("abov"),
     "sources.above.count is missing; no sink gives it granules": fed(None, source={"rate": 9.0}),
