@@ -45,6 +45,7 @@ Jamming of ellipses <../_generated/studies/onset>
 Simple shear <../_generated/studies/shear>
 Intruders <../_generated/studies/intruders>
 Drag on a plate <../_generated/studies/base>
+Columns that collapse <../_generated/studies/column>
 Contact laws <../_generated/studies/law>
 Rolling resistance <../_generated/studies/rolling>
 Verification <../_generated/studies/verification>
