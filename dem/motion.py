@@ -13,6 +13,7 @@ from pydantic import AfterValidator, InstanceOf, PlainValidator
 from dem.base.errors import InputError
 from dem.base.types import (
     MOST,
+    PAIR,
     Mass,
     NotNegative,
     Number,
@@ -267,7 +268,7 @@ class Turn:
     spin: Annotated[Number, Unit("rad s-1")] = 0.0
     spring: Annotated[NotNegative, Unit("N m rad-1")] = 0.0
     anchor: Annotated[Number, Unit("rad s-1")] = 0.0
-    weight: Annotated[tuple[Number, Number], Unit("N")] = (0.0, 0.0)
+    weight: Annotated[tuple[Number, Number], PAIR, Unit("N")] = (0.0, 0.0)
     centre: Position = (0.0, 0.0)
 
 

@@ -7,7 +7,6 @@ import numpy as np
 from dem.base.errors import InputError, PackingError
 from dem.experiment.bed_description import length_of
 from dem.experiment.granule_table import check_table
-from dem.packing.random import Room
 from dem.periodic import ROOM, periods_of
 from dem.scene import Scene
 from dem.shapes import KINDS
@@ -99,6 +98,8 @@ def _check_source(replicate, key: str, region, sizes, where: str) -> None:
     sides = (np.linspace(left + edge, right - edge, 33), np.linspace(bottom + edge, top - edge, 33))
     places = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
     solids = [solid.solid(height) for solid in bed.solids]
+    from dem.packing.random import Room  # loads Numba, for which no other plan waits
+
     room = Room(bed.width, height, tuple(solids), 0, bed.periodic)
     for solid in solids:
         places = places[room.depth(solid, places) < -edge]
