@@ -1,3 +1,4 @@
+from .analysis import rft as rft
 from .base.errors import InputError as InputError
 from .base.errors import OverlapError as OverlapError
 from .base.errors import PackingError as PackingError

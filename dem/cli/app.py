@@ -1,4 +1,4 @@
-"""Command line: ten verbs. Exit status 0, 1 (a run failed) or 2 (bad input)."""
+"""Command line: eleven verbs. Exit status 0, 1 (a run failed) or 2 (bad input)."""
 
 import typer
 

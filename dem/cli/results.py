@@ -73,6 +73,32 @@ def figure(
     draw_figure(name, data, output, FIGURES, of)
 
 
+def rft(
+    data: argument(Path, "scene.nc of a sweep like config/rft.yaml."),
+    output: option(
+        Path | None, "File to write (.json or .nc); the terminal if absent.", *OUTPUT
+    ) = None,
+):
+    """Coefficients of resistive force theory (N/m3), from the forces on a plate by angle and direction.
+
+    Example: dem rft results/rft/scene.nc -o sand.json
+    """
+    from dem.analysis import rft as analysis
+    from dem.analysis.tables import TextTable
+    from dem.base.files import check_output
+    from dem.io.lazily import open_lazily
+
+    output = output and check_output("output", output, (".json", ".nc"))
+    with bar(f"reading {data}"), open_lazily(data) as dataset:
+        plates = analysis.measured(dataset)
+        result = analysis.dataset_of(plates, analysis.fitted(plates), dataset.attrs)
+    if output is not None:
+        analysis.write(result, output)
+        return
+    columns = result[["coefficient", "half_interval", "generic"]].to_dataframe().reset_index()
+    print_or_write(TextTable(columns), None)
+
+
 def draw(
     run: argument(Path, "drag.nc, or a file of runs.", metavar="RUN"),
     output: option(Path, "File; its end says what it will be.", *OUTPUT),
@@ -134,4 +160,4 @@ def report(
         build(data, output)
 
 
-VERBS = (info, means, figure, draw, report)
+VERBS = (info, means, figure, rft, draw, report)

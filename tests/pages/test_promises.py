@@ -21,6 +21,7 @@ from command_line import called
 from markdown_it import MarkdownIt
 from project import ROOT, posix
 from sweeps import of_file
+from synthetic import plated, plates
 from typer.main import get_command
 from typer.testing import CliRunner
 
@@ -123,6 +124,8 @@ def small_checkout(copy, tmp_path_factory):
             if not (target := Path("results") / file.source).exists():
                 target.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(file.path, target)
+        Path("results/rft").mkdir()
+        plated(plates(1e4)).to_netcdf("results/rft/scene.nc")
         Path("results/rough").mkdir()  # of no sweep
         shutil.copy("results/friction/drag.nc", "results/rough/drag.nc")
         shutil.copy("results/drag.nc", "docs/data/drag.nc")
