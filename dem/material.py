@@ -215,7 +215,7 @@ class BasePlate:
 
     >>> import dem
     >>> plate = dem.BasePlate(friction=0.5)
-    >>> scene = dem.Scene(dem.Disc([1e-3]), base_plate=plate)
+    >>> scene = dem.Scene(dem.Disc([1e-3]), friction=dem.Friction(), base_plate=plate)
     >>> run = dem.Simulation(scene, dem.State([[0.0, 0.0]], velocity=[[0.1, 0.0]]))
     >>> shortest = run.advance(0.1)
     >>> print(f"{1e3 * run.state.position[0, 0]:.2f} mm, {1e3 * 0.1**2 / (2 * 0.5 * 9.81):.2f} mm")

@@ -9,9 +9,9 @@ from dem.experiment.scene import make_scene
 from dem.sweep.config import load
 
 pytestmark = pytest.mark.quick
-PLATE = {"outline": "plate", "diameter": 2e-3, "thickness": 5e-4, "x": 4e-3, "y": 2e-3}
+PEG = {"outline": "circle", "diameter": 1e-3, "x": 4e-3, "y": 2e-3}
 BOX = {"shapes.disc.granules": 12, "box_width": 8e-3, "packing.height": 12e-3, "packing.region": [0, 4e-3, 8e-3, 8e-3],
-       "record.bins": 12, "record.snapshots": 7, "record.region": [0, 0, 8e-3, 12e-3], "solids": {"plate": PLATE}}  # fmt: skip
+       "record.bins": 12, "record.snapshots": 7, "record.region": [0, 0, 8e-3, 12e-3], "solids": {"peg": PEG}}  # fmt: skip
 BELOW, ABOVE = [None, None, None, 2e-3], [1e-3, 9e-3, 7e-3, 11.5e-3]
 
 

@@ -95,6 +95,7 @@ LAYOUTS = {
     2: "91b1ae9fe55f297a",
     3: "e1c54b0a87aaee7e",
     4: "c08aec18bef56dfe",
+    5: "24a144b0957c1d1d",
 }
 
 

@@ -58,7 +58,8 @@ OF_STUDIES = {name: figure for name, figure in figures().items() if "studies" in
 def test_a_figure_shows_the_released_file_of_its_study_which_a_sweep_makes(name, tmp_path):
     """Figures of other files are drawn in their smallest form."""
     folder = (ROOT / OF_STUDIES[name].module.replace(".", "/")).parents[1]
-    blocks = [load(file).block("drag") for file in folder.glob("*.yaml")]
+    sweeps = [load(file) for file in folder.glob("*.yaml")]
+    blocks = [sweep.block(each) for sweep in sweeps for each in sweep.blocks]
     assert name in {figure for block in blocks for figure in possible(block, OF_STUDIES)}
     shown = []
     for file in folder.glob("*.nc"):
