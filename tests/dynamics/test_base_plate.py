@@ -84,6 +84,21 @@ def test_a_solid_that_forces_move_rubs_on_the_plate_too():
     assert_allclose(end.solid_position[-1, 0, 0] - 8e-3, 0.1**2 / (2.0 * 0.2 * G), rtol=0.01)
 
 
+def test_a_block_that_a_spring_pulls_slips_with_the_period_of_its_spring():
+    """One coefficient at rest and in motion: from rest it slips at v (1 - cos wt) behind an anchor of velocity v."""
+    mass, spring, velocity, mu = 3e-4, 30.0, 0.02, 0.2
+    pull = dem.Drive((0.0, None), mass, spring=spring, anchor=(velocity, 0.0))
+    block = dem.Cylinder(2e-3, (8e-3, 8e-3), pull)
+    plate = dem.BasePlate(MU, solid=mu, slip=1e-5)
+    scene, state = alone(plate=plate, solids=block, periodic=(50e-3, None))
+    period, begins = 2.0 * np.pi * np.sqrt(mass / spring), mu * mass * G / (spring * velocity)
+    run = dem.simulate(scene, state, begins + 2.5 * period, frames=500)
+    speed = np.gradient(run.solid_position[:, 0, 0], run.time)
+    late = run.time - begins
+    expected = np.where(late > 0.0, velocity * (1.0 - np.cos(2.0 * np.pi * late / period)), 0.0)
+    assert_allclose(speed[2:-2], expected[2:-2], atol=0.02 * velocity)
+
+
 def test_what_a_gas_loses_on_the_plate_is_in_the_ledger():
     rng, grid = np.random.default_rng(1), 2.5 * R * (np.indices((4, 4)).reshape(2, -1).T + 0.7)
     scene = dem.Scene(

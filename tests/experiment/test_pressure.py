@@ -72,7 +72,9 @@ def test_a_bed_at_rest_pushes_the_solid_of_a_picture_as_that_of_its_run():
     scene = make_scene(run, bed)
     at_rest = replace(scene, solids=replace(scene.solids[0], velocity=(0.0, 0.0)))
     simulation = dem.Simulation(at_rest, bed.state)
-    data = RunData(run, bed, simulation.record(1e-10, 20), [simulation.state] * 3, np.zeros((0, 2, 20)))
+    data = RunData(
+        run, bed, simulation.record(1e-10, 20), [simulation.state] * 3, np.zeros((0, 2, 20))
+    )
     contacts = data.snapshots.contacts(0)
     mine = contacts.partner == -1
     force = contacts.force[mine]
