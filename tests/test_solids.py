@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from outlines import outside
-from scenes import ANCHOR
+from scenes import ANCHOR, OVAL
 from scipy.special import ellipk
 
 import dem
@@ -244,10 +244,13 @@ def test_granules_that_fly_against_a_ring_from_inside_keep_their_step():
     """They are behind the sides of its outside, where a search for the nearest point has no end."""
     rng, where = np.random.default_rng(1), np.linspace(0.0, 2.0 * np.pi, 18, endpoint=False)
     outwards = np.column_stack([np.cos(where), np.sin(where)])
-    scene = dem.Scene(
-        dem.Ellipse.of_size(np.full(18, 1e-3), 2.0), friction=dem.Friction(),
-        solids=dem.Solid(dem.ring(50e-3, 1e-3), (0.0, 0.0)),
-    )  # fmt: skip
+    ring = dem.Solid(dem.ring(50e-3, 1e-3), (0.0, 0.0))
+    # far away, so that the kernels are those of another scene
+    oval = dem.Solid(OVAL, (0.5, 0.0), velocity=dem.Drive((0.0, 0.0), 1e-3))
+    shape = dem.Ellipse.of_size(
+        np.full(18, 1e-3), 2.0, contact=dem.CommonNormal(1e-6), hertz_radius="local"
+    )
+    scene = dem.Scene(shape, friction=dem.Friction(), solids=[ring, oval])
     start = dem.State(24.15e-3 * outwards, 0.2 * outwards, rng.uniform(0.0, np.pi, 18))
     run = dem.Simulation(scene, start)
     first = run.advance(1e-4)
