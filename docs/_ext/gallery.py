@@ -41,7 +41,7 @@ PICTURES = {
     ),
     "drum.mp4": ("dem draw drum.nc -o drum.mp4", "A drum with a blade turns a bed of discs: speed"),
     "hopper.mp4": ("dem draw hopper.nc -o hopper.mp4", "A hopper empties: speed of the discs"),
-    "column.mp4": ("dem draw column.nc -o column.mp4", "A column of discs collapses: speed"),
+    "collapse.mp4": ("dem draw column.nc -o collapse.mp4", "A column of discs collapses: speed"),
     "cluster.png": (
         "dem draw e3.nc --color cluster -o cluster.png",
         "Ellipses, those that began ahead of the cylinder shaded",
