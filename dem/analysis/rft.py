@@ -85,7 +85,7 @@ def mirrored(angle: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.nd
     sign = np.where(x < -1e-9 * np.abs(y), -1.0, 1.0)
     beta = np.pi / 2.0 - np.mod(np.pi / 2.0 - sign * angle, np.pi)
     return (
-        np.where(np.abs(beta + np.pi / 2.0) < 1e-9, np.pi / 2.0, beta),
+        np.where(np.abs(beta + np.pi / 2.0) < 1e-4, np.pi / 2.0, beta),
         np.arctan2(-y, sign * x),
         sign,
     )
@@ -98,9 +98,19 @@ def measured(dataset: xr.Dataset) -> Plates:
     """
     if dataset.sizes.get("solid") != 1:
         raise InputError("its runs must have one solid, the plate.")
-    runs = dataset.isel(solid=0)
-    runs = runs if "seed" in runs["run_id"].dims else runs.expand_dims("seed")
-    runs = runs.stack(cell_of=[dim for dim in runs["run_id"].dims if dim != "seed"])
+    needed = [
+        "solid_force_x",
+        "solid_force_y",
+        "solid_x",
+        "solid_y",
+        "solid_angle",
+        "surface_height",
+        "snapshot_time",
+    ]
+    runs = dataset[needed].isel(solid=0).load()
+    runs = runs if "seed" in runs.dims else runs.expand_dims("seed")
+    beside = {"seed", "time", "snapshot", "cell"}
+    runs = runs.stack(cell_of=[dim for dim in runs.dims if dim not in beside])
     plate = dataset["solid"].item()
     size = value_of(runs, f"solids.{plate}.diameter") * value_of(runs, "material.thickness")
     way = (

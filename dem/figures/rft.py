@@ -16,7 +16,7 @@ VARIABLES = ("solid_force_x", "surface_height")
 MAP = "PuOr"
 WORDS = (
     (1, "Upwards", r"$\alpha_y$ (N/cm$^3$)"),
-    (0, "Against the motion along x", r"$\alpha_x$ (N/cm$^3$)"),
+    (0, "Against x", r"$\alpha_x$ (N/cm$^3$)"),
 )
 
 
