@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from dem.contacts.layout import DVX, FX, FY, TAU, VX, VY, W
-from dem.dynamics.motion import greater, held_back
+from dem.dynamics.motion import greater, restoring_load
 from dem.dynamics.world import INVERSE_MASS, LOAD
 from dem.jit.intrinsics import apart
 from dem.laws.protocol import impact_overlap, length, measure, root, slope, stiffest
@@ -75,8 +75,8 @@ def driven_acceleration(boundaries):
         0.0,
     )
     for b in range(force.shape[0]):
-        fx = held_back(boundaries, b, 0) + force[b, FX]
-        fy = held_back(boundaries, b, 1) + force[b, FY]
+        fx = restoring_load(boundaries, b, 0) + force[b, FX]
+        fy = restoring_load(boundaries, b, 1) + force[b, FY]
         last = boundaries.first_waypoint[b + 1] - 1
         for q in range(boundaries.first_waypoint[b], last + 1):
             if q == last or waypoints[q + 1, 0] > boundaries.time[0]:
@@ -84,7 +84,9 @@ def driven_acceleration(boundaries):
                 ay = drive[b, INVERSE_MASS + 1] * (waypoints[q, 2 + LOAD] + fy)
                 acceleration = math.sqrt(ax * ax + ay * ay)
                 if b < boundaries.reach.shape[0]:
-                    torque = waypoints[q, 3 + LOAD] + held_back(boundaries, b, 2) + force[b, TAU]
+                    torque = (
+                        waypoints[q, 3 + LOAD] + restoring_load(boundaries, b, 2) + force[b, TAU]
+                    )
                     acceleration += boundaries.reach[b] * drive[b, INVERSE_MASS + 2] * abs(torque)
                 greatest = greater(greatest, acceleration)
     return greatest

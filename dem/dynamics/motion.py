@@ -272,7 +272,7 @@ def kick_driven(boundaries, b, kick, dt):
         if inverse_mass > 0.0:
             drag, before = drive[b, DAMPED + c] * inverse_mass, motion[b, VX + c]
             at = waypoint_after(waypoints, first, last, middle)
-            load = on_path(waypoints, first, last, at, middle, LOAD + c) + held_back(
+            load = on_path(waypoints, first, last, at, middle, LOAD + c) + restoring_load(
                 boundaries, b, c
             )
             pushed = inverse_mass * (load + boundaries.force[b, FX + c])
@@ -284,7 +284,7 @@ def kick_driven(boundaries, b, kick, dt):
             previous[b, c] = now
 
 
-def held_back(boundaries, b, c):
+def restoring_load(boundaries, b, c):
     """Force (N) or torque (N m) on boundary b by its spring and its weight where it is."""
     drive, angle = boundaries.drive, boundaries.angle[b]
     load = drive[b, SPRING + c] * drive[b, STRETCH + c]

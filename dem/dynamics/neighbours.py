@@ -512,7 +512,7 @@ def new_patches(room: int, patches: int) -> Patches:
 
 
 def without(contacts: Contacts, columns: int, stays: np.ndarray) -> Contacts:
-    """A list of so many columns without the bodies that do not stay, and the others numbered anew in
+    """A list of so many columns without the bodies that do not stay, and with new numbers for the others, in
     the same order; what contacts remember is all that it is good for.
 
     stays: whether each row of Constituents.motion does.

@@ -20,12 +20,6 @@ WORDS = (
 )
 
 
-def edges(middle: np.ndarray) -> np.ndarray:
-    """Edges (n + 1,) of cells about these middles (n,)."""
-    between = 0.5 * (middle[1:] + middle[:-1])
-    return np.r_[2.0 * middle[0] - between[0], between, 2.0 * middle[-1] - between[-1]]
-
-
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """Maps over beta and gamma; raises InputError where the file has no maps."""
@@ -43,7 +37,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         for axes, (name, values) in zip(panels, maps.items(), strict=True):
             table = np.full((len(y), len(x)), np.nan)
             table[row, column] = 1e-6 * values[:, axis]
-            shown = axes.pcolormesh(edges(x), edges(y), table, cmap=MAP, vmin=-size, vmax=size)
+            shown = axes.pcolormesh(x, y, table, shading="nearest", cmap=MAP, vmin=-size, vmax=size)
             if len(x) > 1 and len(y) > 1 and np.isfinite(table).all():
                 lines = axes.contour(x, y, table, 6, colors="black", linewidths=0.7)
                 axes.clabel(lines, fontsize=8)

@@ -19,6 +19,7 @@ from dem.analysis.rft import (
     write,
 )
 from dem.base.errors import InputError
+from dem.io.lazily import open_lazily
 
 pytestmark = pytest.mark.quick
 
@@ -47,6 +48,23 @@ def test_forces_on_plates_of_a_file_are_those_of_both_directions(back):
     assert_allclose(seen.angle[steep], BETA[steep], atol=1e-12)
     if not back:
         assert_allclose(fitted(seen).coefficients, GENERIC, rtol=1e-6, atol=1.0)
+
+
+def test_a_file_is_read_as_a_sweep_writes_it(tmp_path):
+    """Lazily, with texts as bytes."""
+    file = plated(plates())
+    file["run_id"] = file["run_id"].dims, np.full(file["run_id"].shape, b"run")
+    file.to_netcdf(tmp_path / "scene.nc", format="NETCDF4_CLASSIC")
+    with open_lazily(tmp_path / "scene.nc") as dataset:
+        assert_allclose(fitted(measured(dataset)).coefficients, GENERIC, rtol=1e-6, atol=1.0)
+
+
+def test_a_plate_at_a_rounded_right_angle_is_upright():
+    """1.5708 is more than a right angle, by what rounding makes of it."""
+    upright = measured(
+        plated(plates(beta=np.full(5, 1.5708), gamma=np.radians([-90, -45, 0, 45, 90])))
+    )
+    assert_allclose(upright.angle, 0.5 * np.pi, atol=1e-4)
 
 
 def test_what_is_linear_in_depth_is_found_so():
