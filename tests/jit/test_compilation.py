@@ -57,8 +57,11 @@ class Desk:
         return answer_of(self.start(*args, **options))
 
     def edit(self, name, old, new):
+        """A later second: Python takes a file of the same second and size for the one that it read before."""
         file = self.folder / name
+        later = file.stat().st_mtime + 2
         file.write_text(file.read_text().replace(old, new))
+        os.utime(file, (later, later))
 
 
 def answer_of(process):
