@@ -51,6 +51,7 @@ from dem.dynamics.scan import (
     TOUCHING,
     Moment,
 )
+from dem.dynamics.skin import following
 from dem.dynamics.step import Threads
 from dem.dynamics.system import System, is_finite, longest_move
 from dem.dynamics.world import REMOVED, World, number_of_patches
@@ -65,6 +66,7 @@ SCAN_INTERVAL = 1000  # steps without a scan, at most
 QUIET = 2000  # steps for which the bound must have allowed a longer step before it is taken
 PER_OCTAVE = 8  # quantised steps to a factor of two
 MARGIN = 0.75  # share of skin / 2 that a constituent may move before the lists are rebuilt
+PATIENCE = 20  # lists without a break for which another skin must be best
 NEARLY = 1e-9  # of a step: a time is reached that is no farther off
 FIRST_BUDGET = 20_000  # constituents times steps of the first call of a kernel
 BRIEF, LONG = 0.05, 0.15  # s: between these a call returns, so that Python can answer Ctrl-C
@@ -102,9 +104,8 @@ class StepControl(NamedTuple):
         Fixed time step (s), or 0 for a quantised step below the bound.
     max_overlap : float
         Largest allowed overlap over the smaller radius, without unit.
-    reach : float
-        Displacement (m) of a constituent that stops the run, because a contact may have been
-        missed; lists are rebuilt before.
+    skins : tuple of float
+        The least and the widest skin (m) of the lists.
     allow_unstable : bool
         Whether no step is shortened for fast granules, and a fixed one may be longer than the
         critical one.
@@ -114,7 +115,7 @@ class StepControl(NamedTuple):
 
     time_step: float
     max_overlap: float
-    reach: float
+    skins: tuple[float, float]
     allow_unstable: bool
     frame: tuple[float, float]
 
@@ -188,6 +189,12 @@ class Progress(NamedTuple):
         taken.
     candidate_since : int
         See candidate_dt.
+    skin : float
+        Skin of the lists (m).
+    listed : int
+        Step of the last list.
+    asked : int
+        Lists without a break before it for which another skin was best.
     """
 
     outcome: int = FINE
@@ -206,6 +213,15 @@ class Progress(NamedTuple):
     scanned: int = -1
     candidate_dt: float = math.inf
     candidate_since: int = 0
+    skin: float = 0.0
+    listed: int = 0
+    asked: int = 0
+
+    @property
+    def reach(self) -> float:
+        """Displacement (m) of a constituent that stops the run, because a contact may have been
+        missed; lists are rebuilt before."""
+        return 0.5 * self.skin
 
 
 def quantised(step: float) -> float:
@@ -233,8 +249,6 @@ class Engine:
     ----------
     system : System
         The bed at the last whole step, and its kernels.
-    skin : float
-        Skin of the lists (m).
     rules : StepControl
         How the time step is chosen.
     order : ndarray of shape (n,)
@@ -246,10 +260,10 @@ class Engine:
     """
 
     def __init__(self, system: System, skin: float, rules: StepControl, order, threads: int):
-        self.system, self.skin, self.rules, self.order = system, skin, rules, order
+        self.system, self.rules, self.order = system, rules, order
         self.until, self.threads = 0.0, threads
         self.budget = max(FIRST_BUDGET // len(system.world.constituents.owner), 1)
-        self.progress = Progress()
+        self.progress = Progress(skin=skin)
         self._view: tuple[Progress, System, Diagnostics] | None = None
         self.start()
 
@@ -276,9 +290,14 @@ class Engine:
 
     def begin(self) -> None:
         """Lists and forces for velocities of a full step; previous accelerations are those of now."""
-        self.system.rebuild(self.skin)
+        self.rebuild()
         self.system.forces(0.0)
         self.system.drift(0.0, 0.0)
+
+    def rebuild(self) -> None:
+        """Lists for the present positions."""
+        self.system.rebuild(self.progress.skin)
+        self.progress = self.progress._replace(listed=self.progress.steps)
 
     def end_step(self) -> None:
         """End the step at the time that was asked for, with velocities of a full step, so that what
@@ -367,7 +386,7 @@ class Engine:
         speed, and any granule could collide with one of its own size.
         """
         world, table = system.world, system.table
-        result = system.scan(Moment(later, self.rules.frame, self.skin))
+        result = system.scan(Moment(later, self.rules.frame, self.progress.skin))
         alone = steps_alone(world.law, table, float(result[LEAST_OVERLAP]))
         steps = map(min, alone, result[[CRITICAL, CHOSEN]].tolist())
         critical, chosen = (step_with(world.base, step) for step in steps)
@@ -387,7 +406,7 @@ class Engine:
         rules, bound = self.rules, diagnostics.longest_time_step
         if rules.time_step > 0.0:
             return rules.time_step
-        flight = 0.5 * rules.reach / max(diagnostics.speed_bound, 1e-300)
+        flight = 0.5 * self.progress.reach / max(diagnostics.speed_bound, 1e-300)
         return quantised(bound if rules.allow_unstable else min(bound, flight))
 
     def choose_step(self, checks_overlap: bool = False) -> None:
@@ -435,7 +454,7 @@ class Engine:
 
     def limit(self) -> float:
         """Displacement (m) from which on a step could lead beyond the lists."""
-        reach = self.rules.reach
+        reach = self.progress.reach
         near = reach - self.progress.dt * self.progress.speed_bound
         return min(max(near, (1.0 - MARGIN) * reach), MARGIN * reach)
 
@@ -510,13 +529,18 @@ class Engine:
             self.budget = max(self.budget // 2, 1)
 
     def renew_lists(self, moved: float) -> None:
-        """Lists for the present positions; stops where a contact may have been missed."""
-        reach = self.rules.reach
+        """Lists with a skin that suits how long the last ones were good for; stops where a contact may
+        have been missed."""
+        now, reach = self.progress, self.progress.reach
         granule = first_outside(self.world)
         if not (moved <= reach or longest_move(self.world) <= 2.0 * reach):
             self.stop(LOST, moved, granule)
-        self.system.rebuild(self.skin)
-        self.progress = self.progress._replace(scanned=-1)
+        best = following(now.skin, now.steps - now.listed, *self.rules.skins)
+        asked = now.asked + 1 if best != now.skin else 0
+        if asked == PATIENCE:
+            now, asked = now._replace(skin=best), 0
+        self.progress = now._replace(asked=asked, scanned=-1)
+        self.rebuild()
         if granule >= 0:
             self.stop(OUTSIDE, granule=granule)
 
@@ -587,6 +611,7 @@ def failure(report: Progress, rules: StepControl, system: System, order: np.ndar
     words = SENTENCES[outcome].format(
         **rules._asdict(),
         **report._replace(granule=order[granule])._asdict(),
+        reach=report.reach,
         what=what,
         far=beyond.max(),
         wall=beyond.argmax(),

@@ -38,7 +38,7 @@ from dem.dynamics.numerics import (
 )
 from dem.dynamics.paths import shown
 from dem.dynamics.result import Record, Result, shares
-from dem.dynamics.skin import skin_for, skin_of
+from dem.dynamics.skin import skin_for, skin_of, skins_of
 from dem.dynamics.stress import Edges, Stress, stress
 from dem.dynamics.system import System
 from dem.dynamics.world import REMOVED, Boundaries, World
@@ -66,7 +66,7 @@ class Simulation:
     skin : float, optional
         Skin of the neighbour list over the mean bounding radius, without unit. It changes the
         speed, and at which steps the time step is chosen again. None for one that follows from the
-        speeds at the start (recommended). A short period makes it smaller.
+        speeds (recommended). A short period makes it smaller.
     threads : int
         Number of threads, without unit, for beds of thousands of granules. The result does not
         depend on it. A small bed uses fewer.
@@ -152,12 +152,14 @@ class Simulation:
         system = self._assembled(state, order)
         if skin is None:
             width = skin_for(scene, system.world, system.table, time_step)
+            skins = skins_of(scene, system.table)
         else:
             width = skin_of(scene, system.table, skin)
+            skins = width, width
         rules = StepControl(
             time_step=float(time_step or 0.0),
             max_overlap=float(max_overlap),
-            reach=0.5 * width,
+            skins=skins,
             allow_unstable=allow_unstable,
             frame=frame,
         )

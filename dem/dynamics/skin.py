@@ -14,6 +14,8 @@ SKIN = 0.12  # of runs, at least; timings of beds are flat from 0.1 to 0.2
 WIDEST = 1.0
 SKIN_OF_PACKING = 0.3  # while a bed is packed, where granules move far
 REBUILD_COST = 60.0  # of a list over what a wider skin costs, fitted to gases and dense beds
+USUAL = 200.0  # steps that a list with the least skin lasts where no other skin is better
+OTHER = 3.0  # how many times as wide the best skin is where it is taken
 
 
 def widest_skins(scene: Scene) -> list[float]:
@@ -28,6 +30,11 @@ def skin_of(scene: Scene, table, share: float) -> float:
     return min([float(share * table.bounding.mean()), *widest_skins(scene)])
 
 
+def skins_of(scene: Scene, table) -> tuple[float, float]:
+    """The least and the widest skin (m) of a run."""
+    return skin_of(scene, table, SKIN), skin_of(scene, table, WIDEST)
+
+
 def skin_for(scene, world, table, time_step: float | None) -> float:
     """Skin (m) for the speeds of a scene at the start, at least SKIN and at most WIDEST.
 
@@ -39,5 +46,15 @@ def skin_for(scene, world, table, time_step: float | None) -> float:
     speed = math.sqrt(max(9.0 * float(squared), fastest(world.boundaries)))
     usual = steps_alone(world.law, table, usual_overlap(world.law, table, speed))[1]
     step, size = time_step or usual, table.bounding.mean()
-    wanted = np.clip(math.sqrt(REBUILD_COST * speed * step * size), SKIN * size, WIDEST * size)
-    return min([float(wanted), *widest_skins(scene)])
+    wanted = math.sqrt(REBUILD_COST * speed * step * size)
+    return float(np.clip(wanted, *skins_of(scene, table)))
+
+
+def following(skin: float, lasted: int, least: float, widest: float) -> float:
+    """The best skin (m) after one whose list lasted so many steps, or that one where the best is less than
+    `OTHER` times as wide or as narrow.
+
+    The list of the best skin lasts a number of steps that is inverse to that skin.
+    """
+    best = skin * math.sqrt(USUAL * least / (max(lasted, 1) * skin))
+    return min(max(best, least), widest) if max(best / skin, skin / best) > OTHER else skin

@@ -141,7 +141,10 @@ class Exchange:
         solids = scene.moved(rows[walls:end, :2], rows[walls:end, 2], boundaries.planes).solids
         sides = (side or math.inf for side in scene.periodic or (None, None))
         room, corners = Room(*sides, solids, 0, self.periodic), np.reshape(region, (2, 2))
-        taken, sizes, found = state.position[state.present], radius[state.present], []
+        middle, half = corners.mean(axis=0), 0.5 * np.diff(corners, axis=0)[0] + radius.max()
+        away = np.abs(nearest_image(state.position - middle, scene.periodic))
+        near = (away < half + radius[:, None]).all(axis=1)  # False for those that are not there
+        taken, sizes, found = state.position[near], radius[near], []
         for granule in granules:
             size = radius[granule]
             tried = rng.uniform(corners[0] + size, corners[1] - size, (PLACES, 2))
