@@ -32,28 +32,30 @@ from dem.experiment.box import check_room
 from dem.experiment.cylinder import as_scene
 from dem.experiment.kinds import EXPERIMENTS, Experiment
 from dem.experiment.replicate import Replicate
+from dem.experiment.scene_sections import (
+    BasePlateSection,
+    CylinderSection,
+    PhaseSection,
+    SecondSection,
+    SinkSection,
+    SolidSection,
+    SourceSection,
+    WallsSection,
+)
 from dem.experiment.sections import (
     CELLS,
     SORTED,
-    BasePlateSection,
     ContactSection,
-    CylinderSection,
     EllipseSection,
     FrictionSection,
     MaterialSection,
     NumericsSection,
     PackingSection,
-    PhaseSection,
     RecordSection,
     RollingSection,
     RunSection,
-    SecondSection,
     ShapeSection,
     ShearSection,
-    SinkSection,
-    SolidSection,
-    SourceSection,
-    WallsSection,
     or_file,
 )
 from dem.laws import file_of as law_file

@@ -5,7 +5,7 @@ import math
 from dem.base.constants import definitions
 from dem.experiment.intruders import RATIOS
 from dem.experiment.observables import file_of
-from dem.experiment.sections import PhaseSection, SolidSection
+from dem.experiment.scene_sections import PhaseSection, SolidSection
 
 
 def as_scene(configuration) -> dict:

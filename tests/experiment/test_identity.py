@@ -63,6 +63,7 @@ BASE = (
 NO_NUMBERS = {
     *(f"base/{name}.py" for name in BASE),
     "experiment/config.py",  # values, which are part of the identity themselves
+    "experiment/scene_sections.py",
     "experiment/sections.py",
     "experiment/kinds/__init__.py",
     "experiment/observables/__init__.py",
