@@ -5,8 +5,8 @@ from .base.errors import PackingError as PackingError
 from .base.errors import RunError as RunError
 from .base.errors import StateError as StateError
 from .dynamics.result import Result as Result
+from .dynamics.result import simulate as simulate
 from .dynamics.simulation import Simulation as Simulation
-from .dynamics.simulation import simulate as simulate
 from .figures import plot as plot
 from .figures.film import film as film
 from .io.lazily import open_results as open_results

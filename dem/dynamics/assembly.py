@@ -105,7 +105,7 @@ class GranuleTable(NamedTuple):
     rolling: tuple[float, float, float, float]
 
 
-def granule_table(scene: Scene, fraction: float = 1.0) -> GranuleTable:
+def granule_table(scene: Scene, fraction: float) -> GranuleTable:
     """GranuleTable of a scene; fraction: time step over the critical one."""
     shape, (inverse_mass, inverse_inertia) = scene.shape, mobilities(scene)
     laws, count = laws_of(scene), len(scene.materials)
@@ -340,20 +340,23 @@ def flags_of(scene: Scene, table: GranuleTable, moving: Boundaries, sections, so
 
 
 def assemble(
-    scene: Scene,
+    whole: Scene,
     state: State,
-    table: GranuleTable,
+    order: np.ndarray,
+    fraction: float = 1.0,
     ledger: bool = False,
     work=advance,
-    whole: Scene | None = None,
     moving: Boundaries | None = None,
 ) -> System:
-    """The arrays of a scene, its kernels and what makes its lists; no list is made yet.
+    """The arrays of those granules of a scene that are there, in an order of their numbers, the
+    kernels of the scene and what makes its lists; no list is made yet.
 
-    work: see System; whole: the scene of which this has some granules, and the kernels of which it
-    takes; moving: boundaries as they are now, those of the start if there are none.
+    fraction: time step over the critical one; work: see System; moving: boundaries as they are now,
+    those of the start if there are none.
     """
-    n, c, faces, whole = scene.granules, len(table.radius), faces_of(scene), whole or scene
+    scene, state = ordered(whole, state, order)
+    table, faces = granule_table(scene, fraction), faces_of(scene)
+    n, c = scene.granules, len(table.radius)
     sections, sizes = sections_of(scene)
     moving = moving or boundaries(scene, sections)
     inverse_mass, inverse_inertia = mobilities(scene)
@@ -445,3 +448,12 @@ def ordered(scene: Scene, state: State, order) -> tuple[Scene, State]:
     if np.array_equal(order, np.arange(scene.granules)):
         return scene, state
     return scene.taken(order), State(*(getattr(state, name)[order] for name in ARRAYS))
+
+
+def state_of(world: World, order: np.ndarray, granules: int) -> State:
+    """The state of all granules of a scene, from those that are there, NaN of the others."""
+    state, bodies = State(np.full((granules, 2), np.nan)), world.bodies
+    rows = bodies[:, [X, Y]], bodies[:, [VX, VY]], world.granules.angle, bodies[:, W]
+    for name, values in zip(ARRAYS, rows, strict=True):
+        getattr(state, name)[order] = values
+    return state

@@ -1,79 +1,25 @@
-"""What a run returns: `Record` of intervals, `Result` of frames, as arrays and as files."""
+"""A run from its start to its end, and its frames as arrays and as files."""
 
+import math
 import os
 from copy import deepcopy
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, Self, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, cast
 
 import numpy as np
+from pydantic import InstanceOf
 
 from dem.base.files import atomic, check_output
 from dem.base.types import Time, checked
 from dem.dynamics.contact_output import ContactList
 from dem.dynamics.numerics import OneOrMore
+from dem.dynamics.paths import shown
+from dem.dynamics.record import shares
+from dem.dynamics.simulation import Simulation
 from dem.scene import ARRAYS, Scene, State
 
 if TYPE_CHECKING:
     import xarray
-
-    from dem.dynamics.simulation import Simulation
-
-
-class Record(NamedTuple):
-    """What `Simulation.record` measures: one row per interval, c in all, with w walls, k solids and
-    g held groups.
-
-    Attributes
-    ----------
-    normal_force : ndarray of shape (c, k, 2)
-        Mean force (x, y) on each solid (N) of all normal forces at its contacts.
-    tangential_force : ndarray of shape (c, k, 2)
-        Mean force (x, y) on each solid (N) of all tangential forces at its contacts.
-    wall_force : ndarray of shape (c, w)
-        Mean normal force (N) on each of the w walls.
-    kinetic_energy : ndarray of shape (c,)
-        Kinetic energy (J) at the end of the interval.
-    coordination_number : ndarray of shape (c,)
-        Contacts per granule, without unit, at the end of the interval.
-    max_overlap : ndarray of shape (c,)
-        Largest overlap over the smaller radius, without unit, at the end of the interval.
-    time_step : ndarray of shape (c,)
-        Shortest time step (s) of the interval.
-    torque : ndarray of shape (c, k)
-        Mean torque (N m) on each solid about its position, anticlockwise.
-    solid_position : ndarray of shape (c, k, 2)
-        Position of each solid (m) at the end of the interval; NaN once it is removed.
-    solid_angle : ndarray of shape (c, k)
-        Angle of each solid (rad) at the end of the interval; NaN once it is removed.
-    wall_tangential_force : ndarray of shape (c, w)
-        Mean tangential force (N) on each wall along (-ny, nx), with (nx, ny) the normal of the
-        wall.
-    wall_offset : ndarray of shape (c, w)
-        Offset (m) of each wall at the end of the interval.
-    held_force : ndarray of shape (c, g, 2)
-        Mean force (x, y) of the contacts on each group of held granules (N).
-    """
-
-    normal_force: np.ndarray
-    tangential_force: np.ndarray
-    wall_force: np.ndarray
-    kinetic_energy: np.ndarray
-    coordination_number: np.ndarray
-    max_overlap: np.ndarray
-    time_step: np.ndarray
-    torque: np.ndarray
-    solid_position: np.ndarray
-    solid_angle: np.ndarray
-    wall_tangential_force: np.ndarray
-    wall_offset: np.ndarray
-    held_force: np.ndarray
-
-
-def shares(scene: Scene, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows (..., r, c) of Boundaries as those of walls (..., w, c), solids (..., k, c) and held
-    groups (..., g, c)."""
-    walls, held = len(scene.walls), rows.shape[-2] - len(scene.held)
-    return rows[..., :walls, :], rows[..., walls:held, :], rows[..., held:, :]
 
 
 # of a Result as a dataset: name: (dimensions, units, long name)
@@ -142,8 +88,6 @@ def contacts_of(
     position (k, 2) in m, angle (k,) in rad: of the solids, NaN of those that were removed; planes
     (w, 3): of the walls.
     """
-    from dem.dynamics.simulation import Simulation  # which imports this file
-
     run = Simulation(scene.moved(position, angle, planes), state)
     contacts, unknown = run.contacts(), ["rolling_moment"] if scene.rolling else []
     present = np.flatnonzero(~np.isnan(angle))
@@ -232,7 +176,7 @@ class Result(NamedTuple):
     wall_tangential_force: np.ndarray
     wall_offset: np.ndarray
     held_force: np.ndarray
-    simulation: "Simulation"
+    simulation: Simulation
 
     @checked
     def continuation(self, duration: Time, frames: OneOrMore = 1) -> Self:
@@ -266,8 +210,6 @@ class Result(NamedTuple):
         >>> result.time.round(4), result.position[:, 0, 0].round(4)
         (array([0.002, 0.003]), array([0.004, 0.006]))
         """
-        from dem.dynamics.simulation import result_of  # which imports this file
-
         return cast(Self, result_of(deepcopy(self.simulation), duration, frames))
 
     def __repr__(self) -> str:
@@ -384,3 +326,87 @@ class Result(NamedTuple):
         with atomic(path) as part:
             self.to_dataset().to_netcdf(part, engine="netcdf4", format="NETCDF4_CLASSIC")
         return path
+
+
+@checked
+def simulate(
+    scene: InstanceOf[Scene],
+    state: InstanceOf[State],
+    duration: Time,
+    time_step: Time | None = None,
+    frames: OneOrMore = 1,
+    **options: Any,
+) -> Result:
+    """Simulate a scene from a state and return arrays.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is simulated: n granules, walls, solids.
+    state : State
+        Where the granules start, and how they move.
+    duration : float
+        Time to simulate (s).
+    time_step : float, optional
+        Time step (s); None, which is recommended, chooses it from the stiffness of the contacts.
+    frames : int
+        Number of equal intervals after each of which the state is kept (without unit).
+    **options
+        As of Simulation: step_fraction, max_overlap, skin, threads, allow_unstable.
+
+    Returns
+    -------
+    Result
+        The start and a frame per interval, frames + 1 in all.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used.
+    RunError
+        If the run fails: StateError or OverlapError.
+
+    Examples
+    --------
+    Two discs collide in empty space and part at half their speed:
+
+    >>> import dem
+    >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
+    >>> state = dem.State([[0, 0], [2.1e-3, 0]], velocity=[[1, 0], [-1, 0]])
+    >>> result = dem.simulate(scene, state, duration=1e-4)
+    >>> result.velocity[-1, :, 0].round(1)
+    array([-0.5,  0.5])
+    """
+    return result_of(Simulation(scene, state, time_step, **options), duration, frames)
+
+
+def result_of(run: Simulation, duration: float, frames: int) -> Result:
+    """Frames of a further duration (s) of a simulation."""
+    run.check_duration(duration)
+    interval, shortest, rows = duration / frames, math.inf, [frame_of(run, math.nan)]
+    begin = run.time
+    for frame in range(1, frames + 1):
+        # the last one ends at the duration itself, however many there are
+        shortest = min(shortest, run.engine.run([begin + duration * (frame / frames)]))
+        rows.append(frame_of(run, interval))
+    series = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+    return Result(**series, state=run.state, time_step=shortest, scene=run.scene, simulation=run)
+
+
+def frame_of(run: Simulation, interval: float) -> dict[str, Any]:
+    """The simulation as it is, and the mean forces (N) since the frame before, an interval (s)
+    ago."""
+    world, state, scene = run.world, run.state, run.scene
+    walls, solids, held = shares(scene, run.engine.take_impulses())
+    place = shares(scene, shown(world.boundaries))[1]
+    return {name: getattr(state, name) for name in ARRAYS} | {
+        "time": run.time,
+        "solid_force": (solids[:, :2] + solids[:, 2:4]) / interval,
+        "solid_torque": solids[:, 4] / interval,
+        "solid_position": place[:, :2],
+        "solid_angle": place[:, 2],
+        "wall_force": walls[:, 0] / interval,
+        "wall_tangential_force": walls[:, 3] / interval,
+        "wall_offset": world.boundaries.planes[:, 2],
+        "held_force": held[:, :2] / interval,
+    }

@@ -1,8 +1,6 @@
-"""A scene in motion, which you advance and look at between calls, or simulate in one call."""
+"""A scene in motion, which you advance, and may change between calls."""
 
-import math
 from collections.abc import Mapping
-from copy import deepcopy
 from typing import Annotated, Any
 
 import numpy as np
@@ -10,23 +8,11 @@ from pydantic import InstanceOf
 
 from dem.base.errors import InputError
 from dem.base.types import Count, NotNegative, Time, Unit, checked
-from dem.contacts.layout import VX, VY, W
-from dem.dynamics.assembly import assemble, granule_table, order_of, ordered
-from dem.dynamics.checkpoint import fingerprint, replaced, restored, written
-from dem.dynamics.contact_output import ContactList, list_contacts, partner_words
-from dem.dynamics.energy import Ledger, balance, energies, fallen
-from dem.dynamics.engine import (
-    ANGLE,
-    MOST_STEPS,
-    OF_BED,
-    OF_BOUNDARY,
-    PLACE,
-    TOO_DEEP,
-    Diagnostics,
-    Engine,
-    StepControl,
-    failure,
-)
+from dem.dynamics.assembly import assemble, order_of
+from dem.dynamics.checkpoint import replaced, restored
+from dem.dynamics.energy import balance, fallen
+from dem.dynamics.engine import MOST_STEPS, OF_BED, OF_BOUNDARY, Engine, StepControl
+from dem.dynamics.moving_scene import MovingScene
 from dem.dynamics.numerics import (
     MAX_OVERLAP,
     STEP_FRACTION,
@@ -36,18 +22,16 @@ from dem.dynamics.numerics import (
     StepFraction,
     check_stable,
 )
-from dem.dynamics.paths import shown
-from dem.dynamics.result import Record, Result, shares
+from dem.dynamics.population import check_free, populated, reassembled
+from dem.dynamics.record import Record, record_of, shares
 from dem.dynamics.skin import skin_for, skin_of, skins_of
-from dem.dynamics.stress import Edges, Stress, stress
-from dem.dynamics.system import System
-from dem.dynamics.world import REMOVED, Boundaries, World
+from dem.dynamics.world import REMOVED
 from dem.motion import Motion, Numbers, Spin, Velocities
-from dem.scene import ARRAYS, TOUCHING, Scene, State
+from dem.scene import Scene, State
 
 
-class Simulation:
-    """A scene in motion, which you advance and look at between calls.
+class Simulation(MovingScene):
+    """A scene in motion, which you advance, look at and change between calls.
 
     Parameters
     ----------
@@ -76,13 +60,6 @@ class Simulation:
         Take the requested step, even if it is unstable. `step_fraction` may then exceed 1, and no
         step is shortened for fast granules.
 
-    Attributes
-    ----------
-    scene : Scene
-        The scene, with the motions of solids at the start.
-    engine : Engine
-        Its arrays, and the calls of the kernel: for the package itself.
-
     Raises
     ------
     InputError
@@ -97,12 +74,9 @@ class Simulation:
     Notes
     -----
     Equations (1) and (2) of the paper, integrated with velocity Verlet. The critical step is a
-    lower bound for small motions of the bed as it is. It is computed whenever the neighbour list is
-    rebuilt, and every 1000 steps. The time step then becomes shorter at once, and longer only after
-    2000 steps that allowed it; it is one of the powers of two, or of seven steps between two of
-    them. Steps are whole: what you see at a time within a step is a copy, taken there from the last
-    whole step, so that the motion does not depend on when you look. `Material` and `Friction` give
-    the forces.
+    lower bound for small motions of the bed as it is, computed whenever the neighbour list is
+    rebuilt, and every 1000 steps. Steps are whole: what you see at a time within a step is a copy,
+    taken there from the last whole step, so that the motion does not depend on when you look.
 
     Ctrl-C is answered within about a second, and you can go on from what has been simulated until
     then. A simulation can be pickled and copied, and used in a forked process.
@@ -140,66 +114,25 @@ class Simulation:
         check_stable(step_fraction, allow_unstable)
         if ledger and threads > 1:
             raise InputError(f"threads is {threads}; with an energy ledger it must be 1.")
-        self.scene, self.step_fraction, self._keeps_ledger = scene, step_fraction, ledger
         state, frame = state.checked(scene.granules), (0.0, 0.0)
         present = state.present
-        self._check_free(present, "state")
+        check_free(scene, present, "state")
         if not (scene.walls or scene.solids or scene.held or scene.base_plate):
             x, y = np.average(state.velocity[present], axis=0, weights=scene.mass[present])
             frame = float(x), float(y)
             state.velocity -= frame
         order = order_of(scene, state)
-        system = self._assembled(state, order)
+        system = assemble(scene, state, order, step_fraction, ledger)
         if skin is None:
             width = skin_for(scene, system.world, system.table, time_step)
             skins = skins_of(scene, system.table)
         else:
             width = skin_of(scene, system.table, skin)
             skins = width, width
-        rules = StepControl(
-            time_step=float(time_step or 0.0),
-            max_overlap=float(max_overlap),
-            skins=skins,
-            allow_unstable=allow_unstable,
-            frame=frame,
-        )
-        self.engine = Engine(system, width, rules, order, threads)
+        rules = StepControl(time_step or 0.0, max_overlap, skins, allow_unstable, frame)
+        self.scene, self.engine = scene, Engine(system, width, rules, order, threads)
         system = self.engine.observe()[0]
         self._at_start = (sum(balance(system)), fallen(system.world)) if ledger else None
-
-    @property
-    def time(self) -> float:
-        """Time since the start (s)."""
-        return self.engine.progress.seen
-
-    @property
-    def steps(self) -> int:
-        """Number of time steps taken, without unit."""
-        return int(self.engine.progress.steps)
-
-    @property
-    def world(self) -> World:
-        """The arrays of the kernels, in SI units.
-
-        Their granules may be in another order than those of the scene (dem.dynamics.assembly). Do
-        not write to them, because the neighbour list and the time step rely on them;
-        dem.dynamics.checkpoint.copied copies them.
-
-        Examples
-        --------
-        >>> import dem
-        >>> run = dem.Simulation(dem.Scene(dem.Disc([1e-3, 1e-3])), dem.State([[0, 0], [1, 0]]))
-        >>> run.world.bodies.shape
-        (2, 8)
-        """
-        return self.engine.observe()[0].world
-
-    @property
-    def state(self) -> State:
-        """Copy of positions (m) and angles (rad) of granules with their rates (1/s), NaN of those that
-        are not there. Another run that starts from it has its boundaries at their start;
-        `checkpoint` keeps them."""
-        return self._state(self.world, self.engine.order)
 
     def collect_impulses(self) -> tuple[np.ndarray, np.ndarray]:
         """Impulses of the granules on solids and walls since the last call.
@@ -227,37 +160,6 @@ class Simulation:
         """
         walls, solids, _ = shares(self.scene, self.engine.take_impulses())
         return solids[:, :4].reshape(-1, 2, 2), walls[:, 0]
-
-    def diagnose(self) -> Diagnostics:
-        """Energy, contacts, largest overlap and critical time step at the present time.
-
-        Returns
-        -------
-        Diagnostics
-            Kinetic energy (J), coordination number, overlap and critical time step (s).
-
-        Raises
-        ------
-        OverlapError
-            If the largest overlap exceeds `max_overlap`.
-
-        Examples
-        --------
-        Two discs of 24.5 mg approach each other at 1 m/s each:
-
-        >>> import dem
-        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
-        >>> state = dem.State([[0.0, 0.0], [2.1e-3, 0.0]], velocity=[[1.0, 0.0], [-1.0, 0.0]])
-        >>> run = dem.Simulation(scene, state)
-        >>> print(f"{1e6 * run.diagnose().kinetic_energy:.1f} uJ")
-        24.5 uJ
-        """
-        engine, diagnostics = self.engine, self.engine.observe()[1]
-        value, granule = diagnostics.max_overlap, diagnostics.deepest
-        if not value <= engine.rules.max_overlap:
-            report = engine.progress._replace(outcome=TOO_DEEP, value=value, granule=granule)
-            raise failure(report, engine.rules, engine.system, engine.order)
-        return diagnostics._replace(deepest=int(engine.order[granule]))
 
     @checked
     def check_duration(self, duration: Time) -> None:
@@ -295,140 +197,6 @@ class Simulation:
             )
         self.engine.until = self.time + duration
 
-    def contacts(self) -> ContactList:
-        """All contacts at the present time.
-
-        Returns
-        -------
-        ContactList
-            Granules, points (m), normals, branch vectors (m), overlaps (m) and forces (N). A
-            simulation starts without tangential springs.
-
-        Examples
-        --------
-        Two discs of 1 mm radius overlap by 1 um; Hertz's law gives the force:
-
-        >>> import dem
-        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]))
-        >>> run = dem.Simulation(scene, dem.State([[0.0, 0.0], [1.999e-3, 0.0]]))
-        >>> contacts = run.contacts()
-        >>> print(contacts.granule, contacts.partner)
-        [0] [1]
-        >>> modulus = 70e9 / (1.0 - 0.22**2) / 2.0
-        >>> hertz = 4.0 / 3.0 * modulus * 0.5e-3**0.5 * 1e-6**1.5
-        >>> print(f"{contacts.force[0]:.3f} N, {hertz:.3f} N")
-        1.097 N, 1.097 N
-        """
-        return list_contacts(self.engine.observe()[0], self.engine.order)
-
-    @checked
-    def stress(self, x: Edges | None = None, y: Edges | None = None) -> Stress:
-        """Stress and fabric of the bed at the present time, or of bins along x or y.
-
-        Parameters
-        ----------
-        x : array_like of shape (b + 1,), optional
-            Edges of bins along x (m), which rise. None for the whole bed.
-        y : array_like of shape (b + 1,), optional
-            Edges of bins along y (m); not together with x.
-
-        Returns
-        -------
-        Stress
-            Stress of contacts and motion (Pa), fabric and coordination number (without unit).
-            Compression is positive.
-
-        Raises
-        ------
-        InputError
-            If edges do not rise, are given along both axes, or leave a container that is not
-            closed.
-
-        Notes
-        -----
-        The stress of the contacts is the sum of ``f l`` over the volume: force f on the partner,
-        branch vector l of `ContactList`. The volume is the thickness times the area between walls,
-        edges and periodic sides, without the solids. In bins a contact counts for the share of
-        its branch vector that is in the bin. The fabric counts contacts by their points, the other
-        measures granules by their centres.
-
-        Examples
-        --------
-        A disc of 1 mm radius is pressed between floor and lid, 1 um on either side:
-
-        >>> import dem
-        >>> scene = dem.Scene(
-        ...     dem.Disc([1e-3]),
-        ...     friction=dem.Friction(),
-        ...     walls=dem.box(4e-3, 1.998e-3),
-        ...     gravity=(0.0, -9.81),
-        ...     thickness=1e-3,
-        ... )
-        >>> run = dem.Simulation(scene, dem.State([[2e-3, 0.999e-3]]))
-        >>> print(f"{1e-3 * run.stress().contact[1, 1]:.0f} kPa")
-        776 kPa
-        """
-        if x is not None and y is not None:
-            raise InputError("x and y are both given; give edges along one of them.")
-        bins = next(((k, np.asarray(e)) for k, e in enumerate((x, y)) if e is not None), None)
-        return stress(self.contacts(), self.state, self.scene, self.world, bins)
-
-    def ledger(self) -> Ledger:
-        """Energies held, gained and lost since the start.
-
-        Returns
-        -------
-        Ledger
-            Energies (J).
-
-        Raises
-        ------
-        InputError
-            Without ``ledger=True``.
-
-        Examples
-        --------
-        Two discs collide head-on, and their dashpot takes three quarters of their energy:
-
-        >>> import dem
-        >>> material = dem.Material(restitution=0.5)
-        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), material, dem.Friction())
-        >>> state = dem.State([[0.0, 0.0], [2.1e-3, 0.0]], velocity=[[1.0, 0.0], [-1.0, 0.0]])
-        >>> run = dem.Simulation(scene, state, step_fraction=0.05, ledger=True)
-        >>> shortest = run.advance(2e-4)
-        >>> print(f"{run.ledger().damped / run.ledger().before:.2f}")
-        0.75
-        """
-        if self._at_start is None:
-            raise InputError("ledger is False; make the Simulation with ledger=True.")
-        report = self.engine.progress
-        later = report.pending_kick + report.seen - report.time
-        return energies(self.engine.observe()[0], *self._at_start, later)
-
-    def checkpoint(self) -> dict[str, np.ndarray]:
-        """Save the simulation as arrays, from which `restore` continues it exactly.
-
-        Returns
-        -------
-        dict of str to ndarray
-            Arrays by name (SI units), as ``numpy.savez`` takes them.
-
-        Examples
-        --------
-        >>> import dem
-        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
-        >>> state = dem.State([[0.0, 0.0], [2.1e-3, 0.0]], velocity=[[1.0, 0.0], [-1.0, 0.0]])
-        >>> run = dem.Simulation(scene, state)
-        >>> saved = run.checkpoint()
-        >>> shortest = run.advance(1e-4)
-        >>> run.restore(saved)
-        >>> run.time
-        0.0
-        """
-        engine = self.engine
-        own = {"scene": self._fingerprint(), "order": engine.order}
-        return written(world=engine.world, progress=engine.progress, **own)
-
     def restore(self, saved: Mapping[str, np.ndarray]) -> None:
         """Continue from a checkpoint of a simulation with the same scene and start, also where other
         granules were there.
@@ -451,13 +219,10 @@ class Simulation:
         if lacking := self.checkpoint().keys() - saved.keys():
             raise InputError(f"saved is no whole checkpoint; it lacks {min(lacking)}.")
         engine, order = self.engine, saved["order"]
-        system = self._assembled(State(np.zeros((self.scene.granules, 2))), order)
+        state = State(np.zeros((self.scene.granules, 2)))
+        system = reassembled(self.scene, engine, state, order)
         engine.system, engine.order = system.suited(restored(system, saved)), np.array(order)
         engine.progress = replaced(engine.progress, saved, "progress")
-
-    def _fingerprint(self) -> np.ndarray:
-        """Hash that differs between scenes and options."""
-        return fingerprint(self.scene, self.engine.rules, self._keeps_ledger)
 
     @checked
     def set_motion(
@@ -527,21 +292,16 @@ class Simulation:
 
         Examples
         --------
-        A disc lies on a plate. For 10 ms after the plate is removed it falls freely:
+        A disc flies through the place of a plate that was removed:
 
         >>> import dem
         >>> plate = dem.Solid(dem.plate(6e-3, 1e-3), position=(0.0, 0.0))
-        >>> soft = dem.Material(young_modulus=1e6, restitution=0.1)
-        >>> scene = dem.Scene(
-        ...     dem.Disc([1e-3]), soft, dem.Friction(), solids=plate, gravity=(0.0, -9.81)
-        ... )
-        >>> run = dem.Simulation(scene, dem.State([[0.0, 1.5e-3]]))
-        >>> shortest = run.advance(0.05)
-        >>> rest = run.state.position[0, 1]
+        >>> scene = dem.Scene(dem.Disc([1e-3]), friction=dem.Friction(), solids=plate)
+        >>> run = dem.Simulation(scene, dem.State([[0.0, 5e-3]], velocity=[[0.0, -1.0]]))
         >>> run.remove(0)
         >>> shortest = run.advance(0.01)
-        >>> print(f"{1e3 * (rest - run.state.position[0, 1]):.2f} mm")
-        0.49 mm
+        >>> run.state.position[0].round(6).tolist()
+        [0.0, -0.005]
         """
         self._change(solid, (0.0, 0.0), 0.0, removed=True)
 
@@ -581,27 +341,19 @@ class Simulation:
 
         Examples
         --------
-        Two discs lie on each other. Once the lower one is gone, the other falls freely for 10 ms:
+        One of two discs that would collide is taken out, and the other flies on:
 
         >>> import dem
-        >>> scene = dem.Scene(
-        ...     dem.Disc([1e-3, 1e-3]),
-        ...     dem.Material(young_modulus=1e6, restitution=0.1),
-        ...     dem.Friction(),
-        ...     walls=dem.box(2e-3, 20e-3),
-        ...     gravity=(0.0, -9.81),
-        ... )
-        >>> run = dem.Simulation(scene, dem.State([[1e-3, 9.9e-4], [1e-3, 2.9e-3]]))
-        >>> shortest = run.advance(0.2)
-        >>> height = run.state.position[1, 1]
-        >>> run.remove_granules([0])
+        >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
+        >>> state = dem.State([[0.0, 0.0], [2.1e-3, 0.0]], velocity=[[1.0, 0.0], [-1.0, 0.0]])
+        >>> run = dem.Simulation(scene, state)
+        >>> run.remove_granules([1])
         >>> shortest = run.advance(0.01)
-        >>> print(f"{1e3 * (height - run.state.position[1, 1]):.2f} mm")
-        0.49 mm
-        >>> run.state.position[0]
-        array([nan, nan])
+        >>> run.state.position.round(6)
+        array([[0.01, 0.  ],
+               [ nan,  nan]])
         """
-        self._populate(np.unique(granules))
+        self.engine = populated(self.scene, self.engine, np.unique(granules))
 
     @checked
     def insert_granules(
@@ -662,73 +414,7 @@ class Simulation:
             raise InputError(
                 f"position has {len(new.position)} rows; it must have {len(granules)}, as granules."
             )
-        self._populate(granules, new)
-
-    def _populate(self, granules: np.ndarray, new: State | None = None) -> None:
-        """Let granules go, or come in a state."""
-        count, order = self.scene.granules, self.engine.order
-        known, wrong = np.unique(granules), np.isin(granules, order, invert=new is None)
-        if known[-1] >= count:
-            raise InputError(f"granules has {known[-1]}; the scene has {count}, numbered from 0.")
-        if len(known) < len(granules):
-            raise InputError("granules has a number twice; each granule is there once.")
-        if wrong.any():
-            words = "is not there" if new is None else "is there already"
-            raise InputError(f"granules has {granules[wrong][0]}, which {words}; leave it out.")
-        order = order[np.isin(order, granules, invert=True)] if new is None else [*order, *granules]
-        order = np.array(order, np.int64)
-        self._check_free(order, "granules")
-        engine = deepcopy(self.engine)  # an interrupt changes nothing
-        engine.end_step()
-        state = self._state(engine.world, engine.order)
-        if new is not None:
-            frame = np.array(engine.rules.frame)
-            new.position -= frame * engine.progress.seen
-            new.velocity -= frame
-            for name in ARRAYS:
-                getattr(state, name)[granules] = getattr(new, name)
-        engine.populate(self._assembled(state, order, engine.world.boundaries), order)
-        if new is not None:
-            self._check_room(engine, granules)
-        self.engine = engine
-
-    def _check_room(self, engine: Engine, granules: np.ndarray) -> None:
-        """Raise InputError where granules overlap others, solids or walls."""
-        contacts = list_contacts(engine.system, engine.order)
-        met = np.isin(contacts.granule, granules) | np.isin(contacts.partner, granules)
-        overlap = np.where(met, contacts.overlap, 0.0)
-        if overlap.max(initial=0.0) > TOUCHING * self.scene.shape.bounding_radius.min():
-            granule = contacts.granule[overlap.argmax()]
-            raise InputError(
-                f"granule {granule} would be {overlap.max():.3g} m inside "
-                f"{partner_words(engine.world, contacts, granule)}; insert granules where there is room."
-            )
-
-    def _check_free(self, present: np.ndarray, name: str) -> None:
-        """Raise InputError where no granule is there that is free."""
-        if self.scene.is_held[present].all():
-            raise InputError(f"{name} must leave at least one granule there that is not held.")
-
-    def _assembled(
-        self, state: State, order: np.ndarray, moving: Boundaries | None = None
-    ) -> System:
-        """The arrays of the granules that are there; moving: boundaries as they are now."""
-        scene, state = ordered(self.scene, state, order)
-        table = granule_table(scene, self.step_fraction)
-        return assemble(scene, state, table, self._keeps_ledger, whole=self.scene, moving=moving)
-
-    def _state(self, world: World, order: np.ndarray) -> State:
-        """The state of all granules, NaN of those that are not there."""
-        state = State(np.full((self.scene.granules, 2), np.nan))
-        rows = (
-            world.bodies[:, :2],
-            world.bodies[:, [VX, VY]],
-            world.granules.angle,
-            world.bodies[:, W],
-        )
-        for name, values in zip(ARRAYS, rows, strict=True):
-            getattr(state, name)[order] = values
-        return state
+        self.engine = populated(self.scene, self.engine, granules, new)
 
     @checked
     def advance(self, duration: Annotated[NotNegative, Unit("s")]) -> float:
@@ -798,125 +484,19 @@ class Simulation:
 
         Examples
         --------
-        A disc resists a cylinder that moves upwards into it:
+        A disc bounces off a cylinder:
 
         >>> import dem
-        >>> import numpy as np
-        >>> shape = dem.Disc.of_size(np.linspace(0.8e-3, 1.2e-3, 60))
-        >>> cylinder = dem.Cylinder(diameter=2e-3, position=(4e-3, 4e-3), velocity=(0.0, 1.0))
-        >>> bed = dem.pack(shape, width=8e-3, height=9e-3, solids=cylinder, seed=1)
-        >>> scene = dem.Scene(
-        ...     shape, friction=dem.Friction(), walls=bed.walls, solids=cylinder
-        ... )
-        >>> run = dem.Simulation(scene, bed.state)
-        >>> record = run.record(interval=1e-5, count=4)
-        >>> drag = -(record.normal_force + record.tangential_force)[:, 0, 1]  # N
-        >>> bool((drag > 0.0).all())
-        True
+        >>> cylinder = dem.Cylinder(diameter=2e-3, position=(0.0, 0.0))
+        >>> scene = dem.Scene(dem.Disc([1e-3]), friction=dem.Friction(), solids=cylinder)
+        >>> run = dem.Simulation(scene, dem.State([[0.0, 2.05e-3]], velocity=[[0.0, -1.0]]))
+        >>> record = run.record(interval=1e-4, count=2)
+        >>> record.normal_force[:, 0, 1].round(2)  # N
+        array([-0.37,  0.  ])
         """
         self.collect_impulses()
         rows = np.zeros((count, OF_BED + OF_BOUNDARY * len(self.engine.world.boundaries.motion)))
         begin = self.time
         self.engine.run((begin + (n + 1) * interval for n in range(count)), rows)
         self.diagnose()  # the guard on overlaps, also for the end of the last interval
-        walls, solids, held = shares(self.scene, rows[:, OF_BED:].reshape(count, -1, OF_BOUNDARY))
-        energy, contacts, overlap, step = rows[:, :OF_BED].T
-        return Record(
-            normal_force=solids[..., :2],
-            tangential_force=solids[..., 2:4],
-            wall_force=walls[..., 0],
-            kinetic_energy=energy,
-            coordination_number=contacts,
-            max_overlap=overlap,
-            time_step=step,
-            torque=solids[..., 4],
-            solid_position=solids[..., PLACE:ANGLE],
-            solid_angle=solids[..., ANGLE],
-            wall_tangential_force=walls[..., 3],
-            wall_offset=walls[..., PLACE],
-            held_force=held[..., :2],
-        )
-
-
-@checked
-def simulate(
-    scene: InstanceOf[Scene],
-    state: InstanceOf[State],
-    duration: Time,
-    time_step: Time | None = None,
-    frames: OneOrMore = 1,
-    **options: Any,
-) -> Result:
-    """Simulate a scene from a state and return arrays.
-
-    Parameters
-    ----------
-    scene : Scene
-        What is simulated: n granules, walls, solids.
-    state : State
-        Where the granules start, and how they move.
-    duration : float
-        Time to simulate (s).
-    time_step : float, optional
-        Time step (s); None, which is recommended, chooses it from the stiffness of the contacts.
-    frames : int
-        Number of equal intervals after each of which the state is kept (without unit).
-    **options
-        As of Simulation: step_fraction, max_overlap, skin, threads, allow_unstable.
-
-    Returns
-    -------
-    Result
-        The start and a frame per interval, frames + 1 in all.
-
-    Raises
-    ------
-    InputError
-        If a value cannot be used.
-    RunError
-        If the run fails: StateError or OverlapError.
-
-    Examples
-    --------
-    Two discs collide in empty space and part at half their speed:
-
-    >>> import dem
-    >>> scene = dem.Scene(dem.Disc([1e-3, 1e-3]), dem.Material(restitution=0.5))
-    >>> state = dem.State([[0, 0], [2.1e-3, 0]], velocity=[[1, 0], [-1, 0]])
-    >>> result = dem.simulate(scene, state, duration=1e-4)
-    >>> result.velocity[-1, :, 0].round(1)
-    array([-0.5,  0.5])
-    """
-    return result_of(Simulation(scene, state, time_step, **options), duration, frames)
-
-
-def result_of(run: Simulation, duration: float, frames: int) -> Result:
-    """Frames of a further duration (s) of a simulation."""
-    run.check_duration(duration)
-    interval, shortest, rows = duration / frames, math.inf, [frame_of(run, math.nan)]
-    begin = run.time
-    for frame in range(1, frames + 1):
-        # the last one ends at the duration itself, however many there are
-        shortest = min(shortest, run.engine.run([begin + duration * (frame / frames)]))
-        rows.append(frame_of(run, interval))
-    series = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
-    return Result(**series, state=run.state, time_step=shortest, scene=run.scene, simulation=run)
-
-
-def frame_of(run: Simulation, interval: float) -> dict[str, Any]:
-    """The simulation as it is, and the mean forces (N) since the frame before, an interval (s)
-    ago."""
-    world, state, scene = run.world, run.state, run.scene
-    walls, solids, held = shares(scene, run.engine.take_impulses())
-    place = shares(scene, shown(world.boundaries))[1]
-    return {name: getattr(state, name) for name in ARRAYS} | {
-        "time": run.time,
-        "solid_force": (solids[:, :2] + solids[:, 2:4]) / interval,
-        "solid_torque": solids[:, 4] / interval,
-        "solid_position": place[:, :2],
-        "solid_angle": place[:, 2],
-        "wall_force": walls[:, 0] / interval,
-        "wall_tangential_force": walls[:, 3] / interval,
-        "wall_offset": world.boundaries.planes[:, 2],
-        "held_force": held[:, :2] / interval,
-    }
+        return record_of(self.scene, rows)

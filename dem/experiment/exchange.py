@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from dem.dynamics.paths import shown
-from dem.dynamics.result import Record
+from dem.dynamics.record import Record
 from dem.dynamics.simulation import Simulation
 from dem.experiment.replicate import Replicate
 from dem.packing.random import Room

@@ -9,7 +9,7 @@ import numpy as np
 from dem.base.errors import RunError
 from dem.base.plugins import load
 from dem.contacts.layout import VX, VY, W
-from dem.dynamics.result import Record
+from dem.dynamics.record import Record
 from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import make_bed
 from dem.experiment.box import check_stroke

@@ -9,7 +9,7 @@ import numpy as np
 
 from dem.base.errors import InputError
 from dem.base.files import arrays_of, write_arrays
-from dem.dynamics.result import Record
+from dem.dynamics.record import Record
 from dem.dynamics.simulation import Simulation
 from dem.experiment.replicate import Replicate
 from dem.jit.kernel import computing

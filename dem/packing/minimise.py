@@ -18,7 +18,7 @@ import numpy as np
 
 from dem.base.errors import PackingError
 from dem.contacts.layout import DVX, DVY, DW, FX, FY, TAU, VX, VY, W, X, aligned
-from dem.dynamics.assembly import assemble, granule_table, order_of, ordered
+from dem.dynamics.assembly import assemble, order_of
 from dem.dynamics.checkpoint import restored
 from dem.dynamics.contact_output import list_contacts
 from dem.dynamics.forces import (
@@ -408,10 +408,9 @@ def minimise(scene, state, iterations, enough=None, job=None):
     job = job or Job()
     stopped, state = job.stopped(), state.checked(scene.granules)
     order = stopped["order"] if stopped else order_of(scene, state)
-    scene, state = ordered(scene, state, order)
-    table = granule_table(scene)
+    system = assemble(scene, state, order, work=fire)
+    table = system.table
     skin = skin_of(scene, table, SKIN_OF_PACKING)
-    system = assemble(scene, state, table, work=fire)
     radius, modulus = table.radius.mean(), table.modulus
     law = system.world.law
     unit, large = scene.law.scale(modulus, radius) * radius, scene.granules > PATCH

@@ -12,7 +12,7 @@ import numpy as np
 from dem.contacts.geometry import find_pairs, gather
 from dem.contacts.layout import BLOCK, NUMBERS
 from dem.contacts.response import accumulate, respond
-from dem.dynamics.assembly import assemble, granule_table
+from dem.dynamics.assembly import assemble
 from dem.dynamics.forces import FORCES, clear, clear_boundaries, contact_forces
 from dem.dynamics.kinds import bound
 from dem.dynamics.motion import drift, farthest_of
@@ -109,9 +109,9 @@ def timed(call) -> float:
 
 def stage_times(case: Case, times: int) -> dict[str, float]:
     """Time (s) of one step by stage, and of the whole step; the mean of a number of `times`."""
-    table, dt = granule_table(case.scene), STILL * case.time_step
-    system = assemble(case.scene, case.state.checked(case.scene.granules), table)
-    system.rebuild(skin_of(case.scene, table, SKIN))
+    granules, dt = case.scene.granules, STILL * case.time_step
+    system = assemble(case.scene, case.state.checked(granules), np.arange(granules))
+    system.rebuild(skin_of(case.scene, system.table, SKIN))
     system.advance(dt, dt, WARM, math.inf)
     world, flags, layout = system.world, system.kernels.flags, system.kernels.layout
 

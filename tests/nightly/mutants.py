@@ -79,7 +79,7 @@ ROWS = (
     ("dynamics/measures.py", "* 2.0 / max(rate + root", "* 4.0 / max(rate + root", "tests/dynamics/test_step.py"),
     ("laws/hertz.py", "return 0.4 * stiffness", "return 0.5 * stiffness", "tests/dynamics/test_energy.py"),
     ("dynamics/stress.py", "moving -= _outer", "moving += _outer", "tests/observables/test_stress.py"),
-    ("dynamics/simulation.py", "getattr(state, name)[order] = values", "getattr(state, name)[np.argsort(order)] = values", LARGE),
+    ("dynamics/assembly.py", "getattr(state, name)[order] = values", "getattr(state, name)[np.argsort(order)] = values", LARGE),
     ("dynamics/checkpoint.py", '"world.shape.", "world.outlines."', '"world.shape.", "world.outlines.", "world.granules.previous"', "tests/dynamics/test_continuation.py::test_a_run_goes_on_with_the_same_bits"),
     # shapes
     ("shapes/ellipse.py", "rho1 * rho2 / (rho1 + rho2)", "0.5 * rho1 * rho2 / (rho1 + rho2)", TURNED),

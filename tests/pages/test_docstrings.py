@@ -17,22 +17,30 @@ UNIT = r"(m|m/s2?|s|rad|rad/s|N|N/m|N m|N m/rad|N s|N s/m|N m s|J|Pa|kg|kg m2|kg
 STATED = re.compile(rf"\({UNIT}\)|\bin {UNIT}\b|without unit")
 
 
+def parts(name):
+    """A public name, or a class and those of the package that it is made of."""
+    thing = operator.attrgetter(name)(dem)
+    classes = inspect.getmro(thing) if inspect.isclass(thing) else [thing]
+    return [each for each in classes if each.__module__.startswith("dem.")]
+
+
 def examples(name):
     """Doctests by qualified name: of a function, or of a class and its members."""
-    thing = operator.attrgetter(name)(dem)
-    finder = doctest.DocTestFinder(recurse=inspect.isclass(thing))
-    doctests = finder.find(thing, name, inspect.getmodule(thing), globs={})
+    doctests = []
+    for each in parts(name):
+        finder = doctest.DocTestFinder(recurse=inspect.isclass(each))
+        doctests += finder.find(each, name, inspect.getmodule(each), globs={})
     return {test.name: test for test in doctests if test.examples}
 
 
 def members(name):
     """Qualified names of the public methods and properties that a class of the package defines, without fields
     and functions of another module."""
-    for key, member in getattr(operator.attrgetter(name)(dem), "__dict__", {}).items():
-        qualified = f"{name}.{key}"
-        own = getattr(member, "__qualname__", "") == qualified
-        if key[0] != "_" and (own or isinstance(member, property | classmethod)):
-            yield qualified
+    for each in parts(name):
+        for key, member in getattr(each, "__dict__", {}).items():
+            own = getattr(member, "__qualname__", "") == f"{each.__qualname__}.{key}"
+            if key[0] != "_" and (own or isinstance(member, property | classmethod)):
+                yield f"{name}.{key}"
 
 
 @pytest.mark.parametrize("name", NAMES)
