@@ -24,6 +24,10 @@ from .motion import Held as Held
 from .motion import PrescribedLoad as PrescribedLoad
 from .motion import PrescribedMotion as PrescribedMotion
 from .motion import Turn as Turn
+from .outlines import Polygon as Polygon
+from .outlines import circle as circle
+from .outlines import plate as plate
+from .outlines import ring as ring
 from .packing.random import Bed as Bed
 from .packing.random import pack as pack
 from .packing.swelling import grow as grow
@@ -38,13 +42,9 @@ from .shapes.ellipse import Ellipse as Ellipse
 from .shapes.geometric_potential import GeometricPotential as GeometricPotential
 from .shapes.superellipse import Superellipse as Superellipse
 from .solids import Cylinder as Cylinder
-from .solids import Polygon as Polygon
 from .solids import Solid as Solid
 from .solids import Wall as Wall
 from .solids import box as box
-from .solids import circle as circle
-from .solids import plate as plate
-from .solids import ring as ring
 from .sweep.library import load_sweep as load_sweep
 from .sweep.library import run_experiment as run_experiment
 from .sweep.library import run_sweep as run_sweep

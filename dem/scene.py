@@ -19,9 +19,10 @@ from dem.laws.hertz import Hertz
 from dem.laws.protocol import is_law
 from dem.material import BasePlate, Friction, Material, Rolling
 from dem.motion import Held, finite
+from dem.outlines import Polygon, beyond
 from dem.periodic import ROOM, Periods, nearest_image
 from dem.shapes.disc import Disc
-from dem.solids import ROUNDED, Polygon, Solid, Solids, Walls, beyond, granules
+from dem.solids import ROUNDED, Solid, Solids, Walls, granules
 
 TOUCHING = 1e-9  # of the size of solids: less is no overlap
 THINNEST = 0.2  # of the radius of a granule: more than its overlap can exceed it

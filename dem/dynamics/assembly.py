@@ -37,11 +37,11 @@ from dem.dynamics.world import (
     number_of_patches,
 )
 from dem.laws.protocol import length, slope
+from dem.outlines import Polygon
 from dem.periodic import wrapped
 from dem.scene import ARRAYS, Scene, State
 from dem.shapes.ellipse import Ellipse
 from dem.shapes.protocol import is_alone
-from dem.solids import Polygon
 
 
 class GranuleTable(NamedTuple):

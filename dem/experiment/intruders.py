@@ -6,9 +6,10 @@ from functools import cached_property
 
 import numpy as np
 
+from dem.outlines import Polygon, circle, ring
 from dem.shapes.disc import Disc
 from dem.shapes.ellipse import Ellipse
-from dem.solids import Polygon, Solid, circle, ring
+from dem.solids import Solid
 
 RATIOS = {
     "ellipse": 2.0,
