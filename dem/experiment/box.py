@@ -1,7 +1,5 @@
 """Whether the cylinder and all granules fit into the box, and the stroke too."""
 
-import re
-
 import numpy as np
 
 from dem.base.errors import InputError, PackingError
@@ -38,7 +36,7 @@ def check_room(replicate) -> None:
 def _check_scene(replicate, height: float, largest: float, where: str) -> None:
     """Raise InputError where solids, by their names, or rows of granules cannot be."""
     c, bed = replicate.configuration, replicate.bed_description
-    periods, section = periods_of(bed.width, height, bed.periodic), "solids." if c.solids else ""
+    periods = periods_of(bed.width, height, bed.periodic)
     known = KINDS.get(bed.kind)  # a file of a user's own does not run yet
     shapes = [known.shape.of_size(np.array([largest]), part.form) for part in bed.parts if known]
     try:
@@ -50,8 +48,7 @@ def _check_scene(replicate, height: float, largest: float, where: str) -> None:
                 periodic=periods,
             )
     except InputError as error:
-        named = re.sub(r"solids\[(\d+)\]", lambda k: section + c.solid_names[int(k[1])], str(error))
-        raise InputError(named) from None
+        raise InputError(c.names_in(str(error))) from None
     left, bottom, right, top = bed.region or (0.0, 0.0, bed.width, height)
     if left < 0.0 or bottom < 0.0 or right > bed.width or top > height:
         raise InputError(f"packing.region is {list(bed.region)}: {where}; it must be within.")

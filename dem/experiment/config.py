@@ -4,6 +4,7 @@ SI units throughout. Workflow, command line and library read values only through
 refuses values that cannot be simulated with one sentence per fault, which names key and value.
 """
 
+import re
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, NamedTuple, get_origin
@@ -58,8 +59,9 @@ from dem.experiment.sections import (
     ShearSection,
     or_file,
 )
+from dem.io.dataset import WALLS
 from dem.laws import file_of as law_file
-from dem.periodic import Sides
+from dem.periodic import Sides, periods_of, walled
 from dem.shapes import Kind, kind_of
 
 HERTZ = "hertz"  # the law of contacts where none is named
@@ -260,6 +262,17 @@ class Configuration(Section):
     def solid_names(self) -> list[str]:
         """Names of the solids that are in the bed."""
         return [*self.scene.solids]
+
+    def names_in(self, sentence: str) -> str:
+        """A sentence with the names of walls and solids in place of their numbers."""
+        section, named = "solids." if self.solids else "", {}
+        for k, name in enumerate(self.solid_names):
+            named |= dict.fromkeys((f"solid {k}", f"solids[{k}]"), section + name)
+        walls = np.array(WALLS)[walled(periods_of(1.0, 1.0, self.periodic))]
+        named |= {f"wall {k}": f"the {name} wall" for k, name in enumerate(walls)}
+        return re.sub(
+            r"\b((wall|solid) \d+|solids\[\d+\])", lambda of: named.get(of[0], of[0]), sentence
+        )
 
     @property
     def solid_count(self) -> int:

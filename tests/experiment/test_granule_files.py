@@ -164,10 +164,15 @@ def test_granules_beyond_a_periodic_side_are_in_the_box(folder, first):
 
 
 @pytest.mark.parametrize(
-    ("place", "other"), [((4e-3, 2e-3), "solid 0"), ((7.3e-3, 2.9e-3), "granule")]
+    ("place", "other"),
+    [
+        ((4e-3, 2e-3), "solids.floor"),
+        ((7.3e-3, 2.9e-3), "granule"),
+        ((4e-3, 11.9e-3), "the top wall"),
+    ],
 )
 def test_granules_that_are_too_deep_in_others_end_the_run(folder, first, place, other):
-    """Before its first step, with the limit of numerics.max_overlap."""
+    """Before its first step, with the limit of numerics.max_overlap, and names of the sweep file."""
     rows = first[1].copy()
     apart = np.meshgrid([1e-3, 3e-3, 5e-3, 7e-3], [3e-3, 5e-3, 7e-3])
     rows[:, :2] = np.transpose(apart).reshape(-1, 2)

@@ -137,8 +137,13 @@ class Experiment:
         """Make one run; its variables by name, each as long as `sizes` says. Raises RunError where
         they are not those of its layout."""
         file = self.file if "run" in definitions(self.file) else PHASES
-        values, sizes = load(file).run(replicate, *args, **options), self.sizes(replicate)
-        layout = self.layout
+        try:
+            values = load(file).run(replicate, *args, **options)
+        except RunError as error:
+            if file != PHASES:  # has a scene of its own
+                raise
+            raise type(error)(self.configuration.names_in(str(error))) from None
+        sizes, layout = self.sizes(replicate), self.layout
         if wrong := set(values if isinstance(values, dict) else ()) ^ layout.keys():
             raise RunError(
                 f"the variable {min(wrong)} must be both in VARIABLES and in what {self.name} gives."
