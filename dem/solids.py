@@ -3,6 +3,7 @@
 SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 """
 
+import math
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
@@ -15,7 +16,7 @@ from dem.base.types import Coefficient, Length, Number, Position, Unit, checked,
 from dem.material import Material
 from dem.motion import Motion, Sliding, Spin, finite
 from dem.outlines import PLANE, Pieces, Polygon, depth
-from dem.periodic import Periods, walled
+from dem.periodic import Periods, nearest_image, walled
 from dem.shapes.disc import Disc
 from dem.shapes.protocol import is_alone, is_shape, resized, sizes_of
 
@@ -277,9 +278,11 @@ class Solid:
         c, s = np.cos(angle), np.sin(angle)
         return self.ring(points) @ np.array([[c, s], [-s, c]]) + np.asarray(position)
 
-    def depth(self, points: np.ndarray) -> np.ndarray:
-        """How far points (m, 2) relative to the position, in the frame at angle zero, are inside
-        the outline (m; negative outside, and then a lower bound of the distance)."""
+    def depth(self, points: np.ndarray, periodic: Periods = None) -> np.ndarray:
+        """How far points (m, 2) in m are inside the solid (m; negative outside, and then a lower bound
+        of the distance)."""
+        c, s = math.cos(self.angle), math.sin(self.angle)
+        points = nearest_image(points - self.position, periodic) @ np.array([[c, -s], [s, c]])
         if self.is_round:
             return self.radius - np.hypot(*points.T)
         return depth(getattr(self.outline, "pieces", [self.outline]), points)

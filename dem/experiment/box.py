@@ -5,6 +5,7 @@ import numpy as np
 from dem.base.errors import InputError, PackingError
 from dem.experiment.bed_description import length_of
 from dem.experiment.granule_table import check_table
+from dem.packing.lattice import places
 from dem.periodic import ROOM, periods_of
 from dem.scene import Scene
 from dem.shapes import KINDS
@@ -38,7 +39,14 @@ def _check_scene(replicate, height: float, largest: float, where: str) -> None:
     c, bed = replicate.configuration, replicate.bed_description
     periods = periods_of(bed.width, height, bed.periodic)
     known = KINDS.get(bed.kind)  # a file of a user's own does not run yet
-    shapes = [known.shape.of_size(np.array([largest]), part.form) for part in bed.parts if known]
+    sizes = [min(largest, part.diameter * (1.0 + bed.size_spread)) for part in bed.parts]
+    if bed.table is not None:  # has sizes of its own
+        sizes = [largest]
+    shapes = [
+        known.shape.of_size(np.array([size]), part.form)
+        for size, part in zip(sizes, bed.parts, strict=True)
+        if known
+    ]
     try:
         for shape in shapes or [Disc([0.5 * largest])]:
             Scene(
@@ -52,6 +60,15 @@ def _check_scene(replicate, height: float, largest: float, where: str) -> None:
     left, bottom, right, top = bed.region or (0.0, 0.0, bed.width, height)
     if left < 0.0 or bottom < 0.0 or right > bed.width or top > height:
         raise InputError(f"packing.region is {list(bed.region)}: {where}; it must be within.")
+    if bed.preparation == "lattice" and shapes:
+        radius = max(shape.bounding_radius.max() for shape in shapes)
+        solids = [solid.solid(height) for solid in bed.solids]
+        found = places(radius, (left, bottom, right, top), solids, periods)
+        if len(found) < bed.count:
+            raise InputError(
+                f"shapes.{replicate.label}.granules is {bed.count}: {where}, and its rows between x {left:g} "
+                f"and {right:g} m, y {bottom:g} and {top:g} m have room for {len(found)}."
+            )
 
 
 def _check_box(replicate, height: float, largest: float) -> None:
@@ -93,14 +110,12 @@ def _check_source(replicate, key: str, region, sizes, where: str) -> None:
             f"{words}; it must be wider and higher than the largest granule, {length:.4g} m."
         )
     sides = (np.linspace(left + edge, right - edge, 33), np.linspace(bottom + edge, top - edge, 33))
-    places = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
+    tried = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
     solids = [solid.solid(height) for solid in bed.solids]
-    from dem.packing.random import Room  # loads Numba, for which no other plan waits
-
-    room = Room(bed.width, height, tuple(solids), 0, bed.periodic)
+    periods = periods_of(bed.width, height, bed.periodic)
     for solid in solids:
-        places = places[room.depth(solid, places) < -edge]
-    if not len(places):
+        tried = tried[solid.depth(tried, periods) < -edge]
+    if not len(tried):
         raise InputError(f"{words}; solids leave no place in it for a granule of {length:.4g} m.")
 
 

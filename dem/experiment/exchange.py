@@ -9,7 +9,6 @@ from dem.dynamics.paths import shown
 from dem.dynamics.record import Record
 from dem.dynamics.simulation import Simulation
 from dem.experiment.replicate import Replicate
-from dem.packing.random import Room
 from dem.periodic import Periods, nearest_image, wrapped
 
 SHARE = 0.25  # of the time in which a granule falls by its diameter
@@ -37,7 +36,7 @@ class Exchange:
     def __init__(self, replicate: Replicate, simulation: Simulation, kept: dict):
         c = replicate.configuration
         self.simulation, self.seed, self.kept = simulation, replicate.seed, kept
-        self.sinks, self.sources, self.periodic = c.sinks, c.sources, c.periodic
+        self.sinks, self.sources = c.sinks, c.sources
         self.interval = c.exchange_interval or 0.0
         if (c.sinks or c.sources) and not self.interval:
             gravity = c.gravity or c.base_plate.gravity
@@ -139,8 +138,7 @@ class Exchange:
         rows, walls = shown(boundaries), len(scene.walls)
         end = walls + len(scene.solids)
         solids = scene.moved(rows[walls:end, :2], rows[walls:end, 2], boundaries.planes).solids
-        sides = (side or math.inf for side in scene.periodic or (None, None))
-        room, corners = Room(*sides, solids, 0, self.periodic), np.reshape(region, (2, 2))
+        corners = np.reshape(region, (2, 2))
         middle, half = corners.mean(axis=0), 0.5 * np.diff(corners, axis=0)[0] + radius.max()
         away = np.abs(nearest_image(state.position - middle, scene.periodic))
         near = (away < half + radius[:, None]).all(axis=1)  # False for those that are not there
@@ -153,7 +151,7 @@ class Exchange:
             free = (distance > sizes + size).all(axis=1)
             free &= (tried @ planes[:, :2].T + size < planes[:, 2]).all(axis=1)
             for solid in solids:
-                free &= room.depth(solid, tried) < -size
+                free &= solid.depth(tried, scene.periodic) < -size
             if not free.any():
                 break
             found.append(tried[free.argmax()])

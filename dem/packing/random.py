@@ -162,12 +162,6 @@ class Room(NamedTuple):
             species=self.species,
         )
 
-    def depth(self, solid: Solid, position: np.ndarray) -> np.ndarray:
-        """How far points (n, 2) in m are inside a solid (m; negative outside)."""
-        c, s = math.cos(solid.angle), math.sin(solid.angle)
-        away = nearest_image(position - solid.position, self.periods)
-        return solid.depth(away @ np.array([[c, -s], [s, c]]))
-
     def name(self, shape: Any) -> str:
         """Name of a bed in an error message."""
         return f"the bed at packing fraction {shape.area.sum() / self.area:.4g} (seed {self.seed})"
@@ -209,7 +203,7 @@ def scatter(shape: Any, factor: float, room: Room, rng: np.random.Generator) -> 
             (x, y), (column, row) = trial.tolist(), (trial * count // side).tolist()
             if not is_free(x, y, r, column, row):
                 continue
-            gaps = sorted(-room.depth(solid, trial[None])[0] for solid in room.solids)
+            gaps = sorted(-solid.depth(trial[None], room.periods)[0] for solid in room.solids)
             if not gaps or (gaps[0] >= r and (not gaps[1:] or gaps[0] + gaps[1] >= widest[i])):
                 position[i] = trial
                 grid.setdefault((column, row), []).append((x, y, r))
@@ -368,7 +362,7 @@ def finished(shape: Any, room: Room, bed: Minimum, net_force: float | None = Non
     position = wrapped(bed.state.position, room.periods)
     lost = ((position < 0.0) | (position > room.size)).any(axis=1)
     for solid in room.solids:
-        lost |= room.depth(solid, position) > 0.0
+        lost |= solid.depth(position, room.periods) > 0.0
     if lost.any():
         raise PackingError(
             f"{room.name(shape)} cannot be made: the centre of granule {lost.argmax()} was pushed "
