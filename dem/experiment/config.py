@@ -210,6 +210,14 @@ class Configuration(Section):
                 "lies on a plate by base_plate.gravity: make gravity 0, and tilt the plate by "
                 "base_plate.slope"
             )
+        motions = [*self.scene.solids.values()]
+        motions += [m for phase in self.phases.values() for m in phase.motion.values()]
+        rubs = self.base_plate and self.base_plate.solid and self.experiment in EXPERIMENTS
+        if rubs and not any(motion.driven for motion in motions):
+            raise ValueError(
+                f"base_plate.solid is {self.base_plate.solid:g} and no force moves a solid, so that it "
+                "has no effect; leave it out, or give a force, a spring, a torque or spin: free"
+            )
         if self.packing.preparation == "settled" and self.base_plate is not None:
             raise ValueError(
                 "packing.preparation is settled and base_plate is given; granules that lie on a plate "

@@ -84,6 +84,7 @@ CALLS = {
     "record.window is given; the experiment scene has none": scene(record__window=[0.0, 1.0]),
     "packing.region is [0.0, 0.0, 0.03, 0.05]: with shapes.disc the box is": scene(packing__region=[0.0, 0.0, 0.03, 0.05]),
     "shapes.disc.granules is 500: with shapes.disc the box is 0.02 m by 0.06 m, and its rows between x": scene(shapes__disc__granules=500),
+    "base_plate.solid is 0.2 and no force moves a solid": scene(gravity=0.0, base_plate={"friction": 0.3, "solid": 0.2}),
     "file is missing and preparation file; give one": of_file(packing__file=None),
     "file is given and preparation lattice; leave it out": of_file(packing__preparation="lattice"),
     "height is missing; granules of a file fill no box": of_file(packing__height=None, packing__fraction=0.5),
