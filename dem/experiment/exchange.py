@@ -30,7 +30,8 @@ class Exchange:
         source K, in the order in which they come; `due` (k,): granules that may come from each source
         now, by its rate; `moved` (s, 2): number and mass (kg) of granules so far, of each sink, then of
         each source; `bins` (b, s, 2): the same at the start of what is recorded, and at the end of each
-        bin.
+        bin; `came` (n,): when each granule came last from a source (s), NaN for others; `ages` (f, n):
+        how long ago that was at the snapshots (s).
     """
 
     def __init__(self, replicate: Replicate, simulation: Simulation, kept: dict):
@@ -44,7 +45,8 @@ class Exchange:
         counts = [source.count or 0 for source in c.sources.values()]
         ends = replicate.shape.granules + np.cumsum([0, *counts])
         starts = {f"waiting{k}": np.arange(*part) for k, part in enumerate(pairwise(ends))}
-        starts |= {"moments": 0, "due": np.zeros(len(counts)), "bins": []}
+        starts |= {"moments": 0, "due": np.zeros(len(counts)), "bins": [], "ages": []}
+        starts["came"] = np.full(replicate.granules, np.nan)
         starts["moved"] = np.zeros((len(c.sinks) + len(counts), 2))
         kept |= starts | kept
 
@@ -78,6 +80,11 @@ class Exchange:
             self._note()
         return Record(*map(np.concatenate, zip(*records, strict=True)))
 
+    def look(self) -> None:
+        """Note at a snapshot how long ago granules came."""
+        if self.sources:
+            self.kept["ages"] = [*self.kept["ages"], self.simulation.time - self.kept["came"]]
+
     def _note(self) -> None:
         self.kept["bins"] = [*self.kept["bins"], self.kept["moved"].copy()]
 
@@ -102,6 +109,7 @@ class Exchange:
             gone = gone[: len(state.present) - 1]  # an engine has a granule
             if len(gone):
                 self.simulation.remove_granules(gone)
+                kept["came"][gone] = np.nan
                 self._count(k, gone)
             if sink.to is not None:
                 waiting = f"waiting{names.index(sink.to)}"
@@ -125,6 +133,7 @@ class Exchange:
             velocity = np.tile([source.velocity_x, source.velocity_y], (len(come), 1))
             angle = rng.uniform(0.0, 2.0 * np.pi, len(come))
             self.simulation.insert_granules(come, places, velocity, angle)
+            self.kept["came"][come] = self.simulation.time
             self._count(len(self.sinks) + k, come)
         self.kept[name] = self.kept[name][len(come) :]
         if source.rate is not None:  # and no more later for what had no room

@@ -35,6 +35,7 @@ class RunData(NamedTuple):
     states: at the snapshots
     exchanged: number and mass (kg) of granules in the bins, (s, 2, bins): of each sink, then of each
     source
+    ages: time (s) since granules came from a source, at the snapshots (f, n)
     """
 
     replicate: Replicate
@@ -42,6 +43,7 @@ class RunData(NamedTuple):
     record: Record
     states: list
     exchanged: np.ndarray
+    ages: list | tuple = ()
 
     @property
     def snapshots(self) -> Snapshots:
@@ -85,6 +87,7 @@ def run(
     while True:
         if partial.bins % every == 0 and len(partial.states) == partial.bins // every:
             partial.states.append(simulation.state)
+            exchange.look()
             looks = (module.look for module in observables if hasattr(module, "look"))
             partial.looks.append({k: v for look in looks for k, v in look(simulation).items()})
         if partial.bins == bins:
@@ -93,7 +96,9 @@ def run(
         partial.records.append(exchange.record(scene.duration / bins, count))
         progress(partial.bins / bins)
         save()
-    data = RunData(replicate, bed, partial.record, partial.states, exchange.exchanged)
+    data = RunData(
+        replicate, bed, partial.record, partial.states, exchange.exchanged, exchange.kept["ages"]
+    )
     values = {name: [look[name] for look in partial.looks] for name in partial.looks[0]}
     for module in observables:
         if hasattr(module, "measure"):

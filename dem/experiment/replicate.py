@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from dem.experiment.config import Configuration  # which imports this file
 
 
-LAYOUT = 5  # of the files of runs: raise it where a variable comes, goes or has another meaning
+LAYOUT = 6  # of the files of runs: raise it where a variable comes, goes or has another meaning
 
 
 @dataclass(eq=False)

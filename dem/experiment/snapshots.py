@@ -22,7 +22,8 @@ class Snapshots(NamedTuple):
     height (s,): of the box, up to its top wall; time (s,) since the last phase began; position
     (s, n, 2), not wrapped at periodic sides; angle (s, n); diameters (n,); place (s, k, 2) and turn
     (s, k): of the solids; displacement (s,): of a cylinder, None in a scene; force (k, bins): on each
-    solid against time, or (1, bins) the drag on a cylinder; None where it is not asked for.
+    solid against time, or (1, bins) the drag on a cylinder; None where it is not asked for; age (s, n):
+    time since granules came from a source, None without any.
     """
 
     replicate: Replicate
@@ -35,6 +36,7 @@ class Snapshots(NamedTuple):
     turn: np.ndarray
     displacement: np.ndarray | None = None
     force: np.ndarray | None = None
+    age: np.ndarray | None = None
 
     @property
     def periodic(self) -> Periods:
@@ -121,6 +123,7 @@ def snapshots_of(replicate: Replicate, values: dict) -> Snapshots:
         turn,
         displacement,
         force,
+        values.get("granule_age"),
     )
 
 

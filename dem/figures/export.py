@@ -61,7 +61,7 @@ def _mesh(motion: Snapshots, snapshot: int) -> meshio.Mesh:
     granules, total = len(place), len(motion.drawn)
     rows = [*there, *(granules + numbers)]
     places = np.concatenate([motion.position, motion.place], axis=1)
-    velocity = mean_velocity(places, motion.time)[snapshot, rows]
+    velocity = mean_velocity(places, motion.time, motion.age)[snapshot, rows]
     bodies = {
         "granule": np.append(there, -1 - numbers),
         "diameter": np.append(motion.diameters[there], [2.0 * solid.radius for solid in solids]),

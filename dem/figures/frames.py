@@ -75,7 +75,7 @@ def of_motion(motion: Snapshots, rings: np.ndarray | None = None) -> Frames:
     run, values = motion.replicate, motion.replicate.configuration
     stand, drawn = walled(motion.periodic), motion.displacement
     start = first_places(motion.position)
-    velocity, marks = mean_velocity(motion.position, motion.time), motion.marks
+    velocity, marks = mean_velocity(motion.position, motion.time, motion.age), motion.marks
     paints = {"layer": layer_colours(start, motion.height[0])}
     if drawn is not None:
         diameter, (aside, above) = values.cylinder.diameter, (start - motion.place[0, 0]).T
@@ -126,10 +126,17 @@ def of_motion(motion: Snapshots, rings: np.ndarray | None = None) -> Frames:
     )
 
 
-def mean_velocity(position: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """Of bodies (s, n, 2) in m/s, since the snapshot before, or until the next for the first."""
-    velocity = np.diff(position, axis=0) / np.diff(time)[:, None, None]
-    return np.concatenate([velocity[:1], velocity])
+def mean_velocity(
+    position: np.ndarray, time: np.ndarray, age: np.ndarray | None = None
+) -> np.ndarray:
+    """Of bodies (s, n, 2) in m/s, since the snapshot before; until the next for the first, and for one
+    that came since then from a source. age (s, m): time (s) since the first m of them came."""
+    velocity, took = np.full_like(position, np.nan), np.diff(time)[:, None]
+    velocity[1:] = np.diff(position, axis=0) / took[..., None]
+    if age is not None:
+        velocity[1:, : age.shape[1]][age[1:] < took] = np.nan
+    velocity[:-1] = np.where(np.isnan(velocity[:-1]), velocity[1:], velocity[:-1])
+    return velocity
 
 
 def first_places(position: np.ndarray) -> np.ndarray:

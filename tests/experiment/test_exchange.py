@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 from project import CONFIG
 
+from dem.analysis.one_run import read_snapshots
 from dem.experiment.bed import make_bed
 from dem.experiment.scene import make_scene
+from dem.figures.frames import of_motion
+from dem.sweep.batch import write_one
 from dem.sweep.config import load
 
 pytestmark = pytest.mark.quick
@@ -53,6 +56,17 @@ def test_a_hopper_that_is_fed_again_keeps_its_granules(periodic):
     waiting = np.cumsum((gone - come).reshape(6, 2).sum(axis=1))
     np.testing.assert_array_equal(present[1:] + waiting, 12)
     assert (waiting < 4).all()  # there is room above
+
+
+def test_a_picture_shows_no_granule_fast_that_came_again(tmp_path):
+    """From the floor to the top at once: all that move fall, by no more than gravity gives them."""
+    run, values = run_of({}, {"to": "above"}, **{"record.snapshots": 13})
+    write_one(tmp_path / "run.nc", run, values)
+    motion = read_snapshots(tmp_path / "run.nc")
+    again = np.diff(motion.position[..., 1], axis=0) > 5e-3
+    frames = of_motion(motion)
+    assert again.any() and (motion.age[1:][again] <= 5e-3).all()
+    assert frames.fastest < 9.81 * 6e-2 and not (frames.velocity[..., 1] > 0.2).any()
 
 
 def test_granules_come_at_the_rate_and_with_the_velocity_that_are_asked_for():

@@ -97,6 +97,7 @@ LAYOUTS = {
     3: "e1c54b0a87aaee7e",
     4: "c08aec18bef56dfe",
     5: "24a144b0957c1d1d",
+    6: "8e51c47a446ea2aa",
 }
 
 

@@ -38,6 +38,11 @@ VARIABLES = {
     "top_y": (S, "m", "height of the top wall above the floor, where it holds a pressure"),
     "region_granules": (S, "1", "granules whose centre is in record.region"),
     "region_mass": (S, "kg", "mass of the granules whose centre is in record.region"),
+    "granule_age": (
+        ("snapshot", "granule"),
+        "s",
+        "time since the granule came from a source, NaN where it never did or is not there",
+    ),
     "sink_granules": (INTO, "1", "granules that went into the sink in the bin"),
     "sink_mass": (INTO, "kg", "mass of the granules that went into the sink in the bin"),
     "source_granules": (FROM, "1", "granules that came from the source in the bin"),
@@ -61,6 +66,7 @@ NEEDED = {
     "region_mass": "record.region",
     "sink_granules": "sink_count",
     "sink_mass": "sink_count",
+    "granule_age": "source_count",
     "source_granules": "source_count",
     "source_mass": "source_count",
 }
@@ -110,6 +116,8 @@ def measure(run) -> dict:
         within = [inside(places, c.record.region, scene.periodic) for places in position]
         values["region_granules"] = [counted.sum() for counted in within]
         values["region_mass"] = [scene.mass[counted].sum() for counted in within]
+    if c.sources:
+        values["granule_age"] = run.ages
     for name, moved in (
         ("sink", run.exchanged[: len(c.sinks)]),
         ("source", run.exchanged[len(c.sinks) :]),
