@@ -73,6 +73,7 @@ def of_motion(motion: Snapshots, rings: np.ndarray | None = None) -> Frames:
     rings: outlines in place of its own
     """
     run, values = motion.replicate, motion.replicate.configuration
+    there = np.isfinite(motion.turn).any(axis=0)  # solids that were not removed before
     stand, drawn = walled(motion.periodic), motion.displacement
     start = first_places(motion.position)
     velocity, marks = mean_velocity(motion.position, motion.time, motion.age), motion.marks
@@ -88,6 +89,8 @@ def of_motion(motion: Snapshots, rings: np.ndarray | None = None) -> Frames:
         bins = motion.force.shape[1]
         x = (np.arange(bins) + 0.5) / bins * marks[-1]
         for k, force in enumerate(motion.force):
+            if not there[k]:
+                continue
             look = {"color": style.CURVE}
             if drawn is None:
                 look = {"color": style.CASES[k % len(style.CASES)]}
@@ -120,7 +123,7 @@ def of_motion(motion: Snapshots, rings: np.ndarray | None = None) -> Frames:
         else values.cylinder.velocity,
         paints=paints,
         captions=[SECONDS(mark) if drawn is None else f"{mark:.2f} mm" for mark in marks],
-        record=None if motion.force is None else record,
+        record=record if motion.force is not None and there.any() else None,
         marks=marks,
         periodic=motion.periodic,
     )

@@ -1,4 +1,4 @@
-"""A scene at three times of its recorded phase, and the force and torque on each solid against time."""
+"""A scene at three times of its recorded phase, and force and torque on its solids against time."""
 
 import numpy as np
 import xarray as xr
@@ -14,7 +14,7 @@ from dem.figures.frames import Frames
 from dem.figures.snapshots import frames_of_case
 
 FILE = "scene"
-CAPTION = "A scene at three times, and the force and torque on each of its solids"
+CAPTION = "A scene at three times, and the force and torque on each solid that is there"
 VARIABLES = ("granule_x", "solid_x")
 SHARES = 0.0, 0.5, 1.0  # of the recorded phase
 
@@ -45,27 +45,36 @@ def plot(dataset: xr.Dataset) -> Figure:
     view = view_of(frames)
     width, height = view[1] - view[0]
     tall = style.WIDTH / len(SHARES) * height / width
-    figure = Figure(figsize=(style.WIDTH, 4.2 + tall))
-    beds, curves = figure.subfigures(2, 1, height_ratios=(tall + 0.6, 3.6))
+    there = np.flatnonzero(np.isfinite(frames.turn).any(axis=0))  # others were removed before
+    heights = (tall + 0.6, 3.6)[: 1 + bool(len(there))]
+    figure = Figure(figsize=(style.WIDTH, sum(heights)))
+    beds, *below = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False).flat
     for axes, share in zip(beds.subplots(1, len(SHARES)), SHARES, strict=True):
         snapshot = int(np.abs(time - share * time[-1]).argmin())
         draw(axes, frames, snapshot, view, facecolors=frames.paints["layer"])
         axes.set_axis_off()
         axes.set_title(f"{time[snapshot]:.3g} s")
+    point = ", ".join(f"{dim} {runs[dim].item()}" for dim in beside if dim in runs.coords)
+    words = "one run"
+    for curves in below:
+        draw_curves(curves, runs.isel(solid=there), len(whole) > 1)
+        style.legend(figure, curves.axes[0], ncols=4)
+        if len(whole) > 1:
+            words = f"one run above; below mean of {len(whole)} seeds, 95 % intervals"
+    figure.suptitle(f"{dataset.attrs['title']}: {point}\n({words})")
+    return figure
+
+
+def draw_curves(figure, runs: xr.Dataset, bands: bool) -> None:
+    """Force and torque on each solid, the mean of all seeds; bands: with its interval."""
     force = np.hypot(runs["solid_force_x"], runs["solid_force_y"])
     panels = (force, "Force on the solid (N)"), (runs["solid_torque"], "Torque on it (N m)")
-    for axes, (values, words) in zip(curves.subplots(1, 2), panels, strict=True):
+    for axes, (values, words) in zip(figure.subplots(1, 2), panels, strict=True):
         for k, name in enumerate(runs["solid"].values):
             on = values.isel(solid=k)
             look = {"color": style.CASES[k % len(style.CASES)]}
             line = {"linestyle": style.LINES[k % len(style.LINES)], "label": str(name)}
             axes.plot(runs["time"], on.mean("seed"), **look, **line)
-            if len(whole) > 1:
+            if bands:
                 style.band(axes, runs["time"], on.mean("seed"), half_interval(on), **look)
         axes.set(xlabel="Time (s)", ylabel=words)
-    style.legend(figure, axes, ncols=4)
-    point = ", ".join(f"{dim} {runs[dim].item()}" for dim in beside if dim in runs.coords)
-    several = f"; below mean of {len(whole)} seeds, 95 % intervals"
-    words = f"(one run{' above' + several if len(whole) > 1 else ''})"
-    figure.suptitle(f"{dataset.attrs['title']}: {point}\n{words}")
-    return figure

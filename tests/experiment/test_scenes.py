@@ -178,6 +178,25 @@ def test_a_picture_of_a_scene_has_its_solids_where_they_are_and_nothing_behind_w
     assert left < 0.0 < 8e-3 < right < 9e-3 and bottom < 0.0 < 12e-3 < top < 13e-3
 
 
+@pytest.mark.parametrize("removed", [["gate"], ["floor", "gate"]])
+def test_a_figure_of_a_scene_has_no_curve_of_a_solid_that_is_gone(folder, removed):
+    """And no panel for it where all are; nor has a film."""
+    gate = FLOOR | {"diameter": 1e-3, "y": 4e-3}
+    last = {"time": 1e-3, "motion": {name: {"removed": True} for name in removed}}
+    changes = {"solids": {"floor": FLOOR, "gate": gate}, "phases": {"on": last}}
+    values = run_of(**changes).configuration.values() | {"results": "results/gone"}
+    text = text_of(values | {"sweep": {"shape": "disc", "density": 2500.0, "seed": 1}})
+    (folder / "gone.yaml").write_text(text)
+    data = dem.run_sweep("gone.yaml")
+    beds, *curves = plot(data).subfigs
+    left = ["floor"] * (removed == ["gate"])
+    for axes in (axes for part in curves for axes in part.axes):
+        assert [line.get_label() for line in axes.lines] == left
+    assert len(beds.axes) == 3 and len(curves) == len(left)
+    record = of_motion(read_snapshots("results/gone/scene.nc")).record
+    assert (record is not None) == bool(left)
+
+
 TURNED = {"cylinder.outline": "plate", "cylinder.aspect_ratio": 4.3, "cylinder.angle": 0.3, "cylinder.spin": 9.0,
           "record.observables": ["drag", "snapshots", "stress"]}  # fmt: skip
 PAIR = {
