@@ -27,10 +27,10 @@ class Exchange:
         Time (s) between two moments at which they act; zero where there are none.
     kept : dict of str to ndarray
         What it goes on from. `moments`: how many of these there were; `waitingK`: granules that wait at
-        source K, in the order in which they come; `due` (k,): granules that may come from each source
-        now, by its rate; `moved` (s, 2): number and mass (kg) of granules so far, of each sink, then of
-        each source; `bins` (b, s, 2): the same at the start of what is recorded, and at the end of each
-        bin; `came` (n,): when each granule came last from a source (s), NaN for others; `ages` (f, n):
+        source K, in the order in which they come; `due` (k,): granules that each source still owes by
+        its rate, no more than wait; `moved` (s, 2): number and mass (kg) of granules so far, of each
+        sink, then of each source; `bins` (b, s, 2): the same at the start of what is recorded, and at
+        the end of each bin; `came` (n,): when each granule came last from a source (s), NaN for others; `ages` (f, n):
         how long ago that was at the snapshots (s).
     """
 
@@ -136,8 +136,8 @@ class Exchange:
             self.kept["came"][come] = self.simulation.time
             self._count(len(self.sinks) + k, come)
         self.kept[name] = self.kept[name][len(come) :]
-        if source.rate is not None:  # and no more later for what had no room
-            due[k] = min(due[k] - len(come), 1.0)
+        if source.rate is not None:  # what had no room is still due, and no more than waits
+            due[k] = min(due[k] - len(come), max(len(self.kept[name]), 1.0))
 
     def _places(self, granules: np.ndarray, region, rng) -> list[np.ndarray]:
         """Places (m) for the first of some granules, at random where there is room, until one finds

@@ -328,7 +328,7 @@ class SourceSection(Section):
     count: Annotated[Count, Field(ge=1, le=10_000_000)] | None = None
     """number of granules that it has at the start; none: those of sinks alone"""
     rate: Annotated[Positive, Unit("s-1")] | None = None
-    """granules in a second, at most; none: as many as have room"""
+    """granules in a second; those without room are owed, and come as soon as they have it; none: as many as have room"""
     velocity_x: Annotated[Number, Unit("m s-1")] = 0.0
     """velocity along x with which they come"""
     velocity_y: Annotated[Number, Unit("m s-1")] = 0.0

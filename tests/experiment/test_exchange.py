@@ -89,6 +89,14 @@ def test_granules_come_at_the_rate_and_with_the_velocity_that_are_asked_for():
     assert (first >= left + radius).all() and (first <= right - radius + 0.02 * 1e-2).all()
 
 
+def test_a_source_that_was_blocked_makes_up_for_it():
+    """Granules of the bed fall out of its region first."""
+    source = {"region": [1e-3, 4e-3, 7e-3, 6.4e-3], "count": 15, "rate": 200.0}
+    _, values = run_of(source, exchange_interval=1e-3)
+    owed = np.arange(1, 13) - np.cumsum(values["source_granules"])
+    assert owed.min() == 0.0 and owed.max() > 1.0 and owed[-1] == 0.0
+
+
 def test_the_last_granule_of_a_bed_stays():
     _, values = run_of({"count": 1, "rate": 1e-3}, {"region": [None] * 4})
     assert np.isfinite(values["granule_x"][1:]).sum() == 6
