@@ -110,9 +110,9 @@ def spent_on(store):
     return times
 
 
-def kill(process):
-    """SIGKILL to the whole group; ends when none of it lives."""
-    os.killpg(process.pid, signal.SIGKILL)
+def kill(process, number=signal.SIGKILL):
+    """A signal to the whole group; ends when none of it lives."""
+    os.killpg(process.pid, number)
     process.wait()
     while subprocess.run(["pgrep", "-g", str(process.pid)], capture_output=True).stdout:
         time.sleep(0.01)
@@ -145,6 +145,25 @@ def killed(checkout):
                 contents(path)
     for name in names:
         checkout.finish(name)
+
+
+def study_killed(checkout, name, number):
+    """The smallest form of a study, stopped three times by a signal at random moments; in an empty store."""
+    config, results = f"studies/{name}/smoke.yaml", checkout.folder / f"results/{name}/smoke"
+    command, rng, files = [*WORKFLOW, config], random.Random(name), []
+    for stops in (0, 3):
+        shutil.rmtree(results, ignore_errors=True)
+        checkout.forget()
+        for _ in range(stops):
+            process = checkout.start(*command)
+            if checkout.wait_for(r"Job \d+: Simulate", process):  # else all runs are there
+                time.sleep(rng.uniform(0.0, 5.0))
+                kill(process, number)
+        assert checkout.run(command).returncode == 0
+        files.append({path.name: contents(path) for path in results.glob("*.nc")})
+    whole, again = files
+    assert whole.keys() == again.keys()
+    assert not [file for file in whole if differing(whole[file], again[file])]
 
 
 def killed_as_it_compiles(checkout):

@@ -1,6 +1,7 @@
 """What a night finds out: faults of the code that no quick test notices, and sweeps that are disturbed, and what chance finds."""
 
 import re
+import signal
 import subprocess
 import sys
 import venv
@@ -12,6 +13,8 @@ from nightly import cluster, faults
 from nightly.mutants import FAULTS, PROJECT, notices
 from store_states import Sweeps
 from workflows import environment
+
+import studies
 
 
 @pytest.mark.parametrize("fault", FAULTS, ids=str)
@@ -33,6 +36,12 @@ def checkout(tmp_path_factory):
 @pytest.mark.parametrize("fault", faults.FAULTS)
 def test_a_disturbed_sweep_goes_on_to_the_same_bits(checkout, fault):
     faults.FAULTS[fault](checkout)
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
+@pytest.mark.parametrize("name", [name for name in ("base", "column") if name in studies.NAMES])
+def test_a_study_that_is_stopped_goes_on_to_the_same_bits(checkout, name, number):
+    faults.study_killed(checkout, name, number)
 
 
 def ask(python, *words, **more):
