@@ -25,6 +25,9 @@ RUNS = {
     f"{scene}.nc": f"dem simulate --config config/scenes/{scene}.yaml --shape disc --density 2500 --seed 1 -o {scene}.nc"
     for scene in ("drum", "hopper", "column")
 }
+RUNS["base.nc"] = (
+    "dem simulate --config studies/base/smoke.yaml --shape disc --density 1000 --seed 1 packing.fraction=0.7 -o base.nc"
+)
 # file: the command line that draws it, what it shows
 PICTURES = {
     "film.mp4": (
@@ -42,6 +45,10 @@ PICTURES = {
     "drum.mp4": ("dem draw drum.nc -o drum.mp4", "A drum with a blade turns a bed of discs: speed"),
     "hopper.mp4": ("dem draw hopper.nc -o hopper.mp4", "A hopper empties: speed of the discs"),
     "collapse.mp4": ("dem draw column.nc -o collapse.mp4", "A column of discs collapses: speed"),
+    "base.mp4": (
+        "dem draw base.nc -o base.mp4",
+        "A disc is drawn through discs on a plate that rubs: speed",
+    ),
     "cluster.png": (
         "dem draw e3.nc --color cluster -o cluster.png",
         "Ellipses, those that began ahead of the cylinder shaded",
