@@ -103,36 +103,42 @@ class Configuration(Section):
     """All values that a run can read, by `read`; those of a sweep file are more."""
 
     read: ClassVar[dict[str, FieldInfo]]
-    experiment: Annotated[str, or_file(EXPERIMENTS)] = "drag"
-    """what is done with the bed, or a file of your own"""
+    experiment: Annotated[str, or_file(EXPERIMENTS), Field(examples=[*EXPERIMENTS])] = "drag"
+    """kind of experiment, or a file of your own, such as mine.py"""
     box_width: Length
     """width of the box; its height follows from packing.fraction or packing.pressure"""
     periodic: Sides = "none"
     """sides along which the box repeats itself"""
     cylinder: CylinderSection | None = None
-    """the cylinder; null: there is none"""
+    """cylinder that is drawn through the bed; none: there is none"""
     second: SecondSection | None = None
     """a second cylinder beside the first; both are centred in the box"""
     solids: Annotated[dict[Label, SolidSection], SORTED] = Field({})
     """solids of a scene, by name"""
     packing: PackingSection
+    """packing of the bed"""
     material: MaterialSection
+    """material of granules"""
     friction: FrictionSection
+    """friction at contacts"""
     rolling: RollingSection | None = None
-    """rolling resistance of discs, once they are packed; null: none"""
+    """rolling resistance of discs, once they are packed"""
     base_plate: BasePlateSection | None = None
-    """plate on which the bed lies flat; null: none"""
+    """plate on which the bed lies flat"""
     contact: ContactSection = ContactSection()
+    """law of contacts"""
     walls: WallsSection | None = None
-    """friction and material of single walls"""
+    """friction and material of single walls; none: friction.wall, rigid"""
     gravity: Annotated[NotNegative, Unit("m s-2")] = 0.0
     """gravity, downwards"""
     ellipse: EllipseSection = EllipseSection()
+    """contacts of ellipses"""
     shapes: dict[Label, ShapeSection] = Field(min_length=1)
+    """shapes of granules, by label"""
     threads: Annotated[Count, Field(ge=1, le=64)] = 1
     """threads of a run, for beds of thousands of granules"""
     beside: str | None = None
-    """folder of files of your own; that of this file"""
+    """folder of files of your own; none: the folder of this file"""
     record: RecordSection | None = None
     """what is recorded"""
     phases: dict[Label, PhaseSection] = Field({})
@@ -146,6 +152,7 @@ class Configuration(Section):
     shear: ShearSection | None = None
     """how the bed is sheared"""
     numerics: NumericsSection = NumericsSection()
+    """time step, and the overlap that ends a run"""
 
     @model_validator(mode="after")
     def _check_sections(self):

@@ -72,11 +72,11 @@ class MovingSection(Section):
     """How a solid moves: along a direction, and about a point."""
 
     velocity: Annotated[Number, Unit("m s-1")] | None = None
-    """velocity along its direction; none: that of before, 0 at the start"""
+    """velocity along direction; none: as before, 0 at the start"""
     direction: Angle | None = None
-    """direction of the motion, anticlockwise from the right; none: that of before, upwards at the start"""
+    """direction of the motion, anticlockwise from the right; none: as before, upwards at the start"""
     spin: Spin | None = None
-    """angular velocity, or free: granules turn it, as a body of their mean density; none: that of before, 0 at the start"""
+    """angular velocity, or free: granules turn it, as a body of their mean density; none: as before, 0 at the start"""
 
     @property
     def ahead(self) -> tuple[float, float]:
@@ -86,23 +86,23 @@ class MovingSection(Section):
 
 class CylinderSection(MovingSection):
     diameter: Diameter
-    """diameter of the cylinder; length of a plate or an ellipse"""
+    """diameter of the cylinder, or length of a plate or an ellipse"""
     velocity: Speed
     """velocity of the cylinder, upwards if there is no direction"""
     direction: Angle | None = None
     """direction of the motion, anticlockwise from the right; none: upwards"""
     start: Share
-    """height of the cylinder's axis as a fraction of that of the box"""
+    """height of the cylinder's axis at the start, as a fraction of the height of the box"""
     stroke: Length
     """distance over which the cylinder is drawn"""
     outline: Literal["circle", "ellipse", "plate", "square", "wedge"] | None = None
-    """outline, as wide as the diameter; none: circle"""
-    aspect_ratio: Annotated[AspectRatio, Field(gt=1)] | None = None
-    """length over width of an ellipse or a plate; none: 2 or 6"""
+    """outline of the cylinder, as wide as diameter; none: circle"""
+    aspect_ratio: Annotated[Number, Field(gt=1, le=1e6), Unit("1")] | None = None
+    """length over width of an ellipse or a plate; none: 2 of an ellipse, 6 of a plate"""
     angle: Angle | None = None
-    """angle at the start, anticlockwise; none: 0, its length from left to right, its tip upwards"""
+    """angle at the start, anticlockwise from where its length is along x, or its tip upwards; none: 0"""
     material: SolidMaterialSection | None = None
-    """material; none: rigid"""
+    """material of the cylinder; none: rigid"""
 
     @model_validator(mode="after")
     def _check(self):
@@ -119,30 +119,30 @@ class SecondSection(Section):
     diameter: Diameter
     """diameter of a second cylinder, which moves with the first"""
     gap: Annotated[NotNegative, Unit("m")]
-    """distance between the surfaces of both"""
+    """distance between the surfaces of both cylinders"""
     bearing: Angle = 0.0
-    """where it is, seen from the first: 0 beside it, to the right; pi/2 ahead of it"""
+    """direction from the first to the second: 0 to the right of the motion, pi/2 ahead"""
     friction: Coefficient | None = None
-    """friction at it; none: friction.cylinder"""
+    """friction at the second cylinder; none: friction.cylinder"""
     spin: Spin | None = None
-    """angular velocity, or free; none: 0"""
+    """angular velocity of the second cylinder, or free; none: 0"""
 
 
 class MotionSection(MovingSection):
     """The same of a solid of a scene, which forces may move too."""
 
     force_x: Push | None = None
-    """force that moves it along x, with those of the granules, or rows [time, force] since its start; none: its velocity does"""
+    """force that moves it along x, beside the forces of granules; or rows [time in s, force] from its start; none: velocity moves it"""
     force_y: Push | None = None
-    """the same along y"""
+    """force that moves it along y, as force_x; none: velocity moves it"""
     spring_x: Stiffness | None = None
     """stiffness along x of a spring that pulls it to a point, which moves by velocity and direction, or by path; none: no spring"""
     spring_y: Stiffness | None = None
-    """the same along y"""
+    """stiffness along y, as spring_x; none: no spring"""
     torque: Torque | None = None
-    """torque that turns it, with those of the granules, or rows [time, torque] since its start; none: its spin does"""
+    """torque that turns it, beside the torques of granules; or rows [time in s, torque] from its start; none: spin turns it"""
     path: Path | None = None
-    """rows [time, velocity along x, along y, spin] in s, m/s and rad/s since its start, linear in between; none: velocity"""
+    """rows [time, velocity along x, along y, spin] in s, m/s and rad/s from its start, linear in between; none: velocity and spin"""
 
     @property
     def springs(self) -> tuple[float, float]:
@@ -188,7 +188,7 @@ class MotionSection(MovingSection):
 
 class PhaseMotionSection(MotionSection):
     removed: bool = False
-    """true: it is there no more, from the start of the phase on"""
+    """whether it is taken out at the start of the phase"""
 
     @model_validator(mode="after")
     def _check_removed(self):
@@ -217,17 +217,17 @@ class PartSection(Section):
     """A part of a solid that has several."""
 
     outline: Literal["circle", "plate", "square", "wedge", "ring"]
-    """outline, as of a solid"""
+    """outline of the part"""
     diameter: Diameter
-    """diameter, as of a solid"""
+    """diameter of the part, or length of a plate"""
     thickness: Length | None = None
     """thickness of a ring or a plate; none: a sixth of the diameter"""
     x: Place = 0.0
-    """place of its middle along x from that of the solid, where that has an angle of 0"""
+    """place of its middle along x from the middle of the solid, at an angle of 0 of the solid"""
     y: Place = 0.0
-    """the same along y"""
+    """place of its middle along y, as x"""
     angle: Angle = 0.0
-    """angle from that of the solid, anticlockwise"""
+    """angle from the angle of the solid, anticlockwise"""
 
     @model_validator(mode="after")
     def _check(self):
@@ -237,33 +237,33 @@ class PartSection(Section):
 
 class SolidSection(MotionSection):
     outline: Literal["circle", "ellipse", "plate", "square", "wedge", "ring"] | None = None
-    """outline, with its length from left to right and its tip upwards at an angle of 0; none: it has parts"""
+    """outline; at an angle of 0 its length is along x, or its tip upwards; none: it has parts"""
     diameter: Diameter | None = None
-    """diameter; length of a plate or an ellipse; of a ring, which has 36 plates, that of the room inside; none: it has parts"""
+    """diameter, or length of a plate or an ellipse; of a ring, which is made of 36 plates, the diameter inside; none: it has parts"""
     parts: Annotated[dict[Label, PartSection], SORTED] = Field({})
-    """outlines that together are one body, by name"""
+    """outlines that together are one body, by label"""
     thickness: Length | None = None
-    """thickness of a ring or a plate, width of an ellipse; none: a sixth of the diameter, half of it"""
+    """thickness of a ring or a plate, or width of an ellipse; none: a sixth of the diameter, or half of it for an ellipse"""
     x: Place
     """place of the middle along x at the start"""
     y: Place = 0.0
-    """place of the middle along y at the start, above that of start"""
+    """place of the middle along y at the start, above the height of start"""
     start: Annotated[Coefficient, Field(lt=1)] = 0.0
-    """height from which y counts, as a fraction of that of the box"""
+    """height from which y counts, as a fraction of the height of the box; y or start is required"""
     angle: Angle = 0.0
     """angle at the start, anticlockwise"""
     pivot_x: Place | None = None
-    """place along x of the point that it turns about; none: x"""
+    """place along x of the point that it turns about; none: the middle"""
     pivot_y: Place | None = None
-    """place along y of the point that it turns about; none: y"""
+    """place along y of the point that it turns about; none: the middle"""
     mass: Mass | None = None
-    """its mass where forces move or turn it; none: that of granules in its place"""
+    """mass, where forces move or turn the solid; none: the mass of granules in its place"""
     weight: bool = False
-    """true: its weight moves it where forces do along y, and else turns it, at the centre of its area"""
+    """whether its weight acts, at the centre of its area: it moves a solid that forces move along y, and turns others"""
     friction: Coefficient | None = None
-    """friction at it; none: friction.cylinder"""
+    """friction at the solid; none: friction.cylinder"""
     material: SolidMaterialSection | None = None
-    """material; none: rigid"""
+    """material of the solid; none: rigid"""
 
     @model_validator(mode="after")
     def _check(self):
@@ -293,9 +293,13 @@ class WallSection(Section):
 
 class WallsSection(Section):
     left: WallSection | None = None
+    """left wall; none: friction.wall, rigid"""
     right: WallSection | None = None
+    """right wall; none: friction.wall, rigid"""
     bottom: WallSection | None = None
+    """floor; none: friction.wall, rigid"""
     top: WallSection | None = None
+    """top wall; none: friction.wall, rigid"""
 
 
 class BasePlateSection(Section):
@@ -315,33 +319,33 @@ class SinkSection(Section):
     """Where granules leave a scene."""
 
     region: Opening
-    """where a granule with its centre in it goes: left, bottom, right, top; null: open on that side"""
+    """rectangle [left, bottom, right, top] in which a granule leaves once its centre is there; null: open on that side"""
     to: Label | None = None
-    """name of the source where it comes again; none: nowhere"""
+    """name of the source where these granules come again; none: nowhere"""
 
 
 class SourceSection(Section):
     """Where granules come into a scene."""
 
     region: Region
-    """where they come, whole: left, bottom, right, top"""
+    """rectangle [left, bottom, right, top] in which granules come, each wholly inside"""
     count: Annotated[Count, Field(ge=1, le=10_000_000)] | None = None
-    """number of granules that it has at the start; none: those of sinks alone"""
+    """number of granules that wait in it at the start; none: only granules of sinks come"""
     rate: Annotated[Positive, Unit("s-1")] | None = None
     """granules in a second; those without room are owed, and come as soon as they have it; none: as many as have room"""
     velocity_x: Annotated[Number, Unit("m s-1")] = 0.0
-    """velocity along x with which they come"""
+    """velocity along x of granules that come"""
     velocity_y: Annotated[Number, Unit("m s-1")] = 0.0
-    """the same along y"""
+    """velocity along y of granules that come"""
 
 
 class PhaseSection(Section):
     time: Time | None = None
-    """how long it lasts; none: until says it"""
+    """duration of the phase; none: it lasts as until says"""
     until: Literal["rest"] | None = None
-    """rest: until the granules are at rest under gravity; none: time says it"""
+    """rest: the phase lasts until the granules are at rest under gravity; none: it lasts for time"""
     motion: dict[Label, PhaseMotionSection] = Field({})
-    """how solids move from its start on"""
+    """motion of solids from the start of the phase on, by name; others move as before"""
 
     @model_validator(mode="after")
     def _check(self):

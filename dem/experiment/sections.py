@@ -80,12 +80,12 @@ class SolidMaterialSection(Section):
     poisson_ratio: PoissonRatio = 0.3
     """Poisson's ratio"""
     restitution: Restitution | None = None
-    """coefficient of restitution of two bodies of it; none: that of the granules"""
+    """coefficient of restitution of two bodies of this material; none: that of the granules"""
 
 
 class GranuleMaterialSection(SolidMaterialSection):
     density: Density | None = None
-    """density; none: that of the run"""
+    """density of these granules; none: that of the run"""
 
 
 class MaterialSection(Section):
@@ -96,7 +96,7 @@ class MaterialSection(Section):
     restitution: Restitution
     """coefficient of restitution"""
     thickness: Length | None = None
-    """thickness out of the plane; none: mean diameter"""
+    """length of granules out of the plane; none: mean diameter"""
 
 
 class FrictionSection(Section):
@@ -122,14 +122,14 @@ class RollingSection(Section):
 
 
 class ContactSection(Section):
-    law: Annotated[str, or_file(LAWS)] | None = None
-    """law of contacts, or a class in a file of your own; none: hertz"""
+    law: Annotated[str, or_file(LAWS), Field(examples=[*LAWS])] | None = None
+    """law of contacts, or file and class of your own, such as mine.Law; none: hertz"""
     stiffness: Stiffness | None = None
     """normal stiffness of linear contacts; none: pi/4 E* times thickness"""
     pull_off: Force | None = None
-    """force that parts cohesive contacts"""
+    """force that parts cohesive contacts, which they need"""
     range: Length | None = None
-    """gap across which cohesive contacts attract"""
+    """gap across which cohesive contacts attract, which they need"""
 
     @property
     def constants(self) -> dict[str, float]:
@@ -152,9 +152,9 @@ class ContactSection(Section):
 
 class EllipseSection(Section):
     contact: Literal["common_normal", "geometric_potential"] = "common_normal"
-    """how a contact of ellipses is found"""
+    """how the point and the normal of a contact of ellipses are found"""
     curvature: Literal["volume", "local"] = "volume"
-    """radius of ellipses in Hertz's law"""
+    """radius of ellipses in Hertz's law: volume, sqrt(a b); local, the radius of curvature at the contact"""
 
 
 Discs = Annotated[
@@ -166,20 +166,20 @@ Mixture = Annotated[dict[Label, Share], Field(min_length=2), SORTED]
 
 
 class ShapeSection(Section):
-    kind: Annotated[str, or_file(KINDS)] | None = None
+    kind: Annotated[str, or_file(KINDS), Field(examples=[*KINDS])] | None = None
     """kind of granule, or file and class of your own, such as stones.Stone; none: a mixture"""
     diameter: Diameter | None = None
     """mean volume diameter of the granules; none: a mixture"""
     granules: Annotated[Count, Field(ge=1, le=10_000_000)] | None = None
-    """number of granules; none: a part of mixtures alone"""
+    """number of granules; none: the shape is only a part of mixtures"""
     aspect_ratio: AspectRatio | None = None
-    """length over width of a granule"""
+    """length over width of a granule; none: that of the kind, such as 1 of a disc"""
     discs: Discs | None = None
-    """discs of a clump, [x, y, radius] of each in any unit, or a file with these"""
+    """discs of a clump, [x, y, radius] of each in any unit, or a file with these lines; none: it is no clump"""
     mixture: Mixture | None = None
-    """shares by number of other shapes of one kind"""
+    """shares by number of other shapes, by label, all of one kind; none: it is no mixture"""
     material: GranuleMaterialSection | None = None
-    """material of these granules; none: material"""
+    """material of these granules; none: that of the key material"""
 
     @model_validator(mode="after")
     def _check(self):
@@ -224,23 +224,23 @@ class ShapeSection(Section):
 
 class PackingSection(Section):
     fraction: Share | None = None
-    """packing fraction; none: packing.pressure or packing.height is given"""
+    """area of the granules over the area of the box without solids; none: pressure or height is given"""
     height: Length | None = None
-    """height of the box; none: it follows from the fraction or the pressure"""
+    """height of the box; none: it follows from fraction or pressure"""
     size_spread: Annotated[Coefficient, Field(lt=1)]
-    """diameters are uniform within +- this share"""
+    """half-width of the uniform distribution of diameters, relative to the mean diameter"""
     friction: Coefficient = 0.0
     """friction of all contacts while the bed is packed"""
     pressure: Pressure | None = None
-    """pressure on the top wall, which holds it; none: packing.fraction or packing.height is given"""
+    """pressure that the top wall exerts and keeps; none: fraction or height is given"""
     preparation: Literal["relaxed", "grown", "settled", "lattice", "file"] = "relaxed"
-    """how granules grow: energy minimised, or in motion; settled: then they fall under gravity; lattice: they are put in
-    rows, apart from each other; file: they are where packing.file says"""
+    """relaxed: granules grow and their energy is minimised; grown: they grow in motion; settled: then they fall under
+    gravity; lattice: they are put in rows, apart from each other; file: they are where packing.file says"""
     region: Region | None = None
-    """where the rows are: left, bottom, right, top; none: the whole box"""
+    """rectangle [left, bottom, right, top] of the rows of a lattice; none: the whole box"""
     file: Granules | None = None
-    """where granules are: a CSV file with columns x, y, angle, diameter, a text dump of LAMMPS, or a file of results
-    with words that choose one run, whose last snapshot it is; without diameters the seed draws them"""
+    """file with the places of granules: CSV with columns x, y, angle, diameter, a text dump of LAMMPS, or a file of
+    results with words that choose one run, whose last snapshot is taken; without diameters the seed draws them"""
 
     @model_validator(mode="after")
     def _check(self):
@@ -293,7 +293,7 @@ class PackingSection(Section):
 
 class ShearSection(Section):
     inertial_number: Ratio
-    """inertial number: rate of shear times sqrt(mass / (pressure thickness))"""
+    """inertial number: rate of shear times sqrt(mass / (pressure * thickness))"""
     pressure: Pressure
     """pressure on the lid"""
     settle: Coefficient
@@ -306,15 +306,15 @@ class ShearSection(Section):
 
 class RecordSection(Section):
     bins: Annotated[Count, Field(ge=1, le=100_000)]
-    """bins over the stroke"""
+    """bins over the stroke, or over the last phase of a scene; a multiple of snapshots - 1"""
     window: tuple[Coefficient, Length] | None = None
-    """displacements of the mean drag's window; of no other experiment"""
+    """[start, stop]: displacements between which the mean drag is taken; the experiment drag needs it"""
     snapshots: Annotated[Count, Field(ge=2, le=10_000)]
-    """snapshots of all granules"""
+    """number of snapshots of all granules, from the start to the end"""
     cells: Annotated[Count, Field(ge=1, le=10_000)] = CELLS
-    """cells along x of the profile of the surface of a scene"""
+    """cells along x of the profile of the surface; of the experiment scene"""
     region: Region | None = None
-    """where granules are counted, of a scene: left, bottom, right, top; none: nowhere"""
+    """rectangle [left, bottom, right, top] in which granules are counted; of the experiment scene; none: nowhere"""
     observables: (
         Annotated[
             tuple[Annotated[str, or_file(OBSERVABLES)], ...],
@@ -325,7 +325,7 @@ class RecordSection(Section):
         ]
         | None
     ) = None
-    """what is recorded; none: what the experiment usually does"""
+    """names of observables, or files of your own, such as mine.py; none: the usual ones of the experiment"""
 
     @model_validator(mode="after")
     def _check(self):
@@ -336,13 +336,13 @@ class RecordSection(Section):
 
 class NumericsSection(Section):
     step_fraction: StepFraction = STEP_FRACTION
-    """fraction of the critical time step of stiffness alone; damping may shorten it more"""
+    """time step over the critical one of stiffness alone; damping may shorten it more"""
     allow_unstable: bool = False
     """whether steps beyond the critical one are taken"""
     time_step: Time | None = None
-    """time step; none: from the bed's stiffness"""
+    """fixed time step; none: it follows from the stiffness of the bed and step_fraction"""
     max_overlap: MaxOverlap = MAX_OVERLAP
-    """overlap relative to the smaller radius at which a run ends"""
+    """overlap at which a run ends with an error, relative to the smaller radius"""
 
     @model_validator(mode="after")
     def _check(self):

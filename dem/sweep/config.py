@@ -55,19 +55,19 @@ class Sweep(Configuration):
     title: str = "Slow drag of a cylinder through a bed of granules"
     """title of files and figures"""
     results: Folder
-    """folder of all results, such as results/mine"""
+    """folder of all results: results, or one below it, such as results/mine"""
     batch: Annotated[Count, Field(ge=1, le=10_000)] = 10
-    """runs per file of the store"""
+    """runs that one process makes, and writes into one file of the store"""
     failures: Annotated[Coefficient, Field(lt=1)] = 0.0
-    """share of runs that may fail"""
-    cases: dict[Label, CaseSection] = Field(default_factory=dict)
+    """share of runs that may fail without an error"""
+    cases: dict[Label, CaseSection] = Field({})
     """shapes with a density, by label"""
     sweep: Annotated[dict[str, Any], Field(min_length=1)]
     """what varies, by key"""
     figures: list[str] | None = None
-    """those to draw; null: all that the runs suffice for"""
+    """names of the figures that are drawn; none: all that the runs suffice for"""
     studies: str = "sweep.yaml"
-    """name of the sweep in the folder of each study"""
+    """name of the sweep file that is read in the folder of each study"""
 
     @model_validator(mode="after")
     def _check_cases(self):

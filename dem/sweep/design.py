@@ -14,8 +14,11 @@ class Range(Section):
     """A value that is uniform between two bounds, or its logarithm if scale is log."""
 
     low: Number
+    """least value, in the unit of the key"""
     high: Number
+    """greatest value"""
     scale: Literal["linear", "log"] = "linear"
+    """whether the value is uniform, or its logarithm"""
 
     @model_validator(mode="after")
     def _check_bounds(self):
@@ -38,6 +41,7 @@ class Choice(Section):
     choices: Annotated[
         tuple[Annotated[Number | str, must("be a number or text")], ...], Field(min_length=2)
     ]
+    """values, equally likely; a value may be listed more than once"""
 
     def at(self, place: float):
         """The value at a place from 0 to below 1."""
@@ -54,12 +58,17 @@ class Design(Section):
     """Points in the space of some values; the same points from the same seed."""
 
     design: Literal["latin_hypercube", "sobol"]
+    """how points fill the space of the values"""
     points: Annotated[Count, Field(ge=2, le=1_000_000)]
-    draw: Seed | None = None  # of the design itself; absent: first_seed, or 0
-    first_seed: Seed | None = None  # point k is a bed of its own, of seed first_seed + k
+    """number of points; a power of two for sobol"""
+    draw: Seed | None = None
+    """seed of the design itself; none: first_seed, or 0"""
+    first_seed: Seed | None = None
+    """seed of the bed of point 0, point k has first_seed + k; none: all points have the seeds of the sweep"""
     over: Annotated[
         dict[str, Annotated[Range | Choice, BeforeValidator(_factor)]], Field(min_length=1)
     ]
+    """values that vary, by key: a range, or choices: [...] for whole numbers and texts"""
 
     @model_validator(mode="after")
     def _check(self):

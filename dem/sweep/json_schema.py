@@ -8,6 +8,7 @@ import json
 
 from dem.base.files import write_bytes
 from dem.base.source_hash import ROOT
+from dem.base.types import Section
 from dem.experiment.config import entries
 from dem.sweep.axis import RUNS
 from dem.sweep.config import TABLES, Sweep
@@ -16,13 +17,24 @@ FILE = ROOT / "config/schema.json"
 # words of pydantic for limits of numbers that it parses, and of JSON Schema
 LIMITS = {"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum"}
 
+EXTENDS = {
+    "type": "string",
+    "default": None,
+    "description": "file whose values hold where this file gives none; none: no other file",
+}
+
+
+def of_model(model: type[Section]) -> dict:
+    """The schema of a model alone, as plain groups."""
+    text = json.dumps(model.model_json_schema())
+    for word, limit in LIMITS.items():
+        text = text.replace(f'"{word}": ', f'"{limit}": ')
+    return json.loads(text)
+
 
 def schema() -> dict:
     """The schema as plain groups."""
-    text = json.dumps(Sweep.model_json_schema())
-    for word, limit in LIMITS.items():
-        text = text.replace(f'"{word}": ', f'"{limit}": ')
-    tree = json.loads(text)
+    tree = of_model(Sweep)
     values = {
         name: {"description": f"{entry.field.description} ({entry.units or 'text'})"}
         for name, entry in (entries() | RUNS).items()
@@ -32,7 +44,8 @@ def schema() -> dict:
     properties = values | {"needs": {}, "values": shared, "blocks": blocks}
     tree["$defs"]["Block"] = {"type": "object", "properties": properties}
     tree["additionalProperties"] = {"type": "object"}  # values of an experiment of the user's own
-    tree["properties"] |= {"sweep": {"$ref": "#/$defs/Block"}, "extends": {"type": "string"}}
+    tree["properties"]["sweep"]["$ref"] = "#/$defs/Block"
+    tree["properties"]["extends"] = EXTENDS
     for name in TABLES:  # null takes a label out of the file that another extends
         rows = tree["properties"][name].setdefault("patternProperties", {})
         for label, row in rows.items():

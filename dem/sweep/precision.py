@@ -56,11 +56,11 @@ class Until(Section):
     enough."""
 
     until: Quantity
-    """half of the interval of the mean: 5 % of it, or 50 N"""
+    """half of the interval that is asked for: 5 % of the mean, or 50 N"""
     of: str = "drag"
-    """what runs record, or its ratio to a case or shape: drag / c1"""
+    """number that runs record, or its ratio to a case or shape, such as drag / c1"""
     confidence: Level = "95 %"
-    """level of the interval"""
+    """level of the interval, from 50 % to 99.99 %"""
     first: Seed = 1
     """first seed"""
     least: Replicates = 10
