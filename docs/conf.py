@@ -14,7 +14,8 @@ import dem
 
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE.parent), str(HERE / "_ext")]  # studies, and what fills in pages
-sys.modules["dem.plot"] = dem.plot  # autodoc wants a module where it is public
+# autodoc wants modules where they are public
+sys.modules |= {"dem.plot": dem.plot, "dem.rft": dem.rft}
 
 project = "granular-drag"
 author = "The granular-drag developers"
@@ -29,7 +30,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
     "sphinxcontrib.video",
-    "pages",  # docs/_ext: pages of studies, gallery, reference, mathematics
+    "pages",  # docs/_ext: pages of studies, gallery, mathematics
 ]
 exclude_patterns = ["_build", "_ext", "data"]
 templates_path = ["_templates"]

@@ -2,7 +2,7 @@
 
 * The page of a study, studies/NAME/README.md, is read from _generated/studies, and links to it lead
   there. docs/write_pages.py has put the numbers into all pages.
-* The pages that are generated (gallery.py, reference.py) are written before the build.
+* The gallery (gallery.py) is written before the build.
 * Mathematics becomes MathML, which browsers draw themselves: a page loads nothing from a network.
 """
 
@@ -11,7 +11,6 @@ from os.path import normpath, relpath
 from pathlib import Path
 
 import gallery
-import reference
 from docutils.nodes import SkipNode
 from latex2mathml.converter import convert
 
@@ -52,12 +51,6 @@ Verification <../_generated/studies/verification>
 Accuracy <../_generated/studies/accuracy>
 Stability <../_generated/studies/stability>
 Speed <../_generated/studies/benchmark>
-""",
-    "reference/index": """\
-../_generated/command_line
-../_generated/configuration
-../_generated/files
-glossary
 """,
 }
 LISTED = re.compile(r"^\* \[([^\]]+)\]\(([^)]+)\.md\)", re.M)
@@ -106,7 +99,6 @@ def _write_pages(app):
     for path in ROOT.glob("studies/*/README.md"):
         text = _linked(path.read_text(encoding="utf-8"), path.parent, STUDIES)
         (STUDIES / f"{path.parent.name}.md").write_text(text, encoding="utf-8")
-    reference.write(Path(app.srcdir))
     gallery.write(Path(app.srcdir))
 
 

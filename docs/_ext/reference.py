@@ -1,157 +1,157 @@
-"""Write the reference pages that follow from the code: command line, configuration, files."""
+"""What the pages of the reference list, from the code: keys, variables, verbs, names.
 
-import json
+docs/reference/X.md.in has the words around these tables, and docs/write_pages.py fills them in.
+"""
+
+import inspect
+import re
 from importlib import import_module
-from pathlib import Path
+from operator import attrgetter
+from os.path import relpath
+from typing import get_origin
 
-import typer
-from typer.cli import get_docs_for_click
+from typer.main import get_command
 
+import dem
 from dem.base.refusals import section_of, unit_of
 from dem.base.source_hash import ROOT
 from dem.base.types import LEAST
 from dem.cli.app import app
-from dem.experiment.config import SECTIONS, Configuration
-from dem.experiment.kinds import EXPERIMENTS, jamming, onset, shear
+from dem.experiment.kinds import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
-from dem.io import dataset
+from dem.io.dataset import LABELS, OF_RUN, OF_STORE, OF_SWEEP
+from dem.sweep.config import Sweep
+from dem.sweep.design import Design
+from dem.sweep.json_schema import of_model, schema
+from dem.sweep.precision import Until
 from studies import package_of
 from studies.catalogue import reported
 
-FOLDER = Path("_generated")  # in docs
-
-
-def write(docs: Path) -> None:
-    """Write docs/_generated/{command_line,configuration,files}.md."""
-    (docs / FOLDER).mkdir(exist_ok=True)
-    for name, page in PAGES.items():
-        (docs / FOLDER / f"{name}.md").write_text(page(), encoding="utf-8")
-
-
-def command_line() -> str:
-    """Every verb of `dem` with its options, from the code."""
-    command = typer.main.get_command(app)
-    context = typer.Context(command, info_name="dem")
-    return get_docs_for_click(obj=command, ctx=context, name="dem", title="The command line")
-
-
-def configuration() -> str:
-    """Every value of a configuration, from its fields and the schema."""
-    schema = json.loads((ROOT / "config/schema.json").read_text(encoding="utf-8"))
-    parts = ["# The configuration\n", CONFIGURATION]
-    parts += [
-        "## The whole run\n",
-        _table(HEADS, _values(Configuration, "", schema)),
-    ]
-    for name, field in Configuration.model_fields.items():
-        if section := section_of(field.annotation):
-            parts.append(f"## {name}\n")
-            if name in SECTIONS:
-                kinds = (kind for kind, header in EXPERIMENTS.items() if name in header["SECTIONS"])
-                parts.append(f"Only for the experiment {' and '.join(kinds)}.\n")
-            label = "LABEL." if name == "shapes" else ""
-            parts.append(
-                _table(
-                    HEADS, _values(section, f"{name}.{label}", schema["$defs"][section.__name__])
-                )
-            )
-    return "\n".join(parts)
-
-
-HEADS = ("key", "what it is", "unit", "allowed", "default")
-CONFIGURATION = """\
-A configuration is a YAML file in SI units. These are the values that one run reads. Each of them but
-`record.window` and `record.observables` can vary in a sweep, by its key. [How do I sweep my own values?](../howto/sweep.md) explains the rest of
-the file: `title`, `results`, `extends`, `cases`, `sweep`, `batch`, `failures`, `studies`.
-"""
-
-
+FOLDER = ROOT / "docs/reference"
 # by key of a JSON schema: what is said of a value
 LIMITS = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
 TYPES = {
     "integer": "whole",
+    "number": "number",
     "boolean": "true, false",
     "string": "text",
     "array": "list",
-    "null": "none",
+    "object": "group",
 }
+
+
+def keys() -> str:
+    """All keys of a sweep file, a table for each section; sections with the same keys share one."""
+    places = {Sweep: [""]} | _places(Sweep, "")
+    places |= {Until: ["sweep.seed"], Design: ["sweep.NAME"]} | _places(Design, "sweep.NAME.")
+    tree, text = schema(), ""
+    for section, (path, *others) in places.items():
+        needs = {k: v["SECTIONS"].get(path.removesuffix(".LABEL")) for k, v in EXPERIMENTS.items()}
+        kinds = [f"{k} (required)" if need else k for k, need in needs.items() if need is not None]
+        text += f"\n## `{path}`\n\n" if path else ""
+        text += f"The same keys: {_code(others)}.\n\n" if others else ""
+        text += f"Experiments: {', '.join(kinds)}.\n\n" if kinds else ""
+        forms = tree if section is Sweep else of_model(section)
+        rows = [_key(name, form, section, places) for name, form in forms["properties"].items()]
+        text += _table(("key", "meaning", "unit", "range", "default"), rows)
+    return text
+
+
+def _places(model, head: str) -> dict[type, list[str]]:
+    """The paths of each section below a model."""
+    places = {}
+    for name, field in model.model_fields.items():
+        if section := section_of(field.annotation):
+            path = head + name + ".LABEL" * (get_origin(field.annotation) is dict)
+            for inner, paths in ({section: [path]} | _places(section, f"{path}.")).items():
+                places[inner] = places.get(inner, []) + paths
+    return places
+
+
+def _key(name: str, form: dict, model, places: dict) -> tuple:
+    """A row: key, meaning, unit, range and default of a value."""
+    about, _, absent = form.get("description", "").partition("; none: ")
+    field, default = model.model_fields.get(name), form.get("default", "required")
+    section = section_of(field and field.annotation)
+    if section:
+        unit, allowed = "", f"[keys](#{places[section][0].replace('.', '').lower()})"
+    else:
+        unit, allowed = field and unit_of(field.rebuild_annotation()), _allowed(form)
+    usual = "none" if default is None or isinstance(default, dict) else str(default)
+    return _code([name]), about, unit, allowed, absent or usual.replace("False", "false")
 
 
 def _allowed(form: dict) -> str:
     """Values that a schema allows."""
     if "anyOf" in form:
-        return "; ".join(map(_allowed, form["anyOf"]))
-    if "enum" in form:
-        return ", ".join(f"`{each}`" for each in form["enum"])
-    limits = [f"{sign} {form[key]:g}" for key, sign in LIMITS.items() if key in form]
+        return ", or ".join(filter(None, map(_allowed, form["anyOf"])))
+    if words := form.get("enum") or form.get("examples") or form.get("const"):
+        return _code([words] if isinstance(words, str) else words)
+    limits = [f"{sign} {form[key]:.10g}" for key, sign in LIMITS.items() if key in form]
     words = [TYPES[form["type"]]] if form["type"] in TYPES else []
-    return ", ".join(words + limits).replace(f"≥ {LEAST:g}", "> 0")
+    text = ", ".join(words + limits).replace(f"≥ {LEAST:g}", "> 0")
+    return text.removeprefix("number, ")
 
 
-def _values(section, head: str, schema: dict) -> list[tuple[str, ...]]:
-    """Rows of a table: key, meaning, unit, allowed values and default of a section's values."""
-    rows = []
-    for name, field in section.model_fields.items():
-        if section_of(field.annotation):
-            continue
-        units = unit_of(field.rebuild_annotation()) or ""
-        default = "required" if field.is_required() else _word(field.default)
-        allowed = _allowed(schema["properties"][name])
-        rows.append((f"`{head}{name}`", field.description, units, allowed, default))
-    return rows
+def variables() -> str:
+    """All variables of files, a table for each kind of experiment, observable and study."""
+    modules = {f"Experiment `{name}`": f"dem.experiment.kinds.{name}" for name in EXPERIMENTS}
+    modules |= {
+        f"Observable `{name}`": f"dem.experiment.observables.{name}" for name in OBSERVABLES
+    }
+    modules |= {f"Study `{name}`": f"{package_of(name)}.results" for name in reported()}
+    text = _layout(OF_STORE | LABELS | OF_SWEEP)
+    text += f"\n## Of each run that records observables\n\n{_layout(OF_RUN)}"
+    for head, name in modules.items():
+        module = import_module(name)
+        about, _, _ = module.__doc__.partition("\n")
+        text += f"\n## {head}\n\n{about}\n\n"
+        text += _layout(getattr(module, "AXIS", {}) | getattr(module, "VARIABLES", {}))
+    return text
 
 
-def _word(default) -> str:
-    if isinstance(default, tuple):
-        return ", ".join(default)
-    return "none" if default is None else str(default).lower()
+def _layout(table: dict) -> str:
+    rows = [(_code([n]), what, ", ".join(dims), unit) for n, (dims, unit, what) in table.items()]
+    return _table(("variable", "meaning", "dimensions", "unit"), rows)
 
 
-def files() -> str:
-    """Every variable of every file of results, from the layouts."""
-    parts = ["# The files of results\n", FILES]
-    runs = dataset.OF_STORE | dataset.LABELS | EXPERIMENTS["drag"]["AXIS"] | dataset.OF_RUN
-    parts += ["## In every file of runs\n", _variables(runs)]
-    for name in OBSERVABLES:
-        module = import_module(f"dem.experiment.observables.{name}")
-        parts += [f"## Observable `{name}`\n", _first_line(module), _variables(module.VARIABLES)]
-    for module in (jamming, onset, shear):
-        name = module.__name__.rpartition(".")[2]
-        parts += [f"## Experiment `{name}`\n", _first_line(module), _variables(module.VARIABLES)]
-    for name in reported():
-        results = import_module(f"{package_of(name)}.results")
-        parts += [f"## `{name}.nc`\n", _variables(results.VARIABLES)]
-    return "\n".join(parts)
+def verbs() -> str:
+    """All verbs of `dem` with their arguments and options."""
+    text, heads = "", ("argument or option", "meaning", "default")
+    for name, verb in get_command(app).commands.items():
+        rows = [
+            (_code(each.opts), each.help, "required" if each.required else each.default)
+            for each in verb.params
+        ]
+        about = re.sub("(?<=Example: )(.*)", r"`\1`", verb.help)
+        text += f"\n## `dem {name}`\n\n{about}\n\n{_table(heads, rows)}"
+    return text
 
 
-FILES = """\
-All files are netCDF-4 and follow the CF conventions, version 1.11. Units are SI. Any netCDF program
-reads them; `dem info FILE` prints a summary. A combined file such as `drag.nc` adds the dimensions of
-its sweep, for example `case` and `seed`, in front of the dimensions given here. It leaves out `bed_family`,
-`spent` and `failure_reason`, and holds `failure` only if runs were allowed to fail.
-"""
+def names() -> str:
+    """All public names with the first sentence about each, in the order of the page for autodoc."""
+
+    def listed(found) -> str:
+        rows = []
+        for name in re.findall(r"^   ~?([\w.]+)$", found[1], re.M):
+            thing = attrgetter(name)(dem)
+            source = relpath(inspect.getsourcefile(inspect.unwrap(thing)), FOLDER)
+            rows.append((f"[`{name}`]({source})", inspect.getdoc(thing).partition("\n\n")[0]))
+        return _table(("name", "meaning"), rows)
+
+    text = (FOLDER / "api.md").read_text(encoding="utf-8")
+    return re.sub(r"```\{eval-rst\}\n(.*?)```\n", listed, text[text.index("## ") :], flags=re.S)
 
 
-def _first_line(module) -> str:
-    return module.__doc__.partition("\n")[0] + "\n"
-
-
-def _variables(layout: dict) -> str:
-    rows = [
-        (
-            f"`{name}`",
-            about or ("edges of the bins" if name.endswith("bounds") else ""),
-            ", ".join(dimensions) or "-",
-            units or "",
-        )
-        for name, (dimensions, units, about) in layout.items()
-    ]
-    return _table(("variable", "what it is", "dimensions", "unit"), rows)
+def _code(words) -> str:
+    return ", ".join(f"`{word}`" for word in words)
 
 
 def _table(heads, rows) -> str:
-    lines = [heads, ["---"] * len(heads), *rows]
-    return "\n".join(f"| {' | '.join(str(cell) for cell in line)} |" for line in lines) + "\n"
-
-
-PAGES = {"command_line": command_line, "configuration": configuration, "files": files}
+    """A table of Markdown; a short cell, such as a unit, is one word."""
+    text = f"| {' | '.join(heads)} |\n{'|:--' * len(heads)}|\n"
+    for row in rows:
+        cells = [str(cell or "").replace("\n", " ") for cell in row]
+        cells = [cell.replace(" ", "\N{NO-BREAK SPACE}"[len(cell) > 8 :] or " ") for cell in cells]
+        text += f"| {' | '.join(cells)} |\n"
+    return text

@@ -2,12 +2,14 @@
 
 A page calls a finding by its name: `{{ drag.mean("c1") }}`, `{{ table(claims.verdicts()) }}`. No
 result is typed on a page; tests/pages/test_pages.py looks for those that are. A sentence that depends on
-a result says on which: `{{ holds("Ellipses drag less than discs", drag.falls("c1", "e1")) }}`.
+a result says on which: `{{ holds("Ellipses drag less than discs", drag.falls("c1", "e1")) }}`. Tables of
+the reference come from the code: `{{ reference.keys() }}`.
 docs/write_pages.py writes the pages.
 """
 
 from importlib import import_module
 
+import reference
 from jinja2 import Environment, StrictUndefined
 
 import studies
@@ -34,7 +36,7 @@ TEMPLATES.filters |= FORMATS
 OF_STUDIES = [import_module(f"{studies.package_of(name)}.findings") for name in studies.NAMES]
 NAMES = (
     FORMATS
-    | {"table": table, "holds": holds, "ratios": ratios.ratios}
+    | {"table": table, "holds": holds, "ratios": ratios.ratios, "reference": reference}
     | {
         name: getattr(module, name)
         for module in (drag, scale, *OF_STUDIES)
