@@ -4,6 +4,8 @@ import sys
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+from dem.base.errors import InputError
+
 
 def say(sentence: str) -> None:
     """Print a sentence on standard error, on a line of its own even beside a progress bar."""
@@ -28,3 +30,14 @@ def did_you_mean(word: object, names: Iterable[object], otherwise: str | None = 
     if otherwise is not None:
         return otherwise
     return f"; there are {', '.join(known) or 'none'}"
+
+
+def check_known(words: str, name: object, known: Iterable[object], table: str) -> None:
+    """Raise InputError where a name is none of those known, which a table has.
+
+    words: the key and its verb, such as "shape is".
+    """
+    if name not in known:
+        raise InputError(
+            f"{words} {name!r}, which is not one of {table}{did_you_mean(name, known)}."
+        )

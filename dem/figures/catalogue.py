@@ -8,7 +8,7 @@ import numpy as np
 
 from dem.base.constants import described
 from dem.base.errors import InputError
-from dem.base.messages import did_you_mean
+from dem.base.messages import check_known
 from dem.io.dataset import BY_CASE, CHECK, LABELS
 from dem.io.lazily import open_lazily, require_drag
 
@@ -89,8 +89,7 @@ def wanted(block, names: list[str] | None, figures: dict[str, FigureSpec] = FIGU
     InputError."""
     given = _of_block(block)
     for name in names or ():
-        if name not in figures:
-            raise InputError(f"figures has {name!r}{did_you_mean(name, figures)}.")
+        check_known("figures has", name, figures, "the figures")
         if lack := figures[name].lack(*given, asked=True):
             raise InputError(f"figures has {name!r}: {lack}.")
     return possible(block, figures) if names is None else names
@@ -135,8 +134,7 @@ def draw(
     of: the quantity of the figure sweep. Raises InputError if there is nothing to draw, or no such
     figure.
     """
-    if name not in (known := [*figures, "all"]):
-        raise InputError(f"figure is {name!r}; there is no such figure{did_you_mean(name, known)}.")
+    check_known("figure is", name, [*figures, "all"], "the figures")
     names = [name]
     if name == "all":
         with open_lazily(data) as dataset:

@@ -10,7 +10,7 @@ import re
 from typing import NamedTuple
 
 from dem.base.errors import InputError
-from dem.base.messages import did_you_mean
+from dem.base.messages import check_known, did_you_mean
 from dem.base.refusals import parsed, written
 from dem.base.types import SEEDS, Label, Number
 from dem.experiment.config import Configuration, Entry, entries
@@ -172,11 +172,7 @@ def _values(spec, entry: Entry, sweep: Configuration, key: str) -> list:
     kind = entry.field.rebuild_annotation()
     values = [parsed(kind, value, key) for value in listed]
     for label in values if labels is not None else ():
-        if label not in labels:
-            raise InputError(
-                f"{key} is {label!r}, which is not one of "
-                f"{TABLES[path]}{did_you_mean(label, labels)}."
-            )
+        check_known(f"{key} is", label, labels, TABLES[path])
     _check_once(values, key)
     return sorted(values) if path == "seed" else values
 

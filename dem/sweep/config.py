@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 
 from dem.base.errors import InputError
 from dem.base.files import write_bytes
-from dem.base.messages import did_you_mean
+from dem.base.messages import check_known
 from dem.base.plugins import refresh, with_folder
 from dem.base.refusals import parsed
 from dem.base.source_hash import ROOT
@@ -72,11 +72,7 @@ class Sweep(Configuration):
     @model_validator(mode="after")
     def _check_cases(self):
         for label, case in self.cases.items():
-            if case.shape not in self.shapes:
-                raise ValueError(
-                    f"cases.{label}.shape is {case.shape!r}, which is not one of shapes"
-                    f"{did_you_mean(case.shape, self.shapes)}"
-                )
+            check_known(f"cases.{label}.shape is", case.shape, self.shapes, "shapes")
         return self
 
     @cached_property
@@ -93,10 +89,7 @@ class Sweep(Configuration):
 
     def named(self, name: str) -> dict:
         """What varies in a block; raises InputError where there is no such block."""
-        if name not in self.blocks:
-            raise InputError(
-                f"block is {name!r}; the sweep has no such block{did_you_mean(name, self.blocks)}."
-            )
+        check_known("block is", name, self.blocks, "the blocks")
         return self.blocks[name]
 
     @cached_property

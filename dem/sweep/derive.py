@@ -3,7 +3,7 @@
 from typing import Any, NamedTuple
 
 from dem.base.errors import InputError
-from dem.base.messages import did_you_mean
+from dem.base.messages import check_known, did_you_mean
 from dem.base.plugins import load
 from dem.base.refusals import parsed, written
 from dem.experiment.replicate import Replicate
@@ -25,8 +25,7 @@ def derived(
     """
     key, options = wanted.key, dict(wanted.group)
     asked, shape = str(options.pop("derive")), options.pop("shape", None) or run.label
-    if shape not in sweep.shapes:
-        raise InputError(f"{key} has the shape {shape!r}{did_you_mean(shape, sweep.shapes)}.")
+    check_known(f"{key} has the shape", shape, sweep.shapes, "shapes")
     blocks = {other: sweep.block(other).first.configuration.module for other in sweep.needed(name)}
     if not blocks:
         raise InputError(f"{key} derives a value; needs must name the blocks that it is from.")

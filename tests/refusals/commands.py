@@ -17,7 +17,7 @@ COMMANDS = {
     f"simulate --config config/smoke.yaml --shape c1 --density 3900 --seed 1 -o OUT {words}": sentence
     for words, sentence in OF_A_RUN.items()
 } | {
-    "combine --config config/smoke.yaml -o OUT --block drg": "no such block; the nearest is drag",
+    "combine --config config/smoke.yaml -o OUT --block drg": "not one of the blocks; the nearest is drag",
     "combine --config config/smoke.yaml -o OUT --observable zz": "observable is 'zz'",
     "figure figure13 pyproject.toml": "pyproject.toml",
     "figure all docs/data/drag.nc -o README.md": "output is 'README.md/all.svg'; it must be in a folder",

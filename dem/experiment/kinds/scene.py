@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from dem.base.messages import did_you_mean
+from dem.base.messages import check_known
 from dem.experiment.config import Configuration
 from dem.experiment.intruders import intruder_of
 from dem.experiment.replicate import Replicate
@@ -47,11 +47,7 @@ def check(configuration: Configuration) -> None:
             forced.add(name)
     for name, phase in configuration.phases.items():
         for solid, motion in phase.motion.items():
-            if solid not in solids:
-                hint = did_you_mean(solid, solids)
-                raise ValueError(
-                    f"phases.{name}.motion has {solid!r}, which is not one of solids{hint}"
-                )
+            check_known(f"phases.{name}.motion has", solid, solids, "solids")
             if solid in removed:
                 raise ValueError(
                     f"phases.{name}.motion has {solid}, which phases.{removed[solid]} removed"
@@ -102,9 +98,8 @@ def _check_body(configuration: Configuration, name: str, solid) -> None:
 
 def _check_exchange(c: Configuration) -> None:
     for name, sink in c.sinks.items():
-        if sink.to is not None and sink.to not in c.sources:
-            hint = did_you_mean(sink.to, c.sources)
-            raise ValueError(f"sinks.{name}.to is {sink.to!r}, which is not one of sources{hint}")
+        if sink.to is not None:
+            check_known(f"sinks.{name}.to is", sink.to, c.sources, "sources")
     fed = {sink.to for sink in c.sinks.values()}
     for name, source in c.sources.items():
         if source.count is None and name not in fed:
