@@ -32,22 +32,25 @@ def open_run(
         one, combined = run_of(dataset, select), "run" not in dataset.dims
         run = one["run_id"].item()
         if combined and "granule_x" in dataset.variables:
-            one = one.dropna("granule", subset=["granule_diameter"])  # others may have more
-            if not one.sizes["granule"]:
+            if (found := run_at(dataset, one, shapes)) is None:
                 raise InputError(f"{path}: the run with {' '.join(select)} failed.")
-            replicate = replicate_at(dataset, one, shapes)
-            replicate.point = tuple(select)
-            return replicate, {str(k): variable.values for k, variable in one.variables.items()}
+            found[0].point = tuple(select)
+            return found
     path = batch_of(path, run) if combined else path
     with open_lazily(path) as dataset:
         row = dataset["run_id"].values.tolist().index(run)
         replicate = replicate_of(path, dataset, row, shapes)
         replicate.point = tuple(select)
-        variables = dataset.isel(run=row).variables
-        if int(variables["failure"]):
-            reason = str(variables["failure_reason"].values).strip()
+        values = values_of(dataset.isel(run=row))
+        if values["failure"]:
+            reason = str(values["failure_reason"]).strip()
             raise InputError(f"{path}: {replicate.words()}, failed: {reason}")
-        return replicate, {str(name): variable.values for name, variable in variables.items()}
+        return replicate, values
+
+
+def values_of(one: xr.Dataset) -> dict:
+    """The variables of one run by name."""
+    return {str(name): variable.values for name, variable in one.variables.items()}
 
 
 def batch_of(path: Path, run: str) -> Path:
@@ -67,6 +70,13 @@ def batch_of(path: Path, run: str) -> Path:
 def replicate_of(path: Path, dataset: xr.Dataset, row: int, shapes=None) -> Replicate:
     """What a run of a batch is."""
     return of_results(json.loads(dataset.attrs["values"])[row], str(path), shapes)
+
+
+def run_at(dataset: xr.Dataset, one: xr.Dataset, shapes=None) -> tuple[Replicate, dict] | None:
+    """The run of one point of a combined file with granules, and its variables by name; None where it
+    failed."""
+    one = one.dropna("granule", subset=["granule_diameter"])  # others may have more
+    return (replicate_at(dataset, one, shapes), values_of(one)) if one.sizes["granule"] else None
 
 
 def replicate_at(dataset: xr.Dataset, one: xr.Dataset, shapes=None) -> Replicate:

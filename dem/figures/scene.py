@@ -4,25 +4,18 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dem.analysis.one_run import replicate_at
+from dem.analysis.one_run import run_at
 from dem.base.errors import InputError
 from dem.base.statistics import half_interval
 from dem.experiment.snapshots import snapshots_of
 from dem.figures import style
 from dem.figures.bed import draw, view_of
-from dem.figures.frames import Frames
 from dem.figures.snapshots import frames_of_case
 
 FILE = "scene"
 CAPTION = "A scene at three times, and the force and torque on each solid that is there"
 VARIABLES = ("granule_x", "solid_x")
 SHARES = 0.0, 0.5, 1.0  # of the recorded phase
-
-
-def frames_of_point(dataset: xr.Dataset, one: xr.Dataset) -> Frames:
-    """Frames of one run: its granules, walls and solids at the snapshots."""
-    variables = {str(name): variable.values for name, variable in one.variables.items()}
-    return frames_of_case(snapshots_of(replicate_at(dataset, one), variables))
 
 
 @style.styled
@@ -40,8 +33,8 @@ def plot(dataset: xr.Dataset) -> Figure:
     whole = np.flatnonzero(np.isfinite(runs["box_height"]))
     if not len(whole):
         raise InputError("all runs of the first point of this file failed; there is none to draw.")
-    one = runs.isel(seed=whole[0]).dropna("granule", subset=["granule_diameter"])
-    frames, time = frames_of_point(dataset, one), runs["snapshot_time"].values
+    frames = frames_of_case(snapshots_of(*run_at(dataset, runs.isel(seed=whole[0]))))
+    time = runs["snapshot_time"].values
     view = view_of(frames)
     width, height = view[1] - view[0]
     tall = style.WIDTH / len(SHARES) * height / width

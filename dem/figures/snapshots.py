@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dem.analysis.drag import find
-from dem.analysis.one_run import replicate_at
+from dem.analysis.one_run import run_at
 from dem.base.errors import InputError
 from dem.experiment.snapshots import Snapshots, snapshots_of
 from dem.figures import style
@@ -21,12 +21,8 @@ SCALE = 5.0  # mm, of the bar
 
 def motion_of(dataset: xr.Dataset, case: str) -> Snapshots | None:
     """The snapshots of the first seed of a case of snapshots.nc; None where its run failed."""
-    one = dataset.isel(seed=0).sel(case=case)
-    one = one.dropna("granule", subset=["granule_diameter"])  # others may have more
-    if not one.sizes["granule"]:
-        return None
-    variables = {str(name): variable.values for name, variable in one.variables.items()}
-    return snapshots_of(replicate_at(dataset, one), variables)
+    run = run_at(dataset, dataset.isel(seed=0).sel(case=case))
+    return run and snapshots_of(*run)
 
 
 def frames_of_case(motion: Snapshots) -> Frames:
