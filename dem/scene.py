@@ -22,7 +22,7 @@ from dem.motion import Held, finite
 from dem.outlines import Polygon, beyond
 from dem.periodic import ROOM, Periods, nearest_image
 from dem.shapes.disc import Disc
-from dem.solids import ROUNDED, Solid, Solids, Walls, granules
+from dem.solids import ROUNDED, Solid, Solids, Walls, granules, moved
 
 TOUCHING = 1e-9  # of the size of solids: less is no overlap
 THINNEST = 0.2  # of the radius of a granule: more than its overlap can exceed it
@@ -284,14 +284,9 @@ class Scene:
         position (k, 2) in m, angle (k,) in rad: of the solids, NaN of those that were removed;
         planes (w, 3): of the walls.
         """
-        later, places = copy(self), zip(self.solids, position, angle, strict=True)
-        solids = (
-            replace(one, position=tuple(at), angle=turn)
-            for one, at, turn in places
-            if not np.isnan(turn)
-        )
+        later, solids = copy(self), moved(self.solids, position, angle)
         walls = [replace(wall, plane=row) for wall, row in zip(self.walls, planes, strict=True)]
-        object.__setattr__(later, "solids", tuple(solids))
+        object.__setattr__(later, "solids", solids)
         object.__setattr__(later, "walls", tuple(walls))
         return later
 

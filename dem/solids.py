@@ -4,6 +4,7 @@ SI units throughout. Angles in rad, anticlockwise; x to the right, y upwards.
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
@@ -286,6 +287,16 @@ class Solid:
         if self.is_round:
             return self.radius - np.hypot(*points.T)
         return depth(getattr(self.outline, "pieces", [self.outline]), points)
+
+
+def moved(solids: Iterable[Solid], position: np.ndarray, angle: np.ndarray) -> tuple[Solid, ...]:
+    """Solids at positions (k, 2) in m and angles (k,) in rad, without those whose angle is NaN, because
+    they were removed."""
+    return tuple(
+        replace(solid, position=tuple(place), angle=turn)
+        for solid, place, turn in zip(solids, position, angle, strict=True)
+        if not np.isnan(turn)
+    )
 
 
 @checked

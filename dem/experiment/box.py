@@ -57,18 +57,24 @@ def _check_scene(replicate, height: float, largest: float, where: str) -> None:
             )
     except InputError as error:
         raise InputError(c.names_in(str(error))) from None
-    left, bottom, right, top = bed.region or (0.0, 0.0, bed.width, height)
-    if left < 0.0 or bottom < 0.0 or right > bed.width or top > height:
-        raise InputError(f"packing.region is {list(bed.region)}: {where}; it must be within.")
+    left, bottom, right, top = region = bed.region or (0.0, 0.0, bed.width, height)
+    _check_within("packing.region", region, bed.width, height, where)
     if bed.preparation == "lattice" and shapes:
         radius = max(shape.bounding_radius.max() for shape in shapes)
         solids = [solid.solid(height) for solid in bed.solids]
-        found = places(radius, (left, bottom, right, top), solids, periods)
+        found = places(radius, region, solids, periods)
         if len(found) < bed.count:
             raise InputError(
                 f"shapes.{replicate.label}.granules is {bed.count}: {where}, and its rows between x {left:g} "
                 f"and {right:g} m, y {bottom:g} and {top:g} m have room for {len(found)}."
             )
+
+
+def _check_within(key: str, region, width: float, height: float, where: str) -> None:
+    """Raise InputError where a region is not in a box of a width and a height (m)."""
+    left, bottom, right, top = region
+    if left < 0.0 or bottom < 0.0 or right > width or top > height:
+        raise InputError(f"{key} is {list(region)}: {where}; it must be within.")
 
 
 def _check_box(replicate, height: float, largest: float) -> None:
@@ -101,9 +107,8 @@ def _check_source(replicate, key: str, region, sizes, where: str) -> None:
     """Raise InputError where a source has no room; sizes: height of the box, length of the largest
     granule (m)."""
     bed, (height, length) = replicate.bed_description, sizes
+    _check_within(key, region, bed.width, height, where)
     (left, bottom, right, top), words = region, f"{key} is {list(region)}"
-    if left < 0.0 or bottom < 0.0 or right > bed.width or top > height:
-        raise InputError(f"{words}: {where}; it must be within.")
     edge = 0.5 * length
     if min(right - left, top - bottom) < length:
         raise InputError(

@@ -62,26 +62,21 @@ class Intruder:
     @cached_property
     def outline(self) -> Disc | Ellipse | Polygon | list[Polygon]:
         """The outline, with its length along x, and a tip upwards."""
+        width, shift = self.thickness or self.diameter, self.shift or (0.0, 0.0)
         if self.parts:
-            return [piece for part in self.parts for piece in part.pieces(self.shift or (0.0, 0.0))]
-        width = self.thickness or self.diameter
+            return [piece for part in self.parts for piece in part.pieces(shift)]
         if self.kind == "circle":
             return Disc([0.5 * self.diameter])
         if self.kind == "ellipse":
             return Ellipse([0.5 * self.diameter], [0.5 * width])
         if self.kind == "ring":
-            return self._ring(0.5 * width)
+            return [Polygon(p.corners + shift, 0.5 * width) for p in ring(self.diameter, width)]
         radius = 0.5 * width if self.kind == "plate" else ROUNDED * self.diameter
         half = 0.5 * self.diameter - radius
         slope = math.sqrt(3.0) if self.kind == "wedge" else 1.0
-        dx, dy = self.shift or (0.0, 0.0)
+        dx, dy = shift
         corners = [(dx + x * half, dy + y * half / slope) for x, y in CORNERS[self.kind]]
         return Polygon(corners, radius)
-
-    def _ring(self, radius: float) -> list[Polygon]:
-        """Plates around the room inside, whose corners have a radius (m)."""
-        shift = self.shift or (0.0, 0.0)
-        return [Polygon(p.corners + shift, radius) for p in ring(self.diameter, 2.0 * radius)]
 
     def pieces(self, shift: tuple[float, float]) -> list[Polygon]:
         """Polygons that it is, as a part of a body whose middle is at a place (m)."""
@@ -96,13 +91,12 @@ class Intruder:
         """Area (m2)."""
         if self.kind == "circle":  # to the last bit as equation 18 of the paper has it
             return 0.25 * math.pi * self.diameter**2
-        several = isinstance(self.outline, list)
-        return self.solid(0.0).area if several else float(np.sum(self.outline.area))
+        return self.solid(0.0).area
 
     @property
     def radius(self) -> float:
         """Radius (m) of the circle about the axis that holds the outline."""
-        return float(np.max(self.outline.bounding_radius))
+        return self.solid(0.0).radius
 
     def place(self, height: float) -> tuple[float, float]:
         """Place of the axis (m) in a box of a height (m)."""

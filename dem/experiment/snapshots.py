@@ -1,6 +1,5 @@
 """The snapshots of one run, with all that is needed to draw and to measure them."""
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +10,7 @@ from dem.experiment.replicate import Replicate
 from dem.experiment.scene import granules, make_scene, solids
 from dem.packing.random import Bed
 from dem.periodic import Periods, periods_of
-from dem.solids import Solid
+from dem.solids import Solid, moved
 
 ORIENTATIONS = "cylinder_orientation", "second_orientation"  # variables of a run
 
@@ -78,16 +77,7 @@ class Snapshots(NamedTuple):
 
     def solids(self, snapshot: int) -> tuple[Solid, ...]:
         """The solids where they are at a snapshot, but for those that were removed."""
-        return tuple(
-            replace(solid, position=tuple(place), angle=angle)
-            for solid, place, angle in zip(
-                self.drawn,
-                self.place[snapshot],
-                self.turn[snapshot],
-                strict=True,
-            )
-            if not np.isnan(angle)
-        )
+        return moved(self.drawn, self.place[snapshot], self.turn[snapshot])
 
 
 def snapshots_of(replicate: Replicate, values: dict) -> Snapshots:
