@@ -131,7 +131,7 @@ def granule_table(scene: Scene, fraction: float) -> GranuleTable:
         modulus=max(modulus(scene, material, material) for material in scene.materials),
         mean_radius=float(shape.constituent_radius.mean()),
         mean_mass=float(scene.mass.mean()),
-        held=scene.is_held[owner] if scene.held else np.zeros(len(owner), bool),
+        held=scene.is_held[owner],
         rolling=astuple(scene.rolling) if scene.rolling else (0.0, 0.0, 0.0, 0.0),
     )
 
@@ -140,8 +140,7 @@ def mobilities(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     """1/mass and 1/inertia (n,) of all granules in 1/kg and 1/(kg m2): no contact moves a held
     one."""
     inverse_mass, inverse_inertia = 1.0 / scene.mass, 1.0 / scene.inertia
-    if scene.held:
-        inverse_mass[scene.is_held] = inverse_inertia[scene.is_held] = 0.0
+    inverse_mass[scene.is_held] = inverse_inertia[scene.is_held] = 0.0
     return inverse_mass, inverse_inertia
 
 

@@ -226,8 +226,8 @@ class MovingScene:
         0.0
         """
         engine = self.engine
-        own = {"scene": self._fingerprint(), "order": engine.order}
-        return written(world=engine.world, progress=engine.progress, **own)
+        scene, order = self._fingerprint(), engine.order
+        return written(world=engine.world, progress=engine.progress, scene=scene, order=order)
 
     def _fingerprint(self) -> np.ndarray:
         """Hash that differs between scenes and options."""

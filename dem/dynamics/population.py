@@ -30,20 +30,19 @@ def populated(
     if wrong.any():
         words = "is not there" if new is None else "is there already"
         raise InputError(f"granules has {granules[wrong][0]}, which {words}; leave it out.")
-    order = order[np.isin(order, granules, invert=True)] if new is None else [*order, *granules]
-    order = np.array(order, np.int64)
+    order = np.append(order, granules) if new else np.setdiff1d(order, granules, True)
     check_free(scene, order, "granules")
     engine = deepcopy(engine)  # an interrupt changes nothing
     engine.end_step()
     state = state_of(engine.world, engine.order, scene.granules)
-    if new is not None:
+    if new:
         frame = np.array(engine.rules.frame)
         new.position -= frame * engine.progress.seen
         new.velocity -= frame
         for name in ARRAYS:
             getattr(state, name)[granules] = getattr(new, name)
     engine.populate(reassembled(scene, engine, state, order), order)
-    if new is not None:
+    if new:
         check_room(scene, engine, granules)
     return engine
 

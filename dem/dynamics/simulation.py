@@ -24,7 +24,7 @@ from dem.dynamics.numerics import (
 )
 from dem.dynamics.population import check_free, populated, reassembled
 from dem.dynamics.record import Record, record_of, shares
-from dem.dynamics.skin import skin_for, skin_of, skins_of
+from dem.dynamics.skin import skin_for, skins_of
 from dem.dynamics.world import REMOVED
 from dem.motion import Motion, Numbers, Spin, Velocities
 from dem.scene import Scene, State
@@ -123,12 +123,8 @@ class Simulation(MovingScene):
             state.velocity -= frame
         order = order_of(scene, state)
         system = assemble(scene, state, order, step_fraction, ledger)
-        if skin is None:
-            width = skin_for(scene, system.world, system.table, time_step)
-            skins = skins_of(scene, system.table)
-        else:
-            width = skin_of(scene, system.table, skin)
-            skins = width, width
+        skins = skins_of(scene, system.table, skin)
+        width = skin_for(system.world, system.table, time_step, skins)
         rules = StepControl(time_step or 0.0, max_overlap, skins, allow_unstable, frame)
         self.scene, self.engine = scene, Engine(system, width, rules, order, threads)
         system = self.engine.observe()[0]
@@ -218,10 +214,10 @@ class Simulation(MovingScene):
             raise InputError("saved is no checkpoint of this simulation; it is of another scene.")
         if lacking := self.checkpoint().keys() - saved.keys():
             raise InputError(f"saved is no whole checkpoint; it lacks {min(lacking)}.")
-        engine, order = self.engine, saved["order"]
+        engine, order = self.engine, np.array(saved["order"])
         state = State(np.zeros((self.scene.granules, 2)))
         system = reassembled(self.scene, engine, state, order)
-        engine.system, engine.order = system.suited(restored(system, saved)), np.array(order)
+        engine.system, engine.order = system.suited(restored(system, saved)), order
         engine.progress = replaced(engine.progress, saved, "progress")
 
     @checked

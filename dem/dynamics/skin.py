@@ -30,13 +30,13 @@ def skin_of(scene: Scene, table, share: float) -> float:
     return min([float(share * table.bounding.mean()), *widest_skins(scene)])
 
 
-def skins_of(scene: Scene, table) -> tuple[float, float]:
-    """The least and the widest skin (m) of a run."""
-    return skin_of(scene, table, SKIN), skin_of(scene, table, WIDEST)
+def skins_of(scene: Scene, table, share: float | None) -> tuple[float, float]:
+    """The least and the widest skin (m) of a run, one for a share that is given (`skin_of`)."""
+    return skin_of(scene, table, share or SKIN), skin_of(scene, table, share or WIDEST)
 
 
-def skin_for(scene, world, table, time_step: float | None) -> float:
-    """Skin (m) for the speeds of a scene at the start, at least SKIN and at most WIDEST.
+def skin_for(world, table, time_step: float | None, skins: tuple[float, float]) -> float:
+    """Skin (m) for the speeds of a scene at the start, within the least and the widest.
 
     What flies farther in a step needs its lists more often, or wider ones. The sum of both costs is
     least for a skin that grows with the root of the flight in a step. The speed is that of the
@@ -47,7 +47,7 @@ def skin_for(scene, world, table, time_step: float | None) -> float:
     usual = steps_alone(world.law, table, usual_overlap(world.law, table, speed))[1]
     step, size = time_step or usual, table.bounding.mean()
     wanted = math.sqrt(REBUILD_COST * speed * step * size)
-    return float(np.clip(wanted, *skins_of(scene, table)))
+    return float(np.clip(wanted, *skins))
 
 
 def following(skin: float, lasted: int, least: float, widest: float) -> float:
