@@ -14,7 +14,7 @@ from pydantic import Field, create_model, model_validator
 from pydantic.fields import FieldInfo
 
 from dem.base.errors import InputError
-from dem.base.messages import did_you_mean
+from dem.base.messages import check_known
 from dem.base.plugins import is_plugin
 from dem.base.refusals import parsed, section_of, unit_of
 from dem.base.types import (
@@ -64,35 +64,17 @@ from dem.laws import file_of as law_file
 from dem.periodic import Sides, periods_of, walled
 from dem.shapes import Kind, kind_of
 
-HERTZ = "hertz"  # the law of contacts where none is named
 # sections that only some experiments read
-SECTIONS = (
-    "cylinder",
-    "record",
-    "shear",
-    "solids",
-    "phases",
-    "sinks",
-    "sources",
-    "exchange_interval",
-)
+SECTIONS = dict.fromkeys(name for header in EXPERIMENTS.values() for name in header["SECTIONS"])
 # of the section record, which only some experiments read, and what they have without it
 RECORD_KEYS = {"window": None, "cells": CELLS, "region": None}
-NO_AXIS = (
-    "discs",
-    "mixture",
-    "region",
-    "until",
-    "file",
-    "path",
-    "removed",
-    "to",
-)  # names of others that cannot
 UNHASHED_KEYS = "beside", "record.window", "threads"  # that no number depends on
 FIXED_KEYS = *UNHASHED_KEYS, "record.observables"  # that cannot vary in a sweep
+# names of others that cannot
+NO_AXIS = "discs", "mixture", "region", "until", "file", "path", "removed", "to"
 # what runs have without these keys: said or not, they are one run
 USUAL = {
-    "contact.law": HERTZ,
+    "contact.law": ContactSection().name,
     "cylinder.outline": "circle",
     "cylinder.angle": 0.0,
     "record.cells": CELLS,
@@ -186,9 +168,7 @@ class Configuration(Section):
         for label in self.shapes:
             path = f"shapes.{label}.mixture"
             for name in self.shapes[label].mixture or ():
-                if name not in self.shapes:
-                    hint = did_you_mean(name, self.shapes)
-                    raise ValueError(f"{path} has {name!r}, which is not one of shapes{hint}")
+                check_known(f"{path} has", name, self.shapes, "shapes")
                 if self.shapes[name].mixture:
                     raise ValueError(
                         f"{path} has {name}, a mixture itself; name its shapes instead"
@@ -201,7 +181,8 @@ class Configuration(Section):
 
     @model_validator(mode="after")
     def _check_together(self):
-        record, pressure = self.record, self.packing.pressure
+        record, pressure, preparation = self.record, self.packing.pressure, self.packing.preparation
+        settled, plate = preparation == "settled", self.base_plate is not None
         bed_alone = self.module.constants.get("BED_ALONE")
         if self.second is not None and self.cylinder is None:
             other = "name it among solids" if self.phases else "give cylinder too"
@@ -211,7 +192,7 @@ class Configuration(Section):
                 f"packing.pressure is {pressure:g} Pa and periodic {self.periodic}; a pressure "
                 "needs a top wall, let periodic be none or x"
             )
-        if self.base_plate is not None and self.gravity:
+        if plate and self.gravity:
             raise ValueError(
                 f"gravity is {self.gravity:g}, in the plane of the bed, and base_plate is given; a bed "
                 "lies on a plate by base_plate.gravity: make gravity 0, and tilt the plate by "
@@ -225,23 +206,22 @@ class Configuration(Section):
                 f"base_plate.solid is {self.base_plate.solid:g} and no force moves a solid, so that it "
                 "has no effect; leave it out, or give a force, a spring, a torque or spin: free"
             )
-        if self.packing.preparation == "settled" and self.base_plate is not None:
+        if settled and plate:
             raise ValueError(
                 "packing.preparation is settled and base_plate is given; granules that lie on a plate "
                 "settle on no floor, let it be relaxed or grown"
             )
-        if self.packing.preparation == "settled":
-            if not self.gravity or "y" in self.periodic:
-                raise ValueError(
-                    f"packing.preparation is settled, gravity {self.gravity:g} and periodic "
-                    f"{self.periodic}; granules settle on a floor, give gravity, and let periodic be "
-                    "none or x"
-                )
-            if bed_alone:
-                raise ValueError(
-                    f"packing.preparation is settled; the experiment {self.experiment} compresses its "
-                    "bed, let it be relaxed or grown"
-                )
+        if settled and (not self.gravity or "y" in self.periodic):
+            raise ValueError(
+                f"packing.preparation is settled, gravity {self.gravity:g} and periodic "
+                f"{self.periodic}; granules settle on a floor, give gravity, and let periodic be none "
+                "or x"
+            )
+        if settled and bed_alone:
+            raise ValueError(
+                f"packing.preparation is settled; the experiment {self.experiment} compresses its bed, "
+                "let it be relaxed or grown"
+            )
         if bed_alone and self.contact.law == "cohesive":
             raise ValueError(
                 f"contact.law is cohesive; the experiment {self.experiment} compresses its bed, and "
@@ -252,11 +232,10 @@ class Configuration(Section):
                 f"record.bins is {record.bins}; it must be a multiple of record.snapshots - 1, "
                 f"which is {record.snapshots - 1}, so that every snapshot falls on the end of a bin"
             )
-        if self.packing.preparation in ("lattice", "file") and not self.phases:
-            words = "of a file" if self.packing.file else "in rows"
+        if preparation in ("lattice", "file") and not self.phases:
             raise ValueError(
-                f"packing.preparation is {self.packing.preparation}; granules {words} have still to "
-                "fall, in a phase of a scene, let it be relaxed, grown or settled"
+                f"packing.preparation is {preparation}; such granules have still to fall, in a phase of "
+                "a scene, let it be relaxed, grown or settled"
             )
         self.module.check_values()
         return self
@@ -346,11 +325,6 @@ class Configuration(Section):
         except InputError as error:
             raise InputError(f"shapes.{shape}.{error}") from None
 
-    @property
-    def law_name(self) -> str:
-        """Name of the law of contacts."""
-        return self.contact.law or HERTZ
-
     @cached_property
     def known(self) -> dict[str, dict[str, Any]]:
         """The values that a run of each shape is known by, by path, but for density and seed."""
@@ -380,7 +354,7 @@ class Configuration(Section):
     @cached_property
     def files(self) -> dict[str, tuple[Path, ...]]:
         """The files of the experiment, of observables, of each shape and of the law, by shape."""
-        files, law = self.module.files, law_file(self.law_name, self.beside)
+        files, law = self.module.files, law_file(self.contact.name, self.beside)
         return {label: (*files, self.kind_of(label).file, law) for label in self.shapes}
 
     @cached_property
@@ -396,9 +370,7 @@ class Configuration(Section):
     @checked
     def replicate(self, shape: str, density: Density, seed: Seed) -> Replicate:
         """One run; raises InputError if it is impossible."""
-        if shape not in self.shapes:
-            hint = did_you_mean(shape, self.shapes)
-            raise InputError(f"shape is {shape!r}; the configuration has no such shape{hint}.")
+        check_known("shape is", shape, self.shapes, "shapes")
         if self.shapes[shape].granules is None:
             raise InputError(
                 f"shapes.{shape}.granules is missing; only a part of mixtures needs none."
@@ -520,8 +492,7 @@ def model_of(base: type[Configuration], data) -> type[Configuration]:
 
 
 class Entry(NamedTuple):
-    """A value that may vary: its path, units (None: a text), what it is, and its description in the
-    schema."""
+    """A value that may vary: its path, units (None: a text), what it is, its field of the schema."""
 
     path: str
     units: str | None

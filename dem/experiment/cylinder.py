@@ -3,7 +3,6 @@
 import math
 
 from dem.base.constants import definitions
-from dem.experiment.intruders import RATIOS
 from dem.experiment.observables import file_of
 from dem.experiment.scene_sections import PhaseSection, SolidSection
 
@@ -11,21 +10,18 @@ from dem.experiment.scene_sections import PhaseSection, SolidSection
 def as_scene(configuration) -> dict:
     """Sections of the scene that a cylinder, and a second one, are; both are centred in the box."""
     cylinder, second = configuration.cylinder, configuration.second
-    width, kind, dx, dy = configuration.box_width, cylinder.outline or "circle", 0.0, 0.0
+    width, dx, dy = configuration.box_width, 0.0, 0.0
     if second is not None:
         (x, y), apart = cylinder.ahead, second.gap + 0.5 * (cylinder.diameter + second.diameter)
         beside, along = apart * math.cos(second.bearing), apart * math.sin(second.bearing)
         dx, dy = beside * y + along * x, along * y - beside * x
-    moving = {name: getattr(cylinder, name) for name in ("velocity", "direction", "material")}
-    moving["start"] = cylinder.start
-    slender = kind in RATIOS
+    shared = "velocity", "direction", "material", "start"
+    moving = {name: getattr(cylinder, name) for name in shared}
     solids = {
         "cylinder": SolidSection.model_construct(
-            outline=kind,
+            outline=cylinder.outline or "circle",
             diameter=cylinder.diameter,
-            thickness=cylinder.diameter / (cylinder.aspect_ratio or RATIOS[kind])
-            if slender
-            else None,
+            thickness=cylinder.aspect_ratio and cylinder.diameter / cylinder.aspect_ratio,
             x=0.5 * width - 0.5 * dx,
             y=0.0 - 0.5 * dy,
             angle=cylinder.angle or 0.0,

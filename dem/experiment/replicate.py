@@ -155,7 +155,7 @@ class Replicate:
             width=c.box_width,
             periodic=c.periodic,
             solids=tuple(map(intruder_of, c.scene.solids.values())),
-            law=c.law_name,
+            law=c.contact.name,
             constants=c.contact.constants,
             preparation=packing.preparation,
             friction=packing.friction,

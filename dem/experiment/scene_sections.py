@@ -7,7 +7,6 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from dem.base.types import (
-    AspectRatio,
     Coefficient,
     Count,
     Label,
@@ -269,12 +268,12 @@ class SolidSection(MotionSection):
     def _check(self):
         if not {"y", "start"} & self.model_fields_set:
             raise ValueError("y is missing; give it, or start")
-        for name in ("outline", "diameter"):
-            if not self.parts and getattr(self, name) is None:
-                raise ValueError(f"{name} is missing; give it, or parts")
         for name in ("outline", "diameter", "thickness"):
-            if self.parts and getattr(self, name) is not None:
+            given = getattr(self, name) is not None
+            if self.parts and given:
                 raise ValueError(f"{name} and parts are given; parts have theirs, leave one out")
+            if not (self.parts or given or name == "thickness"):
+                raise ValueError(f"{name} is missing; give it, or parts")
         _check_thickness(self)
         turned = self.pivot_x is not None or self.pivot_y is not None
         if turned and self.outline in ("circle", "ellipse"):

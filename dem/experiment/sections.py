@@ -132,13 +132,18 @@ class ContactSection(Section):
     """gap across which cohesive contacts attract, which they need"""
 
     @property
+    def name(self) -> str:
+        """Name of the law."""
+        return self.law or "hertz"
+
+    @property
     def constants(self) -> dict[str, float]:
         """What the law is given."""
         return {key: value for key, value in self if key != "law" and value is not None}
 
     @model_validator(mode="after")
     def _check(self):
-        law, cohesive = self.law or "hertz", {"pull_off", "range"}
+        law, cohesive = self.name, {"pull_off", "range"}
         for key, value in self.constants.items():
             owner = "cohesive" if key in cohesive else "linear"
             if law != owner:
@@ -244,40 +249,33 @@ class PackingSection(Section):
 
     @model_validator(mode="after")
     def _check(self):
-        if self.preparation == "lattice":
-            if self.height is None:
-                raise ValueError("height is missing; granules in a lattice fill no box, give it")
-            if self.friction:
-                raise ValueError(
-                    f"friction is {self.friction:g} and preparation lattice; granules there do not meet, "
-                    "leave it out"
-                )
+        given = {
+            name: value
+            for name in ("height", "fraction", "pressure")
+            if (value := getattr(self, name)) is not None
+        }
+        placed = {"lattice": "in a lattice", "file": "of a file"}.get(self.preparation)
+        if placed and self.height is None:
+            raise ValueError(f"height is missing; granules {placed} fill no box, give it")
+        if placed and self.friction:
+            raise ValueError(
+                f"friction is {self.friction:g} and preparation {self.preparation}; nothing is packed, "
+                "leave it out"
+            )
         if (self.file is None) == (self.preparation == "file"):
             words = "missing" if self.file is None else "given"
             other = "give one" if self.file is None else "leave it out, or let that be file"
             raise ValueError(f"file is {words} and preparation {self.preparation}; {other}")
-        if self.file is not None and self.height is None:
-            raise ValueError("height is missing; granules of a file fill no box, give it")
-        if self.file is not None and self.friction:
-            raise ValueError(
-                f"friction is {self.friction:g} and preparation file; nothing is packed, leave it out"
-            )
-        given = {"fraction": self.fraction, "pressure": self.pressure, "height": self.height}
-        if all(value is None for value in given.values()):
+        if not given:
             raise ValueError("fraction is missing; give it, or a pressure in its place")
-        if self.height is not None and (other := self.fraction or self.pressure) is not None:
-            key = "fraction" if self.fraction else "pressure"
+        if len(given) > 1:
+            (name, value), (other, size), *_ = given.items()
             raise ValueError(
-                f"height is {self.height:g} m and {key} {other:g}; one follows from the other, make one "
-                "of them null"
+                f"{name} is {value:g} and {other} {size:g}; one follows from the other, make one of them "
+                "null"
             )
         if self.region is not None and self.preparation != "lattice":
             raise ValueError("region is given; only a lattice has one, leave it out")
-        if self.fraction is not None and self.pressure is not None:
-            raise ValueError(
-                f"fraction is {self.fraction:g} and pressure {self.pressure:g} Pa; one follows "
-                "from the other, make one of them null"
-            )
         if self.preparation == "settled" and (self.fraction or 0.0) > LOOSEST:
             raise ValueError(
                 f"fraction is {self.fraction:g} and preparation settled; it is that of the box with "

@@ -76,8 +76,8 @@ CALLS = {
     "thickness is 0.01 m; it must be less than diameter, 0.008 m": solid(thickness=0.01),
     "it must be left, bottom, right, top, in this order": scene(record__region=[0.02, 0.0, 0.01, 0.03]),
     "height is missing; granules in a lattice fill no box": scene(packing__height=None, packing__fraction=0.5),
-    "height is 0.06 m and fraction 0.5; one follows": scene(packing__fraction=0.5),
-    "friction is 0.3 and preparation lattice; granules there": scene(packing__friction=0.3),
+    "height is 0.06 and fraction 0.5; one follows": scene(packing__fraction=0.5),
+    "friction is 0.3 and preparation lattice; nothing is packed": scene(packing__friction=0.3),
     "region is given; only a lattice has one": scene(packing__preparation="settled"),
     "solids.gate is 0.004 m inside the left wall; put": solid(x=0.0),
     "m inside solids.gate; put them beside": solid(y=0.0185),
@@ -100,12 +100,12 @@ FILES = {
     "solids is no section of the experiment drag": {
         "solids": {"a": {"outline": "circle", "diameter": 1e-3, "x": 0.0, "y": 0.0}}
     },
-    "granules in rows have still to fall": {
+    "preparation is lattice; such granules have still to fall": {
         "packing.preparation": "lattice",
         "packing.height": 0.02,
         "packing.fraction": None,
     },
-    "granules of a file have still to fall": {
+    "preparation is file; such granules have still to fall": {
         "packing.preparation": "file",
         "packing.file": ["x,y", "0.01,0.01"],
         "packing.height": 0.02,
