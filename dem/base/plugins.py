@@ -58,7 +58,7 @@ def find(key: str, word: str, beside: str | None, known: tuple[str, ...]) -> Pat
         raise InputError(f"{start}it must be one of {', '.join(known)}, or of a file of your own.")
     if beside is None:
         raise InputError(
-            f"{start}code that results name does not run; to let that of a folder run, name the folder "
+            f"{start}code that results name does not run; to allow code of a folder, name it "
             "(--shapes FOLDER on the command line, beside in a configuration)."
         )
     file = Path(beside, f"{word.partition('.')[0]}.py")
@@ -125,8 +125,8 @@ def load(file: Path) -> ModuleType:
 
 
 def _package(file: Path, codes: dict[str, str]) -> ModuleType:
-    """The package of a file of a user, which has its folder, and a name of its code and of that of
-    what it imports from there. codes: those that files of the folder must have."""
+    """The package of a user's file. Its path is the folder of the file; its name is a hash of the
+    code of the file and of its imports from there. codes: hashes that the files must have."""
     name = f"{OWN}{source_hash.code_hash(source_hash.planned_codes(file))[:16]}"
     package = sys.modules.get(name)
     if package is None or package.__path__ != [str(file.parent)]:
@@ -139,7 +139,8 @@ def _package(file: Path, codes: dict[str, str]) -> ModuleType:
 
 
 class _Loader(SourceFileLoader):
-    """Runs the modules of such packages, without bytecode, whose times are of seconds."""
+    """Runs the modules of such packages, without bytecode, whose times have a resolution of one
+    second."""
 
     @staticmethod
     def find_spec(name, path=None, target=None):
@@ -163,7 +164,7 @@ sys.meta_path.insert(0, _Loader)  # for PathFinder would run these in its own wa
 
 def _import(package, name, globals=None, locals=None, fromlist=(), level=0):
     """Python's own, but what is in the folder of a package comes first: a file in its own package, so
-    that it is one module for all who import it, a folder in that of who imports it."""
+    that it is one module for all importers, a folder in the importer's package."""
     head = name.partition(".")[0]
     file, folder = f"{head}.py", f"{head}/"
     if level == 0 and any(path.startswith((file, folder)) for path in package.codes):

@@ -61,7 +61,7 @@ def figure(
     data: argument(Path, "drag.nc, snapshots.nc, shear.nc or onset.nc."),
     output: FolderOption = None,
     of: option(
-        str | None, "Quantity of the figure sweep; drag, or the first of the file, if absent."
+        str | None, "Quantity to plot, only for the figure sweep; default: drag, or the first."
     ) = None,
 ):
     """Draw a figure of results, as SVG and PNG.
@@ -101,7 +101,7 @@ def rft(
 
 def draw(
     run: argument(Path, "drag.nc, or a file of runs.", metavar="RUN"),
-    output: option(Path, "File; its end says what it will be.", *OUTPUT),
+    output: option(Path, "Output file; its extension selects the format.", *OUTPUT),
     select: argument(
         list[str] | None,
         "Which run, by values that differ between runs, such as case=c1 seed=1.",

@@ -70,7 +70,7 @@ def status(
     file: FileArgument = PAPER,
     watch: option(bool, "Look again every few seconds.", "--watch") = False,
 ):
-    """Show how far a sweep is, point by point, while it runs or after it stopped. It only reads.
+    """Show the progress of a sweep, point by point, while it runs or later. Changes nothing.
 
     Example: dem status config/smoke.yaml --watch
     """
@@ -146,13 +146,13 @@ def simulate(
     output: option(Path | None, "netCDF file to write.", *OUTPUT, callback=writes(".nc")) = None,
     values: argument(
         list[str] | None,
-        "Values that replace those of the configuration, such as friction.granule=0.2.",
+        "Values that replace values of the configuration, such as friction.granule=0.2.",
         metavar="PATH=VALUE",
     ) = None,
     config: ConfigOption = PAPER,
     threads: option(
         int | None,
-        "Threads; they pay from some thousand granules on, same result. [default: threads of the "
+        "Threads, useful above some thousand granules; same result. [default: threads of the "
         "configuration]",
         min=1,
     ) = None,

@@ -82,7 +82,7 @@ USUAL = {
 
 
 class Configuration(Section):
-    """All values that a run can read, by `read`; those of a sweep file are more."""
+    """All values that a run can read, by `read`; a sweep file has more."""
 
     read: ClassVar[dict[str, FieldInfo]]
     experiment: Annotated[str, or_file(EXPERIMENTS), Field(examples=[*EXPERIMENTS])] = "drag"
@@ -507,7 +507,7 @@ class Entry(NamedTuple):
 def entries(
     fields: dict[str, FieldInfo] = Configuration.read, values: Any = None, head: str = ""
 ) -> dict[str, Entry]:
-    """All values of a configuration that may vary, by path; of tables those of its labels."""
+    """All values of a configuration that may vary, by path; of tables the values of its labels."""
     paths = {}
     for name, field in fields.items():
         path, section = head + name, section_of(field.annotation)

@@ -126,7 +126,7 @@ def _check_known(path, paths, where: str) -> None:
     if path not in paths:
         path = path if isinstance(path, str) else written(path)
         raise InputError(
-            f"{where}: {path} is no value that can vary{did_you_mean(path, paths, '')}."
+            f"{where}: {path} is not a value that can vary{did_you_mean(path, paths, '')}."
         )
 
 
@@ -138,7 +138,7 @@ def changes_of_words(configuration: Configuration, words: list[str]) -> dict:
         if not equal or not text:
             raise InputError(f"{word!r} is no value; write PATH=VALUE, such as box_width=0.02.")
         if path in RUN_KEYS:
-            raise InputError(f"{word!r} is said by an option; write --{path} {text}.")
+            raise InputError(f"{word!r} is an option; write --{path} {text}.")
         texts[path] = text
     return changes(texts, configuration, "values")
 

@@ -219,7 +219,7 @@ def described(run: Replicate) -> dict:
     """A sweep file of one run alone, as plain groups: a cylinder as solids and phases of a scene."""
     c = run.configuration
     values = replace(run, configuration=c.scene if c.experiment == "drag" else c).values()
-    values.pop("beside", None)  # that of the file, wherever it is put
+    values.pop("beside", None)  # the folder of the file, wherever it is put
     varied = {name: [values.pop(name)] for name in run.coordinates}
     return {"title": run.words(), "results": "results/described"} | values | {"sweep": varied}
 

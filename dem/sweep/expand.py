@@ -16,8 +16,8 @@ from dem.sweep.axis import RUN_KEYS, Axis, axis_of, changes, name_of
 from dem.sweep.derive import Derive, derived
 from dem.sweep.precision import MOST_RUNS, GridPoint, Until
 
-WORDS = ("needs", "values")  # of a block, beside what varies
-SAME = "cylinder.stroke", "shear.strain", "experiment"  # beside the sizes of runs
+WORDS = ("needs", "values")  # keys of a block that do not vary
+SAME = "cylinder.stroke", "shear.strain", "experiment"  # constant in a block, like sizes
 
 
 @dataclass(eq=False)
@@ -27,7 +27,7 @@ class Block:
     name:  of the block
     axes:  what varies
     runs:  by grid point, in the order of the grid
-    fixed: paths of values that all runs share, and that may differ from those of the file
+    fixed: paths of values that all runs share, and that may differ from the file
     """
 
     name: str
@@ -57,7 +57,7 @@ class Block:
 
     @property
     def beside_seed(self) -> list[Axis]:
-        """The axes but that of the seeds."""
+        """All axes except the seeds."""
         return [axis for axis in self.axes if axis.name != "seed"]
 
     @property
@@ -155,9 +155,9 @@ def expand(
 ) -> Block:
     """All runs of a block of a sweep; raises InputError that names key and value.
 
-    results: files of each block that it needs, open; values that follow from them are those of the
-             sweep file if absent.
-    counts: replicates at each point after some rounds; those of the first round if absent.
+    results: files of each block that it needs, open; if absent, values that follow from them
+             are taken from the sweep file.
+    counts: replicates at each point after some rounds; of the first round if absent.
     """
     block = sweep.named(name)
     where = "sweep" if name == "drag" else f"sweep.blocks.{name}"
@@ -194,7 +194,7 @@ def expand(
     names = [*grid.dims, *map(name_of, ways.keys() - {axis.entry.path for axis in axes})]
     recorded = {*experiment.layout, *experiment.along, *experiment.sizes(grid.first)}
     if twice := [name for name in names if names.count(name) > 1 or name in recorded]:
-        raise InputError(f"{where} gives files of results two things named {twice[0]}; rename one.")
+        raise InputError(f"{where} uses the name {twice[0]} twice in files of results; rename one.")
     seeds = max((len(axis.points) for axis in axes if axis.name == "seed"), default=1)
     if seeds > 1 and grid.first.bed_description.given_diameters is not None:
         raise InputError(

@@ -10,8 +10,8 @@ OF_A_RUN = {
     "shape=d1": "write --shape d1",
     "--shape C1": "the nearest is c1",
     "box_width=8mm": "it must be a number, in m",
-    "cylinder.speed=1": "cylinder.speed is no value that can vary; the nearest is cylinder.",
-    "record.window=[1,2]": "record.window is no value that can vary",
+    "cylinder.speed=1": "cylinder.speed is not a value that can vary; the nearest is cylinder.",
+    "record.window=[1,2]": "record.window is not a value that can vary",
 }
 COMMANDS = {
     f"simulate --config config/smoke.yaml --shape c1 --density 3900 --seed 1 -o OUT {words}": sentence

@@ -113,7 +113,7 @@ FILES = {
     },
     "packing.file is 'none.csv'; it cannot be read (": {"packing.file": "none.csv"},
     "packing.file is 3; it must be a file, or a list of its lines": {"packing.file": 3},
-    "sweep: packing.file is no value that can vary": {"sweep.packing/file": ["a.csv"]},
+    "sweep: packing.file is not a value that can vary": {"sweep.packing/file": ["a.csv"]},
     "record.cells is given; the experiment drag has none": {"record.cells": 9},
     "record.window is missing; give the displacements": {"record.window": None},
 }

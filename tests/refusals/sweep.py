@@ -29,15 +29,15 @@ FILES = {
     "sweep varies density in two ways; name it once.": {"sweep.density": [1e3]},
     "it must be a list of values, or factors: {times: [0.5, 2]}.": {"sweep.gravity": {"time": [1]}},
     "is false, which has no multiples.": {"sweep.numerics/allow_unstable": {"times": [2]}},
-    "no value that can vary; the nearest is friction.granule.": {"sweep.friction_granule": [0.1]},
+    "a value that can vary; the nearest is friction.granule.": {"sweep.friction_granule": [0.1]},
     "varies cylinder.stroke, which runs of one block share": {"sweep.cylinder/stroke": [1e-3]},
     "asks for an impossible run": {"sweep.cylinder/start": [0.25, 0.01]},
-    "sweep: p is no value that can vary": {"sweep.p": {"a": B, "b": 3}},
+    "sweep: p is not a value that can vary": {"sweep.p": {"a": B, "b": 3}},
     "sweep.p.a.gravity is [1, 2]; it must be a number": {"sweep.p": {"a": {"gravity": [1, 2]}}},
     "has '1' twice": {"sweep.p": {1: {}, "1": {}}},
     f"a name in sweep is 'm n'; {A_LABEL}": {"sweep.m n": {"a": B}},
     "sweep.p has a point without a name; give it one": {"sweep.p": {" ": B}},
-    "no value that can vary; the nearest is gravity": {
+    "not a value that can vary; the nearest is gravity": {
         "sweep.p": POINTS | {"over": {"gravit": RANGE}}
     },
     "is a power of two: take 8 or 16.": {
@@ -49,7 +49,7 @@ FILES = {
     "sweep must give all runs a shape or a case": {"sweep": {"box": {"a": C1, "b": B}}},
     f"sweep.blocks.../x is '../x'; {A_LABEL}": {"sweep": {"blocks": {"../x": {"case": "all"}}}},
     "blocks.store is a folder of results": {"sweep": {"blocks": {"store": {"case": "all"}}}},
-    "blocks.a: null is no value that can vary": {"sweep": {"blocks": {"a": {None: [1]}}}},
+    "blocks.a: null is not a value that can vary": {"sweep": {"blocks": {"a": {None: [1]}}}},
     "needs is 'b'; it must be a block before it: a.": derived(needs="b"),
     "leave friction out": derived({"friction": 0.3}),
     "contact.law 'linear'; loads of jamming compare under": derived() | {"contact.law": "linear"},
@@ -58,9 +58,7 @@ FILES = {
     "'load', which no block in needs gives; there are equal_di": derived({"derive": "load"}),
     "seed has until, and needs a; list the seeds": derived(seed={"until": "5 %"}),
     "has blocks and shape": {"sweep": {"blocks": {"a": C1}} | C1},
-    "two things named friction_w": {
-        "sweep": C1 | {"friction.wall": [1], "friction_wall": {"a": {}}}
-    },
+    "uses the name friction_w": {"sweep": C1 | {"friction.wall": [1], "friction_wall": {"a": {}}}},
 } | {
     f"sweep.seed is {seeds!r}": {"sweep.seed": seeds}
     for seeds in ["5 to 1", "1 to 99999999999", "-1 to 3", "2147483648"]

@@ -77,10 +77,10 @@ CALLS = {
     "sweep varies rest.layers, which runs of one block share; use blocks.": refused(
         f"{SWEPT}rest.layers: [2, 3]}}", RESTING
     ),
-    "sweep gives files of results two things named rest_margin; rename one.": refused(
+    "sweep uses the name rest_margin twice in files of results; rename one.": refused(
         f"{SWEPT}rest.margin: [0, 1]}}", RESTING.replace("'count'", "'rest_margin'")
     ),
-    "two things named count; rename one": refused(
+    "uses the name count twice in files of results; rename one": refused(
         f"{SWEPT}count: {{a: {{}}, b: {{gravity: 1}}}}}}", RESTING
     ),
     "the variable turn is over snap; its dimensions may be bound, displacement": refused(
