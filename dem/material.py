@@ -156,8 +156,8 @@ class Rolling:
     Notes
     -----
     A spring resists the rotation of one body relative to the other with the elastic-plastic moment
-    of Ai, Chen, Rotter and Ooi (2011), model C: its stiffness is ``3 (mu_r R_r)^2`` times that of
-    the normal force, and its moment is at most ``mu_r R_r N``, where ``1/R_r = 1/R_1 + 1/R_2`` and
+    of Ai, Chen, Rotter and Ooi (2011), model C: its stiffness is ``3 (mu_r R_r)^2`` times the
+    normal stiffness, and its moment is at most ``mu_r R_r N``, where ``1/R_r = 1/R_1 + 1/R_2`` and
     `mu_r` is the coefficient. A disc stays at rest on a slope up to ``tan(slope) = mu_r``. When a
     contact unloads, the moment shrinks with the stiffness. A dashpot acts in parallel until the
     moment reaches its limit. Both bodies feel opposite moments. At a coefficient of 1 a run takes
@@ -207,7 +207,7 @@ class BasePlate:
     Wolf, Phys. Rev. Lett. 90, 248302, 2003). One that is not round counts as a disc with its radius
     of gyration: its friction when it only slides is exact, and the torque when it only spins is 3
     per cent too high for ellipses twice as long as wide, 5 per cent at three times. A granule that rests is held by a spring and
-    a dashpot, which is critical. The weight of a solid is that of the mass of its `Drive`.
+    a dashpot, which is critical. The weight of a solid follows from the mass of its `Drive`.
 
     Examples
     --------

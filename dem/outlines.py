@@ -55,7 +55,7 @@ class Polygon:
     Raises
     ------
     InputError
-        If the corners are not those of a convex polygon, or the radius is not positive.
+        If the corners do not make a convex polygon, or the radius is not positive.
 
     Examples
     --------

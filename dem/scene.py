@@ -61,8 +61,8 @@ class Scene:
     material : Material or sequence of Material
         Material of all granules, or the s materials that `species` numbers.
     friction : Friction, optional
-        Friction of all contacts; None for smooth ones, but for those of walls and solids that have
-        a coefficient of their own.
+        Friction of all contacts; None for smooth ones, except at walls and solids that have
+        their own coefficient.
     walls : array_like of shape (w, 3), or sequence, optional
         One row (nx, ny, offset) per wall, offset in m, as `box` returns them, or a `Wall`.
     solids : Solid or sequence of Solid, optional
@@ -71,7 +71,7 @@ class Scene:
         Acceleration (x, y) in m/s2.
     thickness : float, optional
         Thickness of the granules out of the plane (m). It enters their mass and inertia, and the
-        stiffness of laws of discs, not that of Hertz. None for the mean diameter of discs of the
+        stiffness of laws of discs, but not Hertz's law. None for the mean diameter of discs of the
         same areas.
     boundary : Material, optional
         Material of walls and solids that have none of their own; None for rigid ones.
@@ -102,8 +102,8 @@ class Scene:
     -----
     Motion follows equations (1) and (2) of the paper. The paper measures the size of a granule by
     its volume diameter (section 3.1); the default thickness is the mean of it. The coefficient of
-    restitution of two materials is the geometric mean of both; that of a rigid wall or solid is
-    that of the granule. Sizes and walls are copies of what is given.
+    restitution of two materials is the geometric mean of both; at a rigid wall or solid
+    it is the granule's. Sizes and walls are copies of what is given.
 
     Examples
     --------

@@ -167,10 +167,10 @@ class Solid:
     ----------
     outline : Polygon, list of Polygon, or granules of a shape
         Outline in the frame of the solid: a `Polygon`, a `plate`, or one granule of a shape, such
-        as ``dem.Disc([1e-3])``. A granule that is not round must be of the shape of the bed, or
-        the bed be of discs or dumbbells. Polygons make one body, which need not be convex: a `ring`,
-        a `circle` or others. They may lie apart or overlap. Where those of one radius meet, granules
-        do not feel where one ends.
+        as ``dem.Disc([1e-3])``. A granule that is not round must be of the shape of the bed, or the
+        bed be of discs or dumbbells. Polygons make one body, which need not be convex: a `ring`, a
+        `circle` or others. They may lie apart or overlap. Where polygons of one radius meet,
+        granules do not feel the seam.
     position : tuple of float
         Position (x, y) of the origin of the outline at the start (m).
     angle : float
@@ -178,7 +178,7 @@ class Solid:
     velocity : tuple of float, PrescribedMotion or Drive
         Velocity (x, y) in m/s, or what it follows; at rest by default.
     spin : float or Turn
-        Angular velocity (rad/s), added to that of a `PrescribedMotion`; or a `Turn`, which the
+        Angular velocity (rad/s), added to the spin of a `PrescribedMotion`; or a `Turn`, which the
         torques on the solid drive.
     friction : float, optional
         Coefficient of friction with granules, without unit; None for `Friction.solid`.

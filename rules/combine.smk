@@ -7,7 +7,7 @@ OUTPUTS
 """
 
 
-# of a whole checkpoint Snakemake asks again, once it is made, what the rest needs
+# after a checkpoint Snakemake evaluates again what the other rules need
 checkpoint combine:
     message:
         "Combine the runs into {output}"

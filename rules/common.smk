@@ -102,8 +102,8 @@ def missing(sweep, block, rounds=None):
 
 
 def to_make(wildcards):
-    """What the sweep must make. Of a drag.nc that exists Snakemake does not ask what it waits for, or what it was
-    made of if `dem sweep` made it, so that more runs are targets themselves."""
+    """What the sweep must make. Snakemake does not reopen an existing drag.nc, nor one by `dem
+    sweep`, so missing batches are targets themselves."""
     targets = []
     for block in filter(SWEEP.is_known, SWEEP.sweep.blocks):
         if batches := missing(SWEEP, block):

@@ -1,5 +1,5 @@
-"""Means of the runs of a combined file, one row a point: for a spreadsheet, or beside those of
-another."""
+"""Means of the runs of a combined file, one row a point: for a spreadsheet, or next to the means
+of another."""
 
 from pathlib import Path
 
@@ -116,7 +116,7 @@ def compared(path: Path, other: Path, name: str | None = None) -> xr.Dataset:
 
 
 def table_of(result: xr.Dataset) -> pd.DataFrame:
-    """One row a point, the values that vary first; of a design those of its points, and not their
+    """One row a point, the values that vary first; for a design the values of its points, not their
     numbers."""
     frame = result.to_dataframe().reset_index().drop(columns=designs_of(result))
     return frame.rename(columns={name: heading(result[name]) for name in frame})

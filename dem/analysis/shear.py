@@ -2,7 +2,7 @@
 
 A `dataset` has the layout of shear.nc, with shear_inertial_number as a dimension or over points
 that differ in nothing else. Runs are the replicates: what a run measures is averaged over its
-strain, and means and intervals are those of runs from beds of their own. Pieces of one run would be
+strain, and means and intervals are over runs with different beds. Pieces of one run would be
 no replicates, because they remember each other and the bed that they began with.
 
 The friction of the bed is the ratio of the mean forces on the lid along it and across it: in steady

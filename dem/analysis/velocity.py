@@ -22,7 +22,7 @@ from dem.base.statistics import Estimate, bootstrap_interval, bootstrap_weights
 
 AXIS = "cylinder_velocity"
 LEAST = {AXIS: 4, "seed": 3}  # values that a fit and its intervals take
-EXPONENTS = np.linspace(0.25, 2.0, 141)  # from nearly logarithmic to that of collisions
+EXPONENTS = np.linspace(0.25, 2.0, 141)  # from nearly logarithmic to the exponent of collisions
 
 
 class Law(NamedTuple):

@@ -109,7 +109,7 @@ def run_hash(*plugins: Path) -> str:
 
 @cache
 def planned_codes(file: Path) -> dict[str, str]:
-    """Hash of the code of a file, and of those of its folder that it imports, as they were when runs
+    """Hash of the code of a file, and of its imports from its folder, as they were when runs
     were planned; the folder itself is in no hash. Raises UNREADABLE."""
     return codes(with_imports(file), file.parent)
 

@@ -23,7 +23,7 @@ class Estimate(NamedTuple):
 
     @property
     def half(self) -> float:
-        """The longer part of the interval; that of a ratio is longer above."""
+        """The longer part of the interval; the interval of a ratio is longer above."""
         return max(self.high - self.value, self.value - self.low)
 
 
@@ -80,7 +80,7 @@ def half_interval(sample, over: Sequence[str] = ()):
     """Half the interval of the mean of a DataArray (seed, ...), by Student's t; NaN for a single run.
 
     over: axes along which the means are averaged. There, runs of one seed belong together, and
-    places may have other seeds: the degrees of freedom are Welch's, but at most those of all seeds.
+    places may have other seeds: the degrees of freedom are Welch's, but at most as for all seeds.
     """
     sample = sample.compute()
     runs = sample.count("seed")

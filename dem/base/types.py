@@ -57,7 +57,7 @@ def whole(value: Any) -> int:
 
 
 def must(words: str, holds: Callable[[Any], Any] = lambda value: True) -> WrapValidator:
-    """One sentence for all that a type refuses: what a value must do. holds: asked of the rest."""
+    """Validator with one sentence for all refusals: what a value must do. holds: an extra test."""
 
     def check(value: Any, take: Callable[[Any], Any]) -> Any:
         with suppress(ValueError):

@@ -13,7 +13,7 @@ from dem.base.errors import InputError
 
 DEEPEST = 64  # groups and lists within each other, and files that extend each other
 LONGEST = 1000  # letters of a text
-MOST = 1_000_000  # values; those of an alias count wherever it is used
+MOST = 1_000_000  # values; an alias counts wherever it is used
 TOO_MUCH = f"it has more than {MOST:,} values, or they are nested more than {DEEPEST} deep or in themselves"
 CORE = {
     "merge": "<<",  # not of the core schema: a group in others, by its alias

@@ -1,6 +1,6 @@
 """Damping and friction at one contact under any law of dem.laws: scalars in, scalars out.
 
-Normal force: that of the law, with a dashpot and no tension; tangential: a Mindlin spring and a
+Normal force: from the law, with a dashpot and no tension; tangential: a Mindlin spring and a
 dashpot under Coulomb's cap. The dashpot's constant follows from the coefficient of restitution.
 
 Symbols: overlap delta (m), constant K, measure and root of the law (dem.laws.protocol), damping
@@ -52,9 +52,10 @@ def restitution_from_damping(zeta):
     """Coefficient of restitution of a contact with the damping ratio zeta, of any law.
 
     With y = sqrt(2 u) of the elastic energy K u(delta) and d(tau) = y' dt the equation of a
-    collision becomes that of a linear oscillator of damping ratio zeta. The contact ends where the
-    force would turn into tension. Velocity and the rate of y are proportional, so the result for
-    the linear oscillator (Schwager and Poeschel 2007, Granul. Matter 9, 465) holds exactly:
+    collision becomes the equation of a linear oscillator of damping ratio zeta. The contact ends
+    where the force would turn into tension. Velocity and the rate of y are proportional, so the
+    result for the linear oscillator (Schwager and Poeschel 2007, Granul. Matter 9, 465) holds
+    exactly:
 
     * e = exp(-(pi - 2 psi) tan(psi)) for zeta = sin(psi),
     * e = exp(-2 u coth(u)) for zeta = cosh(u).

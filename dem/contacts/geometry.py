@@ -289,7 +289,7 @@ def polygon_contact(shape, faces, t, turned, one, corner, dx, dy, guess):
 
     A face is a half-plane along its length, and meets any shape by its support function, as a wall
     does. A corner is a circle, and meets any shape by its own contact search. The effective radius
-    R* is that of the granule on both, so that the force does not jump where one becomes the other.
+    R* is the granule's on both, so that the force does not jump where one becomes the other.
 
     turned: cosine and sine of the angle of target t; one, corner: outlines of the constituent and
     of a corner; dx, dy (m): where the polygon is from the constituent.

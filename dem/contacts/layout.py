@@ -1,4 +1,4 @@
-"""Where the numbers of contacts are: those of one block side by side, so that vector units take
+"""Where the numbers of contacts are: side by side in each block, so that vector units take
 them.
 
 A list of contacts has blocks of BLOCK, and each block has columns: constants of its contacts, and
@@ -81,7 +81,7 @@ class Layout(NamedTuple):
         mu_r R_r (m), and the constant of its dashpot over the root of the law.
     mass_x, mass_y, mass_turn : int
         m/m* for a normal along x and along y, where a driven boundary yields, and what a squared lever
-        (m2) about one that turns adds to it; the dashpot is then that of the mass m.
+        (m2) about one that turns adds to it; the dashpot then belongs to the mass m.
     shift_x, shift_y : int
         Whole periods (m) from body 2 to its image beside body 1.
     sizes : int
@@ -93,7 +93,7 @@ class Layout(NamedTuple):
     history : int
         From here on, what contacts remember.
     second : int
-        From the sizes of body 1 on to those of body 2.
+        From the sizes of body 1 to the sizes of body 2.
     stride : int
         From a block to the next.
     size_count, outline_size_count : int

@@ -82,15 +82,15 @@ def average_roots(law, table, base, count, dt, lanes):
 
 
 def dashpot_along(dashpot, ratio_x, ratio_y, ratio_turn, nx, ny, lever):
-    """The dashpot of a contact with a boundary that yields, from that of the mass m and the ratios m/m*
-    of dem.contacts.layout; lever (m): of the normal about the centre of body 2."""
+    """The dashpot of a contact with a moving boundary, from the dashpot of the mass m and the
+    ratios m/m* of dem.contacts.layout; lever (m): of the normal about the centre of body 2."""
     ratio = ratio_x * nx * nx + ratio_y * ny * ny
     ratio += ratio_turn * lever * lever
     return dashpot / math.sqrt(ratio if ratio > 0.0 else 1.0)
 
 
 def rolling_stiffness(law, arm, constant):
-    """Rolling stiffness over the measure of the law: 3 (mu_r R_r)^2 times that of the normal force.
+    """Rolling stiffness over the measure of the law: 3 (mu_r R_r)^2 times the normal stiffness.
 
     arm: mu_r R_r (m); constant: of the law.
     """
@@ -102,8 +102,8 @@ def respond(law, table, base, count, dt, lanes):
 
     Bodies that do not touch remember nothing, and feel nothing but the dashpot if they touch within
     half a step: their overlap counts as zero in the law. Springs are capped first, then spring and
-    dashpot, so that friction does no positive work. The cap is that of what pushes: attraction
-    takes nothing from it.
+    dashpot, so that friction does no positive work. The pushing part of the force
+    sets the cap: attraction does not lower it.
     """
     apart()
     widest_vectors()

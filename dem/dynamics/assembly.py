@@ -50,7 +50,7 @@ class GranuleTable(NamedTuple):
     Attributes
     ----------
     arm : ndarray of shape (n,)
-        Bound of the distances of centres of constituents from that of the granule (m).
+        Bound of the distances (m) of centres of constituents from the centre of the granule.
     radius : ndarray of shape (constituents,)
         Radius in the law (m).
     bounding : ndarray of shape (constituents,)
@@ -152,7 +152,7 @@ def modulus(scene: Scene, *materials) -> float:
 def law(scene: Scene, friction: float, material, partner) -> list[float]:
     """Row of GranuleTable.laws for a granule of a material and its partner, None if it is rigid.
 
-    Tangential over normal stiffness is that of Mindlin, 4 G*/E*, under every law.
+    Tangential over normal stiffness is Mindlin's ratio, 4 G*/E*, under every law.
     """
     materials = (material,) if partner is None else (material, partner)
     young = effective_modulus(*materials)
@@ -250,7 +250,7 @@ def held_groups(scene: Scene, bodies: np.ndarray, motion: np.ndarray) -> Held:
 
 
 def meeting(outlines, shape):
-    """Outlines of solids that granules meet as each other; with one R* a pair, if these are discs."""
+    """Outlines of solids for the granules' own contact search; one R* a pair if these are discs."""
     if not isinstance(outlines, Ellipse):
         return outlines
     if not isinstance(shape, Ellipse):
@@ -419,7 +419,7 @@ def assemble(
     return System(world, table, flags, Lists(listed), work)
 
 
-# Order in memory: that of Morton (1966), the bits of two cell numbers interleaved, so that a patch
+# Order in memory: Morton's (1966), the bits of two cell numbers interleaved, so that a patch
 # (dem.dynamics.world) is compact, and has few neighbours in others
 
 
@@ -431,7 +431,8 @@ def _spread(number):
 
 
 def order_of(scene: Scene, state: State) -> np.ndarray:
-    """Granules (n,) that are there, in the order of memory: that of the user for a bed of one patch."""
+    """Granules (n,) that are present, in the order of memory: the user's order for a bed of one
+    patch."""
     present = state.present
     if len(present) <= PATCH:
         return present

@@ -31,8 +31,8 @@ def copied(tree):
 
 
 def spelled(tree):
-    """Numbers and arrays of a tree of tuples and data classes, as what prints alike only if it is
-    alike."""
+    """Nested tuple whose repr identifies the numbers and arrays of a tree of tuples and data
+    classes."""
     if isinstance(tree, np.ndarray):
         return tree.dtype.str, tree.shape, tree.tobytes()
     if isinstance(tree, tuple | list):

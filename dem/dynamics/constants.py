@@ -37,7 +37,7 @@ def inverse_masses_driven(boundaries, b):
 
 def inverse_masses_of(world, g):
     """Inverse mass (1/kg) of granule g along x and y, and zero: its turning does not count in m*. If
-    it is held, those of its group."""
+    it is held, the values of its group."""
     b = world.held.group[g]
     if b >= 0:
         return inverse_masses_driven(world.boundaries, b)

@@ -30,12 +30,12 @@ class ContactList(NamedTuple):
     normal : ndarray of shape (m, 2)
         Unit normals (nx, ny) that point away from the granule, without unit.
     branch : ndarray of shape (m, 2)
-        Branch vectors (m): from the centre of the granule to that of the other granule, of its
-        image beside a periodic side, or to the point of contact with a solid or a wall.
+        Branch vectors (m): from the centre of the granule to the centre of the other granule, or
+        of its image beyond a periodic side, or to the point of contact with a solid or a wall.
     overlap : ndarray of shape (m,)
         Overlaps (m); negative across a gap.
     force : ndarray of shape (m,)
-        Elastic normal forces (N), without those of dashpots; negative where they attract.
+        Elastic normal forces (N), without dashpots; negative where they attract.
     tangential_force : ndarray of shape (m,)
         Forces of the tangential springs (N) on the partner, along the tangent (-ny, nx); zero
         without friction, NaN where it is not known.

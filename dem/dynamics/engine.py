@@ -163,7 +163,7 @@ class Progress(NamedTuple):
     granule : int
         Granule that says so.
     seen : float
-        The time (s) that was asked for, or that of the last step where it is not reached.
+        The requested time (s), or the time of the last step if it is not reached.
     time : float
         Time (s) of the last whole step, which is not later than `seen`.
     steps : int
@@ -177,7 +177,7 @@ class Progress(NamedTuple):
     first_dt : float
         The first time step (s).
     dt_since : float
-        Time (s) since which dt is taken.
+        Time (s) when dt was last changed.
     steps_at_dt : int
         Steps since then.
     pending_kick : float
@@ -289,7 +289,8 @@ class Engine:
         self.choose_step()
 
     def begin(self) -> None:
-        """Lists and forces for velocities of a full step; previous accelerations are those of now."""
+        """Lists and forces for velocities of a full step; previous accelerations are the present
+        ones."""
         self.rebuild()
         self.system.forces(0.0)
         self.system.drift(0.0, 0.0)
@@ -546,7 +547,7 @@ class Engine:
 
     def observe(self) -> tuple[System, Diagnostics]:
         """A copy of the bed at the time that was asked for, which may lie within a step, and how it
-        is. Lists and contact history are those of the bed itself."""
+        is. It shares lists and contact history with the bed."""
         if self._view is None or self._view[0] is not self.progress:
             seen = self.seen()
             diagnostics = self.diagnose(seen, 0.0)

@@ -73,8 +73,8 @@ def clear(table, low, high):
 def contact_forces(world, task, begin, end, dt, pair, lanes, rows):
     """What is asked of the contacts of blocks begin to end.
 
-    FORCES: add their forces to boundaries and constituents, those of other patches in the rows of
-    Patches.
+    FORCES: add their forces to boundaries and constituents; constituents of other patches have rows
+    of Patches.
     SHOW: copy their geometry, the first SEEN rows of the lanes, to rows (blocks, SEEN or more, BLOCK);
     RESPOND: with the forces that follow from it.
     """

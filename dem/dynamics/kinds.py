@@ -17,7 +17,7 @@
 | YIELDS | a normal force moves a boundary, so that contacts have another effective mass |
 | LEDGER | energies are counted |
 | WITH_OUTLINES, WITH_POLYGONS | solids have the outline of a granule, or of a polygon |
-| FULL | velocities are those of full steps: nothing turns, and contacts have dashpots |
+| FULL | velocities are at full steps: nothing turns, and contacts have dashpots |
 
 Each flag doubles the kinds, and a kind takes several seconds to compile. What costs no time where it
 is absent is data instead: walls, round solids, gravity, paths, held granules, patches and threads.

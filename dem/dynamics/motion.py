@@ -1,6 +1,6 @@
 """How granules and boundaries move: kicks by forces, and drifts.
 
-Velocities are those of half steps: a kick that ends one step begins the next. A dashpot sees the
+Velocities are at half steps: a kick that ends one step begins the next. A dashpot sees the
 velocity at the full step, v(t + dt/2) + a dt/2. The acceleration a is extrapolated from the last
 two, a = 2 a(t) - a(t - dt). With the last one alone the dashpot would be late by a step, brake less
 while the force grows and more while it falls, and take more energy than it should, by two per cent
@@ -43,8 +43,8 @@ def greater(a, b):
 
 
 def extrapolated(previous_acceleration, i, c, now):
-    """Acceleration after the coming step, from that of now and the previous one, which becomes that
-    of now. Where no contact has a dashpot, that of now."""
+    """Acceleration after the coming step, from the present and the previous one, which becomes the
+    present one. Where no contact has a dashpot, the present one."""
     if DAMPING:
         ahead = 2.0 * now - previous_acceleration[i, c]
         previous_acceleration[i, c] = now
@@ -55,7 +55,7 @@ def extrapolated(previous_acceleration, i, c, now):
 def drift(granules, constituents, held, boundary_motion, gravity, account, kick, dt, low, high):
     """Kick granules low to high over the time `kick` (s), then move them over dt (s).
 
-    With dt = 0 velocities are then those of a full step.
+    With dt = 0 velocities are then at a full step.
     """
     apart()
     widest_vectors()
@@ -176,7 +176,7 @@ def move_held(granules, held, boundary_motion, account, kick, low, high):
 def move_boundaries(boundaries, constituents, account, kick, dt):
     """Kick all boundaries over the time `kick` (s) and move them over dt (s).
 
-    Velocities are those of half steps, as of granules. `move_held` then moves held granules.
+    Velocities are at half steps, as for granules. `move_held` then moves held granules.
     Impulses take up what kicks: with the momentum of the granules, they are exact.
     """
     apart()

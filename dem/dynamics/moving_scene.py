@@ -44,7 +44,7 @@ class MovingScene:
     def world(self) -> World:
         """The arrays of the kernels, in SI units.
 
-        Their granules may be in another order than those of the scene (dem.dynamics.assembly). Do
+        Their granules may be in another order than in the scene (dem.dynamics.assembly). Do
         not write to them, because the neighbour list and the time step rely on them;
         dem.dynamics.checkpoint.copied copies them.
 

@@ -105,7 +105,7 @@ def with_motion(
 
     velocity, spin: as of dem.solids.Solid; None for what goes on. seen: how much later (s) than the
     arrays it begins, and its way (3,) until then (m, rad); None for now, where it may be driven and
-    velocities are those of a full step.
+    velocities are at a full step.
     """
     ahead, way = seen or (0.0, np.zeros(3))
     begin, motion = boundaries.time[0] + ahead, boundaries.motion.copy()

@@ -59,7 +59,7 @@ class Record(NamedTuple):
 
 
 def shares(scene: Scene, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows (..., r, c) of Boundaries as those of walls (..., w, c), solids (..., k, c) and held
+    """Rows (..., r, c) of Boundaries, split into walls (..., w, c), solids (..., k, c) and held
     groups (..., g, c)."""
     walls, held = len(scene.walls), rows.shape[-2] - len(scene.held)
     return rows[..., :walls, :], rows[..., walls:held, :], rows[..., held:, :]

@@ -267,8 +267,8 @@ def scan_blocks(world, bed, layout, begin, geometry, bounds, result):
 
 
 def add_springs(boundaries, granules, rows):
-    """Stiffness of the springs that drive boundaries, and of weights, on their rows after those of
-    granules."""
+    """Stiffness of the springs that drive boundaries, and of weights, on their rows after the rows
+    of granules."""
     drive = boundaries.drive
     for b in range(drive.shape[0]):
         for c in range(3):

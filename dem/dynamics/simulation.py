@@ -233,7 +233,7 @@ class Simulation(MovingScene):
         velocity : tuple of float, PrescribedMotion or Drive, optional
             Velocity (x, y) in m/s, or what it follows, as of `Solid`; None to leave it as it is.
         spin : float or Turn, optional
-            Angular velocity (rad/s), anticlockwise, added to that of a `PrescribedMotion`, or a
+            Angular velocity (rad/s), anticlockwise, added to the spin of a `PrescribedMotion`, or a
             `Turn`; None to leave it as it is, but for a `PrescribedMotion` that has one.
 
         Raises
@@ -372,8 +372,8 @@ class Simulation(MovingScene):
         position : array_like of shape (h, 2)
             Centres of mass (m).
         velocity : array_like of shape (h, 2), optional
-            Velocities of the centres (m/s), zero if not given; held granules have that of their
-            group.
+            Velocities of the centres (m/s), zero if not given; held granules have the velocity of
+            their group.
         angle : array_like of shape (h,), optional
             Angles (rad), anticlockwise, zero if not given.
         angular_velocity : array_like of shape (h,), optional

@@ -115,12 +115,12 @@ def advance(world, task, kick, dt, steps, limit, rows, thread):
     """What a bed is asked for, in one kernel, so that its parts are compiled once.
 
     STEPS: take up to `steps` steps of dt (s); stop when a constituent has moved farther than `limit`
-    (m). DRIFT: kick and move all bodies, without forces. FORCES: those of the present positions, over
+    (m). DRIFT: kick and move all bodies, without forces. FORCES: at the present positions, over
     a step dt. SHOW, RESPOND: see dem.dynamics.forces.contact_forces, of the blocks from `steps` on.
 
     kick (s): of the first step, what the step before has left of its own and half of this one. A
     kick of dt goes on as if there had been no call. Returns the number of steps done and the
-    largest displacement (m); that of granules counts as 0 up to `limit`. Half a step of kicks is
+    largest displacement (m); granules count as 0 up to `limit`. Half a step of kicks is
     then still to come.
 
     A patch moves as soon as this thread knows all forces on it, while they are in the cache. The

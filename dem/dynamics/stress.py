@@ -1,6 +1,6 @@
 """Stress and fabric of a bed: what its contacts carry, and how they are directed.
 
-The stress is that of Love and Weber: a contact with force f on the partner and branch vector l
+The stress follows Love and Weber: a contact with force f on the partner and branch vector l
 gives f l / volume. Volume is the area between the walls, without the cylinder, times the thickness.
 In bins along x or y a contact counts for the share of its branch vector that lies in the bin: the
 mean force that crosses the lines of the bin is then exact (Irving and Kirkwood 1950).

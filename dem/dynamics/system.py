@@ -161,7 +161,7 @@ class System:
         """The result of a scan (dem.dynamics.scan).
 
         steps: whether time steps are asked for; least (m): smallest overlap of a contact in these,
-        zero for that of a collision at the greatest expected speed.
+        zero for the overlap of a collision at the greatest expected speed.
         """
         bodies = len(self.world.granules.angle) + len(self.world.boundaries.angle)
         bounds, result = np.zeros((bodies, BOUNDS)) if steps else NO_BOUNDS, np.zeros(RESULT)

@@ -36,7 +36,7 @@ class Granules(NamedTuple):
     force : ndarray of shape (n or more, 4)
         Forces and torques. Constituents.force where a granule is its own only constituent.
     previous_acceleration : ndarray of shape (n, 4)
-        Accelerations (m/s2, rad/s2) a step before those of `force`.
+        Accelerations (m/s2, rad/s2) a step before `force`.
     """
 
     motion: np.ndarray
@@ -65,7 +65,7 @@ class Constituents(NamedTuple):
     owner : ndarray of shape (c,)
         Granule that each constituent belongs to.
     place : ndarray of shape (c, 2)
-        Centres (m) from that of the granule, at angle zero.
+        Centres (m) from the centre of the granule, at angle zero.
     """
 
     motion: np.ndarray
@@ -110,7 +110,7 @@ class Boundaries(NamedTuple):
     planes : ndarray of shape (w, 3)
         Of walls: rows (nx, ny, offset), solid where n.x > offset.
     motion : ndarray of shape (r, 8)
-        Rows of dem.contacts.layout, always of half steps. The position is that of a solid, or how
+        Rows of dem.contacts.layout, always of half steps. The position is a solid's, or how
         far a wall or a group has moved since the start.
     angle : ndarray of shape (r,)
         Angles (rad).

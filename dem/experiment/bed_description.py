@@ -170,7 +170,7 @@ class BedDescription:
 
     @property
     def diameters(self) -> np.ndarray:
-        """Volume diameters (n,) in m, those of a file, or each about the mean of its part."""
+        """Volume diameters (n,) in m, from a file, or each about the mean of its part."""
         if self.given_diameters is not None:
             return self.given_diameters
         means = np.array([part.diameter for part in self.parts])[self.part_numbers]
@@ -195,7 +195,7 @@ class BedDescription:
         """Height (m) for granules of some diameters (m), V_f = V_g / (W H - V_c) (equation 18).
 
         count: how many granules there are of every diameter. Under a pressure V_f is NOMINAL: the
-        height by which the start of the cylinder is measured, near that of the bed.
+        height by which the start of the cylinder is measured, near the height of the bed.
         """
         if self.box_height is not None:
             return self.box_height

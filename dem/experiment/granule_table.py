@@ -114,7 +114,7 @@ Granules = Annotated[
 
 
 def check_table(replicate) -> None:
-    """Raise InputError where the granules of a table are not those of a run, or not in its box."""
+    """Raise InputError where a table does not fit a run: other granules, or not in its box."""
     bed, label = replicate.bed_description, replicate.label
     table, count = bed.table, len(bed.table.angle)
     if len(bed.parts) > 1:

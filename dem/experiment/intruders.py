@@ -17,7 +17,7 @@ RATIOS = {
     "ring": 6.0,
 }  # length over width, where the thickness is none
 ROUNDED = 1.0 / 12.0  # of the diameter: radius of the corners of a square or a wedge
-# by outline: corners, anticlockwise, over half the width between them; those of a wedge are lower by sqrt(3)
+# by outline: corners, anticlockwise, over half the width between them; of a wedge lower by sqrt(3)
 CORNERS = {
     "plate": [(-1.0, 0.0), (1.0, 0.0)],
     "square": [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)],
@@ -40,7 +40,7 @@ class Intruder:
     x : float
         Place of the axis along x (m).
     start, offset : float
-        Its height: a share of that of the box, and metres above that.
+        Its height: a share of the height of the box, and metres above it.
     angle : float
         Angle at the start (rad).
     shift : tuple of float, optional

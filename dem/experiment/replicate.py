@@ -82,7 +82,8 @@ class Replicate:
         return self.configuration.shape_of(self.label)
 
     def material_of(self, section) -> Material:
-        """Material of granules, a wall or a solid: what a section leaves out is that of the run."""
+        """Material of granules, a wall or a solid: values that a section leaves out are the
+        run's."""
         plain = self.configuration.material
         elastic = section or plain
         return Material(
@@ -109,7 +110,7 @@ class Replicate:
 
     @property
     def granules(self) -> int:
-        """Number of granules, those of sources too."""
+        """Number of granules, with the granules of sources."""
         return sum(bed.count for bed in self.beds)
 
     @property

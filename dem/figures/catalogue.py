@@ -109,7 +109,7 @@ def _of_block(block) -> tuple:
 
 
 def drawable_from(dataset, figures: dict[str, FigureSpec] = FIGURES) -> list[str]:
-    """Names of those of some figures that a file suffices for."""
+    """Names of the figures that can be drawn from a file."""
     given = of_file(dataset)
     return [name for name, figure in figures.items() if not figure.lack(*given)]
 

@@ -23,8 +23,10 @@ def export(motion: Snapshots, path: Path, progress=lambda done: None) -> None:
 
     Granules are polygons with their true outline, a dumbbell two; data of each: number, volume
     diameter (m), angle (rad), velocity (m/s), the mean since the snapshot before, and the sum of
-    its normal forces (N). Solids are polygons more, with the numbers -1, -2 and so on. Contacts are lines from centre to centre, with the next number and their normal force. Lengths
-    in m; time is the displacement of a cylinder (m), or that of a scene (s). What has left through a periodic side is put back into the box.
+    its normal forces (N). Solids are polygons too, with the numbers -1, -2 and so on. Contacts are
+    lines from centre to centre, with the next number and their normal force. Lengths in m; time is
+    the displacement of a cylinder (m), or the time of a scene (s). Granules that have left through
+    a periodic side are put back into the box.
     """
     lines = []
     for snapshot, mark in enumerate(motion.marks):

@@ -32,7 +32,7 @@ def figure_of(
     """A figure of the bed, with its record beside it if it has one, and what shows a frame there.
 
     shown: frames whose forces set the scale, the first of which is shown; None for all. size: in
-    inches; None for that of a film, which is upright where the bed is tall.
+    inches; None for the size of a film, which is upright where the bed is tall.
     """
     known = "speed", "force", *frames.paints
     if color not in known:

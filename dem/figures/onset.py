@@ -11,7 +11,7 @@ FILE = "onset"
 CAPTION = "Where beds jam and on how many contacts, against aspect ratio"
 AXES = {"granules": 3, "seed": 3}
 VARIABLES = ("onset_fraction", "onset_contacts")
-APART = 0.015  # on the scaled axis: marks of one aspect ratio, those of larger beds to the right
+APART = 0.015  # on the scaled axis: marks of one aspect ratio, larger beds to the right
 ISOSTATIC = {4.0: "isostatic discs, 4", 6.0: "isostatic ellipses, 6"}
 
 

@@ -1,4 +1,4 @@
-"""Mean drag, or that of another quantity, against the values that a sweep varied.
+"""Mean drag, or the mean of another quantity, against the values that a sweep varied.
 
 A grid of values: the numeric axis with most values is along x. The next axis (the shape, if it
 varies) has one line per value, the others one panel per value. A design: one panel per factor, one

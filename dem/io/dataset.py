@@ -142,7 +142,7 @@ def write(path: Path, values: dict, attrs: dict, layout: dict) -> None:
 
 
 def add_dimensions(file, dims: tuple, shape: tuple) -> None:
-    """Add those of some dimensions that a file lacks."""
+    """Add the dimensions that a file lacks."""
     for dim, size in zip(dims, shape, strict=True):
         if dim not in file.dimensions:
             file.createDimension(dim, size)

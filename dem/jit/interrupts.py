@@ -14,7 +14,7 @@ NAMES = "SIGTERM", "SIGHUP", "SIGALRM", "SIGINT"
 
 @contextmanager
 def signals_deferred() -> Iterator[Callable[[], None]]:
-    """Python's handlers of signals, such as that of Ctrl-C, run at the end of the block, or where it
+    """Python's handlers of signals, such as of Ctrl-C, run at the end of the block, or where it
     calls what this gives."""
     arrived: list[int] = []
     if threading.current_thread() is not threading.main_thread():

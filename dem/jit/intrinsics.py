@@ -52,7 +52,7 @@ def attribute(change):
 
 
 def widest_vectors():
-    """Use vectors of 512 bits in the function that calls this: LLVM takes those of 256 bits on
+    """Use vectors of 512 bits in the function that calls this: LLVM takes vectors of 256 bits on
     processors of Intel that have both. A step of discs takes a tenth less."""
 
 

@@ -2,7 +2,7 @@
 
 A kernel is a function of a module, with all functions that it calls. Names in capitals that the
 caller gives are constants in its place: Numba drops `if FRICTION:` where FRICTION is False, before
-it looks at types. Functions that a class answers, such as those of a shape or a law, are those of
+it looks at types. Functions that a class answers, such as a shape or a law, come from
 the classes that the caller gives. All of them stay plain functions, which Python can call.
 """
 
@@ -56,8 +56,8 @@ class Binding:
         self.constants: dict[str, Any] = {}
 
     def copy(self, function: FunctionType, is_answer: bool = False) -> FunctionType:
-        """A function whose globals are those that it loads, as they are in this kernel; those of an
-        answer of a class are as in its own file."""
+        """A function whose globals are those that it loads, as they are in this kernel; for an
+        answer of a class, as in its own file."""
         names = {"__name__": function.__module__, "__builtins__": __builtins__}
         for instruction in get_instructions(function.__code__):
             name = instruction.argval
@@ -171,11 +171,11 @@ def new_dispatcher(function, keeps: bool):
 def compile_apart(function, signature) -> None:
     """Have another process compile a function and keep its machine code, where this one can fork.
 
-    Where LLVM compiles, it has machine code of each part beside that of the whole kernel, and calls
-    the former, of which some sums round otherwise. This process then reads the code from disk as all
-    later ones do, so that the first run of a kind has the same bits. If the other process fails, this
-    one compiles; also if it stands still, because it waits for a lock that another thread of this one
-    held, which it lacks.
+    Where LLVM compiles, it has machine code of each part beside the code of the whole kernel, and
+    calls the former, of which some sums round otherwise. This process then reads the code from disk
+    as all later ones do, so that the first run of a kind has the same bits. If the other process
+    fails, this one compiles; also if it stands still, because it waits for a lock that another
+    thread of this one held, which it lacks.
     """
     if not sys.platform.startswith("linux"):
         return
@@ -198,7 +198,7 @@ def compile_apart(function, signature) -> None:
 
 @contextmanager
 def compiling():
-    """Count the time of a block as that of compiling; without garbage collection, which takes a
+    """Count the time of a block as compiling; without garbage collection, which takes a
     sixth of it and finds little."""
     enabled, started = gc.isenabled(), time.process_time()
     gc.disable()
@@ -232,7 +232,7 @@ def _made(function, classes, constants):
 
 
 def computing() -> float:
-    """Processor time (s) of this process without that of compiling."""
+    """Processor time (s) of this process without compiling."""
     return time.process_time() - Kernel.compiling
 
 

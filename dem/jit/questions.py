@@ -10,8 +10,8 @@ from dem.base.errors import InputError
 
 
 def question(stub):
-    """Decorator: a function whose body is that of a class that answers nothing else; a stub that
-    raises NotImplementedError must be answered."""
+    """Decorator: a function whose body is the default answer; a class must answer a stub that
+    raises NotImplementedError."""
     answers = {}
 
     @functools.wraps(stub)
@@ -27,9 +27,9 @@ def register(cls, *functions, questions, members, usual, **renamed):
     """Make a class known to the kernels: each function answers the question of its name, or of the
     keyword that it is given for.
 
-    members: what Python asks of the class, beside what the class `usual` has, whose members it gets
-    where it has none. Raises InputError for an unknown question, an unanswered one without a
-    default, or a missing member.
+    members: attributes that the class must have; usual: a class whose members are the defaults.
+    Raises InputError for an unknown question, an unanswered one without a default, or a missing
+    member.
     """
     functions = {function.__name__: function for function in functions} | renamed
     known = {question.__name__: question for question in questions}

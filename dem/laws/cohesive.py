@@ -31,11 +31,11 @@ class Cohesive(NamedTuple):
     ``F = 4/3 E* sqrt(R*) delta^1.5 - F_0`` in contact, and ``-F_0 (1 + delta / d)`` across a gap
     ``-delta`` below the range d. The energy of the pull, which granules lose as they come together,
     is ``F_0 d / 2`` at touch. Nothing is lost by it: on separation the force takes the same way
-    back. Coulomb's limit and rolling resistance are those of Hertz's force, so that a contact under
-    no load bears a shear force of ``mu F_0``. The dashpot is that of Hertz's law: restitution is as
-    asked for where the pull is small beside the forces of an impact. Beds are packed without the
-    pull. With constant pull-off force this is the linear form of the law of Derjaguin, Muller and
-    Toporov (1975), J. Colloid Interface Sci. 53, 314, in which the pull-off force of spheres is
+    back. Coulomb's limit and rolling resistance follow from Hertz's force, so that a contact under
+    no load bears a shear force of ``mu F_0``. The dashpot is as in Hertz's law: restitution is as
+    prescribed if the pull is small compared with the forces of an impact. Beds are packed without
+    the pull. With constant pull-off force this is the linear form of the law of Derjaguin, Muller
+    and Toporov (1975), J. Colloid Interface Sci. 53, 314, in which the pull-off force of spheres is
     ``4 pi gamma R*`` for a surface energy gamma.
 
     Examples

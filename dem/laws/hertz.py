@@ -14,7 +14,7 @@ class Hertz(NamedTuple):
 
     Notes
     -----
-    Hertz (1882); Johnson, "Contact Mechanics" (1985), chapter 4. The dashpot is that of Tsuji,
+    Hertz (1882); Johnson, "Contact Mechanics" (1985), chapter 4. The dashpot follows Tsuji,
     Tanaka and Ishida (1992). The thickness of granules does not enter.
 
     Examples

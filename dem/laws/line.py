@@ -25,12 +25,12 @@ class Line(NamedTuple):
 
     Notes
     -----
-    ``delta = p (ln(a/p) - 1)`` with ``p = F / (pi E* L)``, the thickness L (m) of the granules and a
-    length a, ``4 (R1 + R2)`` between discs of one material and ``4 R`` at a rigid wall (Johnson,
-    "Contact Mechanics", 1985, section 5.6). It is that of half-spaces and ends at an overlap of
-    ``a / e^2``, 0.54 R at a rigid wall and 1.08 R between equal discs; from 99.5 % of that on, the
-    stiffness grows in proportion to the overlap instead. A flat elastic wall counts as a body of
-    the granule's radius.
+    ``delta = p (ln(a/p) - 1)`` with ``p = F / (pi E* L)``, the thickness L (m) of the granules and
+    a length a, ``4 (R1 + R2)`` between discs of one material and ``4 R`` at a rigid wall (Johnson,
+    "Contact Mechanics", 1985, section 5.6). It holds for half-spaces and ends at an overlap of
+    ``a / e^2``, 0.54 R at a rigid wall and 1.08 R between equal discs. From 99.5 % of this overlap
+    on, the stiffness grows in proportion to the overlap instead. A flat elastic wall counts as a
+    body of the granule's radius.
 
     Examples
     --------
@@ -54,7 +54,7 @@ def measure(law, overlap, length):
     """1/s, where w = s + 1 is minus Lambert's W_-1(-e delta / a): w - ln(w) = 1 + u.
 
     Two steps of Halley's method from a series about u = 0 lead to rounding for all u. Beyond the
-    edge 1/LEAST times overlap over that of the edge.
+    edge 1/LEAST times overlap over the overlap of the edge.
     """
     u = max(-2.0 - math.log(max(overlap / length, TINY)), STEEPEST)
     t = math.sqrt(2.0 * u)

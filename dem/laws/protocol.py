@@ -2,14 +2,14 @@
 
 A law is an elastic energy U = K u(delta) of the overlap delta (m); the normal force is F = K f(delta),
 f = du/d delta. K is the constant of a pair. All else follows: in y = sqrt(2 u) a collision with
-the dashpot 2 zeta sqrt(m* K) y' d(delta)/dt, y' = dy/d delta, is that of a linear oscillator of
+the dashpot 2 zeta sqrt(m* K) y' d(delta)/dt, y' = dy/d delta, is a linear oscillator of
 damping ratio zeta, for any law and at any speed (dem.contacts.force_law). Mindlin's spring,
 Coulomb's cap, the bound of the time step and the energy ledger are written once, for all laws.
 
 A law is a NamedTuple. Its class selects, at compile time, the answers to the questions of the
 kernels, and has `modulus` and the members of `Law` for Python. `dem.check_law` tests both. Answers
-have no branches, so that they become vector code. Where an answer is passed `measured`, that is
-what `measure` has answered for the same overlap.
+have no branches, so that they become vector code. The argument `measured` is the answer of
+`measure` for the same overlap.
 """
 
 import math
@@ -21,13 +21,13 @@ TINY = 1e-300
 
 
 class Law:
-    """What Python asks of a law beside `modulus`, with what most laws have in common.
+    """What Python asks of a law besides `modulus`, with the defaults of most laws.
 
     ``modulus(young, thickness)`` is the constant of two materials: their E* (Pa), or for granules
     of a thickness (m) a stiffness (N/m).
     """
 
-    # Power of the overlap that the force nearly is. Read by packing and by the fits of jamming.
+    # Approximate exponent of the overlap in the force. Read by packing and by the fits of jamming.
     # Wrong: a bed under a pressure takes longer, and the onset of jamming is less exact.
     power = 1.0
 
@@ -38,7 +38,7 @@ class Law:
     # Constant of the dashpot over the damping ratio: 2 y' over what `root` answers, without unit.
     dashpot = 2.0
 
-    # How much more damping counts in the step of two granules that collide alone, without unit: a
+    # Factor on damping in the step of two granules that collide alone, without unit: a
     # dashpot that acts with its full force from touch on takes more steps than one that sets in
     # gradually. Too small: at the default step collisions of a low restitution return too much.
     margin = 1.2
@@ -68,14 +68,14 @@ def length(law, share, one, two, radius):
     """A second constant of a pair (m), zero if the law has none.
 
     share: of the elastic compliance 1/E* that the granule has, 1 with a rigid partner; one, two:
-    radii (m) of the granule and its partner, that of the granule for a flat one; radius: R* (m).
+    radii (m) of the granule and its partner, the granule's again for a flat one; radius: R* (m).
     """
     return 0.0
 
 
 @question
 def measure(law, overlap, length):
-    """What a stiffness grows with: the tangential stiffness is K times that, times a number of the
+    """What a stiffness grows with: the tangential stiffness is K times this, times a number of the
     materials. A contact remembers it.
 
     overlap (m): zero or more; measure(0) is 0, so that an open contact keeps no spring. length: of

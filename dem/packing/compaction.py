@@ -29,7 +29,7 @@ PIECES = 80  # of damped motion, at most, after a step
 
 
 class Press:
-    """A bed in a room whose granules grow up to those of `shape`.
+    """A bed in a room whose granules grow to the sizes of `shape`.
 
     full: packing fraction when they have grown; fraction: as they are; friction: Coulomb's
     coefficient of all contacts while they grow; prepare: makes the bed that is pressed, as

@@ -27,8 +27,8 @@ RESTING, RESTING_OF_LARGE = 1e-4, 3e-3
 def pack_under(shape, room, pressure, job):
     """A bed at rest whose top wall bears a pressure, to one part in a thousand.
 
-    The height of the room is that of the box in which the bed is loose, before its top wall comes
-    down; pressure: that force on the top wall over width and Room.modulus. Solids stay where they
+    The room has the height at which the bed is loose, before its top wall comes down; pressure:
+    the force on the top wall over width and Room.modulus. Solids stay where they
     are; otherwise as dem.pack. Raises PackingError as dem.pack does, and where no height is found.
     """
     power = 1.0 / room.law.power
@@ -68,9 +68,8 @@ def pack_under(shape, room, pressure, job):
 def _next(seen):
     """Height (m) to look at next, by a secant, at most STEP from the last one.
 
-    The other point of the secant is the last one that bore too much where this one bears too
-    little, or the other way round: the next height is then between them. Without one it is the last
-    that is far enough away to tell a slope.
+    The other point of the secant is the last point of opposite sign, which brackets the height.
+    Without one it is the last point that is far enough away for a slope.
     """
     height, borne = seen[-1]
     across = [at for at in seen if (at[1] - 1.0) * (borne - 1.0) < 0.0]

@@ -1,8 +1,8 @@
 """What a bed costs: iterations and time, by the number of granules and the packing fraction.
 
 Fitted to beds of discs in docs/data/large_beds.csv. Below random close packing the number of
-iterations does not depend on that of granules; near it the bed rearranges in avalanches as large as
-itself, and it grows as N^0.9.
+iterations does not depend on the number of granules; near it the bed rearranges in avalanches as
+large as itself, and it grows as N^0.9.
 """
 
 import math

@@ -2,7 +2,7 @@
 
 FIRE (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201, with the corrections of Guenole et al. 2020,
 Comput. Mater. Sci. 175, 109584) is mechanics with a bias: velocities turn towards the forces, and
-the bed stops whenever it moves uphill. The forces are those of a run without friction and damping.
+the bed stops whenever it moves uphill. The forces are as in a run without friction and damping.
 The radius of gyration puts torques and spins on the scale of forces and speeds.
 
 An iteration goes over the bed twice, patch by patch as a run does (dem.dynamics.step): forces
@@ -352,7 +352,7 @@ class Minimiser:
         return largest
 
     def critical_step(self) -> float:
-        """Critical time step (s) of the contacts, those of pairs that are near with an overlap."""
+        """Critical time step (s) of the contacts; near pairs count with an overlap."""
         return float(self.system.scan(least=self.goal.least)[CRITICAL])
 
 
@@ -368,7 +368,7 @@ class Minimum(NamedTuple):
     net_force : float
         Greatest net force on a granule (N); infinite if no iteration was allowed.
     enough : float
-        That of a bed at rest (N).
+        Net force (N) below which a bed is at rest.
     touching : int
         Number of pairs of constituents that touch.
     max_overlap : float

@@ -109,7 +109,7 @@ class Bed(NamedTuple):
 class Room(NamedTuple):
     """Where a bed is packed, the seed of its random places and angles, and the law of contacts: what
     `pack` takes beside the granules, in the same order. Then E* of two granules of each material, over
-    that of the stiffest, and which of these (n,) each granule is of."""
+    E* of the stiffest, and the number (n,) of the material of each granule."""
 
     width: float
     height: float

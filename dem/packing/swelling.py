@@ -55,8 +55,8 @@ def grow(
     """Pack granules at random into a box by growth in motion.
 
     Takes what `pack` takes. Beds above jamming are at rest by the same measure. Below jamming the
-    granules of this bed are apart from each other, and those of `pack` just touch: its beds resist
-    a solid sooner.
+    granules of this bed are apart from each other. Those in beds of `pack` just touch and resist a
+    solid sooner.
 
     Parameters
     ----------

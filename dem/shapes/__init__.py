@@ -79,8 +79,8 @@ def of_size(cls: type, diameters, *form):
 
 
 def is_drawn(kind: str) -> bool:
-    """Whether a kind and an aspect ratio tell an outline: not that of clumps, of mixtures, or of a
-    user's own, because readers of results run no code that the results name."""
+    """Whether a kind and an aspect ratio tell an outline: not for clumps, mixtures or a user's own
+    shapes, because readers of results run no code that the results name."""
     return kind in KINDS and kind != "clump"
 
 

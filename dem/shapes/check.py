@@ -113,7 +113,7 @@ def _scaling(shape):
 
 
 def _outline(shape):
-    """Second law: area, centre of mass, inertia and bounding circle are those of the polygons.
+    """Second law: area, centre of mass, inertia and bounding circle fit the polygons.
 
     A class that states an inertia of its own may have its mass spread unevenly, and its outline off
     the centre.
@@ -169,7 +169,7 @@ def _tangents(shape, one, turn):
 
 
 def _support(shape):
-    """Third law: tangent lines are those of the polygons, q = dh/d(angle), and moment arms are
+    """Third law: tangent lines touch the polygons, q = dh/d(angle), and moment arms are
     bounded as stated."""
     orientation, constituents = _places(shape, 0.0, np.full(2, ANGLE))
     normal, polygons = np.exp(1j * TURN), shape.polygons(POINTS) @ [1.0, 1.0j]

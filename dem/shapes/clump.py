@@ -1,6 +1,6 @@
 """Clump: discs rigidly joined, overlapping or not; each granule has any number, and its own.
 
-The constituents are the discs, granule by granule: those of granule g are first[g] to first[g + 1].
+The constituents are the discs, granule by granule: first[g] to first[g + 1] of granule g.
 Every contact is between discs. Mass is spread evenly over the union of the discs.
 """
 
@@ -125,7 +125,7 @@ class Clump(_Fields, Shape):
         return _joined(type(self), [granules[g] for g in numbers], self.radii[numbers])
 
     def appended(self, *others: Self) -> Self:
-        """These granules, then those of others."""
+        """These granules, then the others."""
         every = self, *others
         granules = chain(*(clumps._granules for clumps in every))
         return _joined(type(self), granules, np.concatenate([clumps.radii for clumps in every]))
@@ -262,8 +262,8 @@ def _centred(discs):
 def _moments(discs):
     """Area (m2), centroid (2,) in m and squared radius of gyration about zero (m2) of a union.
 
-    Integrals over the union are line integrals along arcs of z = c + r n, n = exp(i angle): those
-    of 1, z and |z|^2 are those of (z . n) times 1/2, z/3 and |z|^2/4.
+    Integrals over the union are line integrals along arcs of z = c + r n, n = exp(i angle).
+    Of 1, z and |z|^2 they are over (z . n) times 1/2, z/3 and |z|^2/4.
     """
     c, r, begin, end = _arcs(discs)
     turn = end - begin

@@ -59,7 +59,7 @@ class Ellipse(Shape, _Fields):
     semi_minor : array_like of shape (n,)
         Semi-minor axes b (m), at most a.
     contact : str, CommonNormal or GeometricPotential
-        How a contact is contact: "common_normal", or "geometric_potential" as in the paper. The
+        How contacts are found: "common_normal", or "geometric_potential" as in the paper. The
         classes take a tolerance.
     hertz_radius : str
         Radius R (m) in Hertz's law: "volume" for sqrt(ab), "local" for the radius of curvature at
@@ -114,7 +114,7 @@ class Ellipse(Shape, _Fields):
         aspect_ratio : float
             Length over width, without unit, 1 or more.
         contact : str, CommonNormal or GeometricPotential
-            How a contact is contact; see the class.
+            How contacts are found; see the class.
         hertz_radius : str
             Radius (m) in Hertz's law, "volume" or "local"; see the class.
 

@@ -115,7 +115,7 @@ def ellipse_contact(method, dx, dy, outline_1, outline_2, guess):
     if g1 >= 0.0:
         return apart, flat, True
     _, x2, y2, rho2 = deepest(-dx, -dy, outline_2, outline_1, method.tolerance)
-    ex, ey = x1 - dx - x2, y1 - dy - y2  # from the point of 2 inside 1 to that of 1 inside 2
+    ex, ey = x1 - dx - x2, y1 - dy - y2  # from the point of 2 inside 1 to the point of 1 inside 2
     overlap = math.sqrt(ex * ex + ey * ey)
     if overlap == 0.0:
         return apart, flat, True

@@ -2,8 +2,8 @@
 
 A granule has one or more convex *constituents*, and contacts are between constituents. A shape is a
 NamedTuple of arrays with one entry per granule, or per constituent. Its class selects, at compile
-time, the answers to the questions of the kernels, and has MEMBERS and those of `Shape` for Python.
-`dem.check_shape` tests both. Conventions of a contact between constituents 1 and 2:
+time, the answers to the questions of the kernels, and has MEMBERS and the members of `Shape` for
+Python. `dem.check_shape` tests both. Conventions of a contact between constituents 1 and 2:
 
 * d = x2 - x1 (m); n is the unit normal from 1 to 2 and t = (-ny, nx) the tangent;
 * overlap (m) is positive where they touch;
@@ -111,7 +111,7 @@ class Shape:
 
     @property
     def places(self) -> np.ndarray | None:
-        """Centres (constituents, 2) in m from that of the granule at angle zero; None where each
+        """Centres (constituents, 2) in m from the granule's centre at angle zero; None where each
         granule is its own only constituent.
 
         Read by the integrator. Wrong: constituents are elsewhere.
@@ -138,7 +138,7 @@ class Shape:
         return resized(self, lambda size: size[numbers])
 
     def appended(self, *others: Self) -> Self:
-        """These granules, then those of others, alike in all but their sizes. Read by mixtures."""
+        """These granules, then the others, which differ only in their sizes. Read by mixtures."""
         every = self, *others
         return self._replace(
             **{name: np.concatenate([getattr(s, name) for s in every]) for name in sizes_of(self)}
@@ -249,5 +249,5 @@ def sizes_of(shape) -> dict[str, np.ndarray]:
 
 
 def resized(shape, change):
-    """Granules with other arrays: what a function returns for those of each name."""
+    """Granules with other arrays: what a function returns for each array."""
     return shape._replace(**{name: change(size) for name, size in sizes_of(shape).items()})

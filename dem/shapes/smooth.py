@@ -147,7 +147,7 @@ class Smooth(Shape):
         return np.column_stack([np.ones(len(sizes[0])), np.zeros(len(sizes[0])), *sizes])
 
     def circle_outline(self, radius):
-        """Numbers of a circle: those of the first granule, whose share is zero."""
+        """Numbers of a circle, with the first granule's outline, whose share is zero."""
         return 0.0, radius, *self.outlines[0, 2:]
 
     @property

@@ -94,9 +94,9 @@ def failed_row(reason: str, name: str = "other") -> dict:
 
 
 def _place(error: BaseException, replicate: Replicate) -> str | None:
-    """File and line where an error arose in a run that uses files of a user, of these if it can be.
+    """File and line of an error in a run that uses files of a user, in these files if possible.
 
-    None where the error is not the run's.
+    None if the error is not the run's.
     """
     folders = {file.parent for file in replicate.files if not file.is_relative_to(PACKAGE)}
     frames = traceback.extract_tb(error.__traceback__)

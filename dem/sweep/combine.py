@@ -230,8 +230,8 @@ def _check(sweep: Sweep, block: Block, failed: dict) -> None:
 
 def about(sweep: Sweep, block: Block, provenance: dict) -> dict:
     """Attributes of the file. The averaging window is among them, so that figures need nothing
-    else, and the cylinder's velocity where all runs have the same. The configuration is that of
-    the sweep with what all runs of the block share."""
+    else, and the cylinder's velocity where all runs have the same. The configuration is the
+    sweep's, with what all runs of the block share."""
     configuration, drawn = sweep.dump(), {}
     if sweep.record and sweep.cylinder:
         drawn["window_start"], drawn["window_stop"] = sweep.record.window

@@ -21,7 +21,7 @@ def derived(
 ) -> Any:
     """The value at a path of a run of a block; raises InputError where it cannot be derived.
 
-    results: files of the blocks that it needs, open; the value is that of the sweep file if absent
+    results: files of the blocks that it needs, open; the value of the sweep file if absent
     """
     key, options = wanted.key, dict(wanted.group)
     asked, shape = str(options.pop("derive")), options.pop("shape", None) or run.label

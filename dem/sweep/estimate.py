@@ -25,7 +25,7 @@ from dem.sweep.store import Store
 # s an effort, where no run like it exists: of a usual processor, by kind of granule
 GUESS = {"disc": 3e-8, "dumbbell": 6e-8, "ellipse": 6e-8}
 ITERATED = 6e-7  # the same of shapes whose contacts are found by iteration, as of superellipses
-DAMPED = 30.0  # by how much damping bounds the step, over how much stiffness does, a damping ratio
+DAMPED = 30.0  # ratio of the bounds of the step by damping and by stiffness, per damping ratio
 NEWEST = 100  # batches of the store that are read
 SAMPLE = 200  # runs to be made that are compared with them
 

@@ -1,8 +1,8 @@
 """Which runs share a job.
 
-They run the same files and give arrays of the same sizes, and those of one bed follow each other.
-Files and variables make a kind, which tells mostly what is compiled: the first batches are one of
-each, so that the others find it compiled.
+They run the same files and give arrays of the same sizes, and runs of one bed follow each other.
+Runs with the same files and variables usually share kernels. The first batches are one of each such
+kind, so that the others find it compiled.
 """
 
 from collections.abc import Iterable

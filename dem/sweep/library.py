@@ -61,8 +61,9 @@ def run_sweep(path: str | Path, executor=None, block: str | None = None) -> xr.D
     path : str or Path
         Configuration file of a sweep (YAML).
     executor : concurrent.futures.Executor or distributed.Client, optional
-        What makes the runs: `ProcessPoolExecutor(4)`, a Dask client, those of mpi4py and loky. Its
-        processes have one thread. It stays open. This process makes them if it is left out.
+        What makes the runs: `ProcessPoolExecutor(4)`, a Dask client, or an executor of mpi4py or
+        loky. Its processes have one thread. It stays open. This process makes them if it is left
+        out.
     block : str, optional
         The block of the sweep whose result is returned; the first if it is left out.
 

@@ -24,7 +24,7 @@ from dem.base.types import SEEDS, Count, Section, Seed, must
 from dem.io.dataset import OF_RUN
 
 GROWTH = 2  # a round at most doubles the replicates of a point
-SAFETY = 1.05  # on the interval, because who looks and stops finds it too narrow
+SAFETY = 1.05  # on the interval, because sequential stopping makes it too narrow
 NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 MOST_RUNS = 1_000_000  # of a block
 

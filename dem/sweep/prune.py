@@ -20,7 +20,7 @@ def sweeps(store: Store, strict: bool = True) -> Iterator[tuple[Path, set[str], 
     """Folders of results beside a store: each with the runs, and the beds, that it needs.
 
     Raises InputError where that cannot be known: a configuration that cannot be read, or a folder
-    that is a link to what is away. strict: False for the runs of combined files alone there.
+    that is a dangling link. strict: False to take there only the runs of combined files.
     """
     for name, folders, files in os.walk(store.folder.parent, followlinks=True):
         folder = Path(name)

@@ -266,7 +266,7 @@ class SweepState:
     def _fast_solid(self) -> Iterator[str]:
         """A warning of the fastest solid, where another unit was probably meant: mm/s for m/s, MPa
         for Pa."""
-        speeds = [(0.0, "", 0.0, 0.0)]  # over that of sound; key, speed, that of sound
+        speeds = [(0.0, "", 0.0, 0.0)]  # over the speed of sound; key, speed, speed of sound
         for run in {id(run.configuration): run for run in self.replicates()}.values():
             c = run.configuration
             sound = math.sqrt(c.material.young_modulus / run.density)

@@ -2,7 +2,7 @@
 
 batches/{batch}.nc      finished runs with all that they gave
 batches/{batch}.json    what a batch is to make: its runs, and in the second line the values that they
-                        share, once, and those of each
+                        share, once, and the values of each
 runs/{xx}/{run}.npz     finished runs of batches that have not ended, and checkpoints
 beds/{xx}/{bed}.npz     beds, for all runs that share them, and checkpoints of those that are packed
 """
@@ -40,7 +40,7 @@ def batch_id(results: str, *runs: str) -> str:
 
 
 class Store:
-    """A folder of runs; values: those of configurations that its plans do not have right."""
+    """A folder of runs; values: of configurations that its plans do not have right."""
 
     def __init__(self, folder: Path = FOLDER, **values: str):
         self.folder, self.values = Path(folder), values
@@ -91,8 +91,8 @@ class Store:
         }
 
     def rows(self, runs: Iterable[str], *names: str, kept: bool = False) -> dict[str, dict]:
-        """The same of those of some runs that are in any batch, and did not fail there if that can
-        be. kept: also what runs gave whose batch has not ended."""
+        """Rows of these runs from all batches; a successful run is preferred to a failed one. kept:
+        also rows of runs whose batch has not ended."""
         wanted, rows = set(runs), {}
         for batch in self.batches():
             if not wanted.isdisjoint(batch.runs):
@@ -199,7 +199,7 @@ def load(path: Path, aside: bool = False) -> dict | None:
 
 
 def _is_held(path: Path) -> bool:
-    """Whether a process holds a lock; that of another user may not be tried."""
+    """Whether a process holds a lock; the lock of another user may not be tried."""
     try:
         with lock(path, 0):
             return False

@@ -148,7 +148,7 @@ def make_batches(store: Store, batches: list[Batch], workers: Workers, progress)
             while left and len(pending) < workers.window:
                 batch = left.popleft()
                 pending[workers.submit(store.plan_of(batch.id).absolute())] = batch
-            if not pending:  # what waits behind a run that kills seems to kill too
+            if not pending:  # suspects: batches queued behind a run that kills
                 batch = suspects.pop()
                 _make_runs(store, batch, workers)
                 pending[Workers().submit(store.plan_of(batch.id))] = batch

@@ -2,8 +2,8 @@
 
 Constants at the top are read without running the file:
 
-SECTIONS   sections of the configuration that it reads beside those of all, and whether it needs them
-RECORD     keys of the section record that it reads beside those of all, of window, cells and region
+SECTIONS   sections of the configuration that it reads besides common ones, and if it needs them
+RECORD     keys of the section record that it reads besides common ones: window, cells and region
 VARIABLES  what a run gives, name: (dimensions, units, words); of an OBSERVED one, its observables say it
 VALUES     values of its own, name: (default, units, words) or (default, units, words, limits), in a section of the
            configuration that has the name of the file
@@ -20,7 +20,8 @@ duration(replicate)                           time (s) that a run simulates, to 
 check(configuration)                          raises ValueError where its values do not go together; of kinds of this folder
 derive(name, results, replicate, other, ...)  a value of DERIVES for a run of another block; results: files of its
                                               own runs, open; other: a run of the file to compare with; options
-All but run may be left out, and run too of kinds of this folder, which have then that of dem.experiment.phases.
+All but run may be left out. Kinds of this folder may leave run out too, for run of
+dem.experiment.phases.
 """
 
 from contextlib import suppress
@@ -43,7 +44,7 @@ from dem.io.dataset import LABELS, OF_RUN, OF_STORE, OF_SWEEP
 
 EXPERIMENTS = described(Path(__file__).parent, "SECTIONS")
 PHASES = Path(__file__).parents[1] / "phases.py"
-TYPES = {bool: bool, int: Count, float: Number, str: str}  # of values, by those of their defaults
+TYPES = {bool: bool, int: Count, float: Number, str: str}  # of values, by type of default
 
 
 def filled(name: str, values, sizes: dict[str, int]) -> np.ndarray:
@@ -135,7 +136,7 @@ class Experiment:
 
     def run(self, replicate, *args, **options) -> dict:
         """Make one run; its variables by name, each as long as `sizes` says. Raises RunError where
-        they are not those of its layout."""
+        they differ from its layout."""
         file = self.file if "run" in definitions(self.file) else PHASES
         try:
             values = load(file).run(replicate, *args, **options)
@@ -155,7 +156,7 @@ class Experiment:
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Its file and those of its observables; raises InputError where one cannot be used."""
+        """Its file and the files of its observables; raises InputError where one cannot be used."""
         names = self.configuration.observables if self.observed else ()
         return self.file, *(file_of(name, self.beside) for name in names)
 
@@ -187,7 +188,7 @@ class Experiment:
         return {name: entry for name, entry in layout.items() if name not in absent}
 
     def variables(self, observable: str) -> dict:
-        """Those of a combined file, by its name without .nc."""
+        """Variables of a combined file, by its name without .nc."""
         file = {file.stem: file for file in self.files}[observable]
         return constants(file)["VARIABLES"] | (OF_RUN if self.observed else {})
 

@@ -41,10 +41,10 @@ STEPS = 200  # at most; 0.98 would be reached after 120
 # load: mean normal stress of the contacts over E* and the mean diameter. JAMMED, MARGINAL and GROWN
 # are those under Hertz's law; another law has others at these overlaps, by its power.
 JAMMED = 1e-5  # about 0.001 of packing fraction beyond the onset
-MARGINAL = 1e-9  # about 2e-6 beyond it, where nearly all contacts are those of the onset
+MARGINAL = 1e-9  # about 2e-6 beyond it, where nearly all contacts are as at the onset
 BACK = 1e-4  # first step back, of the packing fraction
 NEARER = 8.0  # by what factor a bed is nearer to the onset than the one before
-LOOSE = 1e-3  # load over that of the bed before, below which contact was lost
+LOOSE = 1e-3  # load over the load of the bed before, below which contact was lost
 GROWN = 1e-7  # E* R^2: greatest net force at rest while granules grow
 STILL = 1e-5  # greatest net force at rest over E* R^2 and the load of the bed before
 PATIENCE = 100_000  # iterations of FIRE

@@ -2,7 +2,7 @@
 
 The discs repeat themselves along x. Those next to floor and lid are held: the lower ones are at rest,
 the upper ones move along x and are pressed down, so that the pressure is given and the height is not.
-Everything is measured in the middle half of the height, away from the walls. The setup is that of
+Everything is measured in the middle half of the height, away from the walls. The setup follows
 da Cruz et al. (2005, Phys. Rev. E 72, 021309), with Hertzian contacts.
 """
 

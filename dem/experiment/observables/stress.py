@@ -1,6 +1,7 @@
 """Stress and fabric of the whole bed, at the snapshots; compression is positive.
 
-A run begins without tangential springs: at the first snapshot the stress is that of normal forces.
+A run begins without tangential springs: at the first snapshot only normal forces contribute to the
+stress.
 """
 
 S = ("snapshot",)
