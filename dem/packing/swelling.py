@@ -60,7 +60,7 @@ def grow(
 
     Parameters
     ----------
-    shape : Disc, Dumbbell, Ellipse or Superellipse
+    shape : Disc, Dumbbell, Ellipse, Superellipse, Clump or a shape of your own
         Granules, n in all, with their sizes (m).
     width : float
         Width of the box (m).
