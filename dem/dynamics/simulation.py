@@ -493,6 +493,6 @@ class Simulation(MovingScene):
         self.collect_impulses()
         rows = np.zeros((count, OF_BED + OF_BOUNDARY * len(self.engine.world.boundaries.motion)))
         begin = self.time
-        self.engine.run((begin + (n + 1) * interval for n in range(count)), rows)
+        self.engine.run((begin + n * interval for n in range(1, count + 1)), rows)
         self.diagnose()  # the guard on overlaps, also for the end of the last interval
         return record_of(self.scene, rows)

@@ -200,12 +200,12 @@ class PhaseMotionSection(MotionSection):
 
 
 def _check_thickness(section) -> None:
-    if section.thickness is not None and section.outline not in ("ellipse", "plate", "ring"):
+    long = section.outline in ("ellipse", "plate")
+    if section.thickness is not None and not (long or section.outline == "ring"):
         raise ValueError(
             f"thickness is {section.thickness:g} and outline {section.outline}; leave it out, or let "
             "outline be plate, ellipse or ring"
         )
-    long = section.outline in ("ellipse", "plate")
     if long and (section.thickness or 0.0) >= section.diameter:
         raise ValueError(
             f"thickness is {section.thickness:g} m; it must be less than diameter, {section.diameter:g} m"

@@ -249,11 +249,8 @@ class PackingSection(Section):
 
     @model_validator(mode="after")
     def _check(self):
-        given = {
-            name: value
-            for name in ("height", "fraction", "pressure")
-            if (value := getattr(self, name)) is not None
-        }
+        sizes = "fraction", "height", "pressure"
+        given = {key: value for key, value in self if key in sizes and value is not None}
         placed = {"lattice": "in a lattice", "file": "of a file"}.get(self.preparation)
         if placed and self.height is None:
             raise ValueError(f"height is missing; granules {placed} fill no box, give it")

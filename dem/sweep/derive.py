@@ -3,7 +3,7 @@
 from typing import Any, NamedTuple
 
 from dem.base.errors import InputError
-from dem.base.messages import check_known, did_you_mean
+from dem.base.messages import check_known
 from dem.base.plugins import load
 from dem.base.refusals import parsed, written
 from dem.experiment.replicate import Replicate
@@ -30,10 +30,7 @@ def derived(
     if not blocks:
         raise InputError(f"{key} derives a value; needs must name the blocks that it is from.")
     known = {each: experiment for experiment in blocks.values() for each in experiment.derives}
-    if asked not in known:
-        raise InputError(
-            f"{key}.derive is {asked!r}, which no block in needs gives{did_you_mean(asked, known)}."
-        )
+    check_known(f"{key}.derive is", asked, known, "those that blocks in needs give")
     experiment = known[asked]
     table, asks = experiment.derives[asked]
     options = dict(parsed(experiment.section(table), options, key))

@@ -76,7 +76,7 @@ CALLS = {
     "thickness is 0.01 m; it must be less than diameter, 0.008 m": solid(thickness=0.01),
     "it must be left, bottom, right, top, in this order": scene(record__region=[0.02, 0.0, 0.01, 0.03]),
     "height is missing; granules in a lattice fill no box": scene(packing__height=None, packing__fraction=0.5),
-    "height is 0.06 and fraction 0.5; one follows": scene(packing__fraction=0.5),
+    "fraction is 0.5 and height 0.06; one follows": scene(packing__fraction=0.5),
     "friction is 0.3 and preparation lattice; nothing is packed": scene(packing__friction=0.3),
     "region is given; only a lattice has one": scene(packing__preparation="settled"),
     "solids.gate is 0.004 m inside the left wall; put": solid(x=0.0),

@@ -55,7 +55,9 @@ FILES = {
     "contact.law 'linear'; loads of jamming compare under": derived() | {"contact.law": "linear"},
     "has the shape 'z9'": derived({"shape": "z9"}),
     "values.packing.fraction derives a value; needs must name": derived(needs=[]),
-    "'load', which no block in needs gives; there are equal_di": derived({"derive": "load"}),
+    "'load', which is not one of those that blocks in needs give; there are equal_di": derived(
+        {"derive": "load"}
+    ),
     "seed has until, and needs a; list the seeds": derived(seed={"until": "5 %"}),
     "has blocks and shape": {"sweep": {"blocks": {"a": C1}} | C1},
     "uses the name friction_w": {"sweep": C1 | {"friction.wall": [1], "friction_wall": {"a": {}}}},
