@@ -5,6 +5,7 @@ of a sweep, which has all granules itself, or whose runs are in the store.
 """
 
 import json
+from contextlib import suppress
 from pathlib import Path
 
 import xarray as xr
@@ -92,7 +93,9 @@ def replicate_at(dataset: xr.Dataset, one: xr.Dataset, shapes=None) -> Replicate
             section = values
             for group in groups:
                 section = section[group]
-            section[last] = None if value == "null" else value
+            with suppress(TypeError, ValueError):  # no text, or one that is the value itself
+                value = json.loads(value)
+            section[last] = value
     return of_results(values, folder=shapes)
 
 

@@ -69,9 +69,9 @@ SECTIONS = dict.fromkeys(name for header in EXPERIMENTS.values() for name in hea
 # of the section record, which only some experiments read, and what they have without it
 RECORD_KEYS = {"window": None, "cells": CELLS, "region": None}
 UNHASHED_KEYS = "beside", "record.window", "threads"  # that no number depends on
-FIXED_KEYS = *UNHASHED_KEYS, "record.observables"  # that cannot vary in a sweep
+FIXED_KEYS = *UNHASHED_KEYS, "record.observables", "record.region"  # that cannot vary in a sweep
 # names of others that cannot
-NO_AXIS = "discs", "mixture", "region", "until", "file", "path", "removed", "to"
+NO_AXIS = "discs", "mixture", "until", "file", "path", "removed", "to"
 # what runs have without these keys: said or not, they are one run
 USUAL = {
     "contact.law": ContactSection().name,

@@ -5,6 +5,7 @@ gives factors on the file's own value. Any other name takes named points, each a
 that change together, or a design over ranges.
 """
 
+import json
 import math
 import re
 from typing import NamedTuple
@@ -66,9 +67,9 @@ def axis_of(
             points = [dict(sweep.cases[value]) for value in values]
         else:
             points = [{name: value} for value in values]
-        if None in values:  # texts, because a coordinate has no gaps
+        if any(value is None or isinstance(value, tuple) for value in values):
             entry = entry._replace(units=None)
-            values = list(map(written, values))
+            values = list(map(text_of, values))  # a coordinate has neither gaps nor rows
         return Axis(name if name in RUNS else name_of(name), entry, values, points)
     points = spec.values() if isinstance(spec, dict) and "design" not in spec else ()
     if not isinstance(spec, dict) or not spec or not all(isinstance(p, dict) for p in points):
@@ -104,6 +105,11 @@ def name_of(path: str) -> str:
     for table in (axes, LABELS, OF_RUN, OF_STORE, OF_SWEEP, *measured):
         taken |= set(table)
     return f"{name}_swept" if name in taken else name
+
+
+def text_of(value) -> str:
+    """A value as a text, from which `dem.analysis.one_run` has it again."""
+    return value if isinstance(value, str) else json.dumps(value)
 
 
 def changes(values, sweep: Configuration, where: str) -> dict:
@@ -160,7 +166,7 @@ def _values(spec, entry: Entry, sweep: Configuration, key: str) -> list:
     listed = spec if isinstance(spec, list) else [spec]
     if isinstance(spec, dict) and set(spec) == {"times"} and path in sweep.entries:
         base, factors = sweep.at(path), spec["times"]
-        if isinstance(base, str | bool) or base is None:
+        if isinstance(base, str | bool | tuple) or base is None:
             raise InputError(f"{key} is {written(base)}, which has no multiples.")
         factors = factors if isinstance(factors, list) else [factors]
         listed = [parsed(Number, factor, key) * base for factor in factors]

@@ -12,7 +12,7 @@ import numpy as np
 from dem.base.errors import InputError
 from dem.experiment.config import Configuration, Entry
 from dem.experiment.replicate import Replicate
-from dem.sweep.axis import RUN_KEYS, Axis, axis_of, changes, name_of
+from dem.sweep.axis import RUN_KEYS, Axis, axis_of, changes, name_of, text_of
 from dem.sweep.derive import Derive, derived
 from dem.sweep.precision import MOST_RUNS, GridPoint, Until
 
@@ -129,8 +129,11 @@ class Block:
             name = name_of(path)
             if path in known and name not in self.dims and not path.startswith("shapes."):
                 values = [run.configuration.at(path) for run in runs]
+                entry = known[path]
+                if any(isinstance(value, tuple) for value in values):
+                    entry, values = entry._replace(units=None), list(map(text_of, values))
                 values = [np.nan if value is None else value for value in values]
-                labels[name] = known[path], *_varying(values, axes, [])
+                labels[name] = entry, *_varying(values, axes, [])
         return labels
 
 

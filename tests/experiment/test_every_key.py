@@ -123,6 +123,8 @@ def options(entry, value):
         return [not value]
     if known and not isinstance(value, float):
         return [t for t in known if t != value and f"none: {t}" not in entry.about]
+    if isinstance(value, tuple):
+        return [tuple(side and part * side for side in value) for part in (0.5, 0.8, 0.97)]
     if not value:
         return ABSENT[entry.units]
     return [2 * value, value + 1] if isinstance(value, int) else [1.1 * value, 0.5 * value]

@@ -178,6 +178,22 @@ def test_a_picture_of_a_scene_has_its_solids_where_they_are_and_nothing_behind_w
     assert left < 0.0 < 8e-3 < right < 9e-3 and bottom < 0.0 < 12e-3 < top < 13e-3
 
 
+def test_regions_and_rows_vary_and_files_have_them_again(folder):
+    """Along an axis, and in a group beside a single number."""
+    regions = (0.0, 4e-3, 8e-3, 8e-3), (0.0, 5e-3, 8e-3, 9e-3)
+    pushes = ((0.0, 0.1), (1.0, 0.2)), 0.3
+    values = run_of(phases={"on": {"time": 1e-3}}).configuration.values()
+    group = {f"push {k}": {"solids.floor.force_y": force} for k, force in enumerate(pushes)}
+    axes = {"shape": "disc", "density": 2500.0, "packing.region": list(regions), "push": group}
+    text = text_of(values | {"results": "results/rows", "sweep": axes})
+    (folder / "rows.yaml").write_text(text)
+    runs = dem.run_sweep("rows.yaml").squeeze("shape").isel(density=0, seed=0)
+    for k, region in enumerate(regions):
+        for j, force in enumerate(pushes):
+            c = replicate_at(runs, runs.isel(packing_region=k, push=j)).configuration
+            assert (c.packing.region, c.solids["floor"].force_y) == (region, force)
+
+
 @pytest.mark.parametrize("removed", [["gate"], ["floor", "gate"]])
 def test_a_figure_of_a_scene_has_no_curve_of_a_solid_that_is_gone(folder, removed):
     """And no panel for it where all are; nor has a film."""
