@@ -3,12 +3,13 @@
 python docs/write_pages.py
 
 The text is always written, a picture only if its data or its code has changed: a note in the PNG
-says from which it was drawn.
+says from which it was drawn. The code of one picture is on the page that shows it.
 """
 
 import hashlib
 import re
 import sys
+from contextlib import chdir
 from importlib.util import find_spec
 from io import BytesIO
 from os.path import relpath
@@ -32,6 +33,7 @@ from studies.catalogue import figures  # noqa: E402
 FOLDERS = "*.md.in", "docs/**/*.md.in", "studies/**/*.md.in"
 TEMPLATES = sorted(path for each in FOLDERS for path in ROOT.glob(each))
 FRONT_MATTER = re.compile(r"\A---\n.*?\n---\n+", re.S)  # for tests/pages/test_pages.py
+TUTORIAL = ROOT / "docs/tutorials/results.md"  # whose first Python draws the picture of its name
 SHOWN = re.compile(r"!\[[^\]]*\]\(([^)\s]*images/(\w+)\.png)\)")
 NOTE = "<!-- Written by docs/write_pages.py: edit {}. -->\n\n"
 WIDTH, COLORS, LARGEST = 1100, 96, 120_000  # of a picture: pixels, colours, bytes
@@ -52,7 +54,7 @@ def pictures() -> dict[Path, str]:
     """Names of the pictures that the pages show, by path."""
     return {
         (template.parent / path).resolve(): name
-        for template in TEMPLATES
+        for template in (*TEMPLATES, TUTORIAL)
         for path, name in SHOWN.findall(template.read_text(encoding="utf-8"))
     }
 
@@ -69,10 +71,20 @@ def sources_of(name: str) -> tuple[Path, ...]:
     ]
 
 
+def tutorial_code() -> str:
+    """What draws the picture of the tutorial."""
+    return re.search(r"```python\n(.*?)```", TUTORIAL.read_text(encoding="utf-8"), re.S)[1]
+
+
 def origin_of(name: str) -> str:
-    """A hash of what a picture is drawn from; comments do not count."""
-    module, *files = sources_of(name)
-    found = hashlib.sha256(str(codes([module])).encode())
+    """A hash of what a picture is drawn from; comments of modules do not count."""
+    if name == TUTORIAL.stem:
+        code = tutorial_code()
+        files = [ROOT / path for path in re.findall(r"docs/data/\w+\.nc", code)]
+    else:
+        module, *files = sources_of(name)
+        code = str(codes([module]))
+    found = hashlib.sha256(code.encode())
     for path in files:
         found.update(path.read_bytes())
     return found.hexdigest()[:16]
@@ -88,6 +100,11 @@ def draw_picture(name: str, path: Path) -> None:
     with TemporaryDirectory() as folder:
         if name == picture.NAME:
             drawn = picture.draw(*sources_of(name)[1:], Path(folder))
+        elif name == TUTORIAL.stem:
+            drawn, names = [Path(folder, "results.png")], {}
+            with chdir(ROOT):
+                exec(tutorial_code(), names)
+            names["figure"].savefig(drawn[0], dpi=200)
         else:
             drawn = draw(name, sources_of(name)[1], Path(folder), figures())
         image = Image.open(next(each for each in drawn if each.suffix == ".png")).convert("RGB")
