@@ -92,7 +92,7 @@ class Configuration(Section):
     periodic: Sides = "none"
     """sides along which the box repeats itself"""
     cylinder: CylinderSection | None = None
-    """cylinder that is drawn through the bed; none: there is none"""
+    """cylinder that is drawn through the bed"""
     second: SecondSection | None = None
     """a second cylinder beside the first; both are centred in the box"""
     solids: Annotated[dict[Label, SolidSection], SORTED] = Field({})
