@@ -10,4 +10,6 @@ loads only what it needs.
 
 import lazy_loader
 
+__version__ = "1.0.0"
+
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -48,3 +48,5 @@ from .solids import box as box
 from .sweep.library import load_sweep as load_sweep
 from .sweep.library import run_experiment as run_experiment
 from .sweep.library import run_sweep as run_sweep
+
+__version__: str

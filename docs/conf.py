@@ -7,7 +7,6 @@ sites; it needs a network.
 """
 
 import sys
-from importlib.metadata import version as version_of
 from pathlib import Path
 
 import dem
@@ -20,7 +19,7 @@ sys.modules |= {"dem.plot": dem.plot, "dem.rft": dem.rft}
 project = "granular-drag"
 author = "The granular-drag developers"
 copyright = "2026, the granular-drag developers"
-version = release = version_of(project)
+version = release = dem.__version__
 
 extensions = [
     "myst_nb",

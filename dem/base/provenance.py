@@ -5,6 +5,7 @@ import platform
 import subprocess
 from functools import cache
 
+from dem import __version__
 from dem.base.source_hash import ROOT
 
 
@@ -32,12 +33,14 @@ def processor() -> str:
 
 @cache
 def git_revision() -> str:
-    """Revision of the checkout, "-dirty" if edited, "unknown" outside a repository."""
+    """Revision of the checkout, "-dirty" if edited; the tag of the release outside a repository."""
+    release = f"v{__version__}"
     # a parent folder may be another project's repository
     if not (ROOT / ".git").exists():
-        return "unknown"
-    command = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=12"]
+        return release
+    words = "describe", "--always", "--exclude=*", "--dirty", "--abbrev=12"  # tags can be moved
+    command = ["git", "-C", str(ROOT), *words]
     try:
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
     except (OSError, subprocess.CalledProcessError):
-        return "unknown"
+        return release

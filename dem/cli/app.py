@@ -16,11 +16,10 @@ app = Verbs(
 
 def _print_version(wanted: bool):
     if wanted:
-        from importlib.metadata import version
-
+        from dem import __version__
         from dem.base.provenance import git_revision
 
-        typer.echo(f"granular-drag {version('granular-drag')}, revision {git_revision()}")
+        typer.echo(f"granular-drag {__version__}, revision {git_revision()}")
         raise typer.Exit
 
 

@@ -12,6 +12,7 @@ from importlib import import_module
 import reference
 from jinja2 import Environment, StrictUndefined
 
+import dem
 import studies
 from studies.common.findings import (
     Findings,
@@ -36,7 +37,8 @@ TEMPLATES.filters |= FORMATS
 OF_STUDIES = [import_module(f"{studies.package_of(name)}.findings") for name in studies.NAMES]
 NAMES = (
     FORMATS
-    | {"table": table, "holds": holds, "ratios": ratios.ratios, "reference": reference}
+    | {"table": table, "holds": holds, "ratios": ratios.ratios}
+    | {"reference": reference, "version": dem.__version__}
     | {
         name: getattr(module, name)
         for module in (drag, scale, *OF_STUDIES)
