@@ -1,0 +1,1 @@
+"""How fast does a hopper empty, by the width of its orifice?"""
