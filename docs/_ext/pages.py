@@ -45,6 +45,7 @@ Simple shear <../_generated/studies/shear>
 Intruders <../_generated/studies/intruders>
 Drag on a plate <../_generated/studies/base>
 Columns that collapse <../_generated/studies/column>
+Hoppers that empty <../_generated/studies/hopper>
 Contact laws <../_generated/studies/law>
 Rolling resistance <../_generated/studies/rolling>
 Verification <../_generated/studies/verification>

@@ -27,6 +27,7 @@ from docs.data.kernels import digest  # noqa: E402
 
 FORCES = "wall_force", "transverse_force", "kinetic_energy"
 BINS = "drag_normal", "coordination_number", "time_step"
+PLACES = "granule_x", "granule_y", "granule_angle", "granule_diameter", "surface_height"
 LEFT_OUT = {  # on no page, in no figure
     "drag": FORCES,
     "precise": (*FORCES, *BINS, "drag_tangential", "max_overlap"),
@@ -38,6 +39,7 @@ LEFT_OUT = {  # on no page, in no figure
     "rolling": (*FORCES, *BINS, "drag_tangential"),
     "distance": (*FORCES, *BINS, "drag_tangential", "max_overlap"),
     "shear": ("shear_height", "steps"),
+    **dict.fromkeys(("hopper", "hopper_changes"), PLACES),
 }
 # No page shows more digits of these than float32 has.
 ROUNDED = ("granule_x", "granule_y", "granule_angle", "run_curve", "wall_force")

@@ -1,6 +1,4 @@
-"""Mass that falls through an orifice, and Beverloo's law in two dimensions."""
-
-from typing import NamedTuple
+"""Flow of granules through an orifice, and Beverloo's law in two dimensions."""
 
 import numpy as np
 import xarray as xr
@@ -8,42 +6,40 @@ import xarray as xr
 from dem.analysis.values import value_of
 
 G = 9.81  # m/s2
-BULK = 16e-3, 30e-3  # m, heights between which the packing fraction of the moving bed is measured
 
 
 def free_fall() -> float:
-    """Flow over sqrt(g) D^1.5 from a half circle over the orifice, without dilation."""
+    """Flow over the square root of g D^3 if granules fall freely, and none apart from the next, from a half circle
+    over an orifice of width D."""
     x = np.linspace(-1.0, 1.0, 200_001)
     return float(np.sqrt(2.0 * np.sqrt(1.0 - x**2)).mean() * 2.0 / 2.0**1.5)
 
 
-class Discharge(NamedTuple):
-    """What a sweep measured: `width` (o,) of the orifice over the diameter; `flow` (case, orifice,
-    seed): solid area per time, over the bulk packing fraction and sqrt(g d^3), without unit;
-    `fraction`: of the bulk."""
+def discharge(runs: xr.Dataset) -> xr.Dataset:
+    """Of each run, without unit: `width` of the orifice over the diameter d; `fraction`, the packing fraction of the
+    bed above; `flow`, area of granules per time over that fraction and the square root of g d^3; `share`, the same
+    over the square root of g D^3 with the width D; `early`, the flow of the first half over that of all."""
+    runs = runs.squeeze("sink")
+    diameter, within = runs["diameter"], runs["region_mass"].mean("snapshot")
+    left, bottom, right, top = value_of(runs, "record.region").values
+    inside = (right - left) * (top - bottom)
+    width = runs["orifice"].astype(float) * 1e-3 / diameter
+    time, gone = float(runs["snapshot_time"][-1]), runs["sink_mass"]
+    flow = gone.sum("time") / time * inside / within / np.sqrt(G * diameter**3)
+    half = gone.isel(time=slice(None, gone.sizes["time"] // 2)).sum("time")
+    return xr.Dataset(
+        {
+            "width": width,
+            "fraction": within
+            / (runs["density"] * diameter * inside),  # as thick as a disc is wide
+            "flow": flow,
+            "share": flow / width**1.5,
+            "early": 2.0 * half / gone.sum("time"),
+        }
+    )
 
-    width: np.ndarray
-    flow: xr.DataArray
-    fraction: xr.DataArray
 
-
-def discharge(dataset: xr.Dataset) -> Discharge:
-    """From the file of a sweep of hoppers."""
-    runs = dataset.squeeze("sink") if "sink" in dataset.dims else dataset
-    diameter, width = float(runs["diameter"].max()), float(value_of(runs, "box_width"))
-    duration = float(runs["snapshot_time"][-1])
-    area = runs["sink_mass"].sum("time") / duration / runs["density"] / diameter  # of thickness d
-    low, high = BULK
-    inside = (runs["granule_y"] > low) & (runs["granule_y"] < high)
-    covered = (inside * np.pi / 4.0 * runs["granule_diameter"] ** 2).sum("granule")
-    fraction = (covered / width / (high - low)).mean("snapshot")
-    flow = area / fraction / np.sqrt(G * diameter**3)
-    failed = ~np.isfinite(runs["box_height"])
-    return Discharge(runs["orifice"].values.astype(float) * 1e-3 / diameter, flow.where(~failed), fraction)
-
-
-def beverloo(found: Discharge, case: str) -> np.ndarray:
-    """Rows (seed, 2) of C and k of ``flow = C (D / d - k)^1.5``, by a line through flow^(2/3)."""
-    rows = found.flow.sel(case=case).transpose("seed", "orifice").values ** (2.0 / 3.0)
-    lines = [np.polyfit(found.width, row, 1) for row in rows]
-    return np.array([(slope**1.5, -base / slope) for slope, base in lines])
+def beverloo(width: np.ndarray, flow: np.ndarray) -> tuple[float, float]:
+    """C and k of ``flow = C (width - k)^1.5``, from a line through the powers 2/3."""
+    slope, base = np.polyfit(width, flow ** (2.0 / 3.0), 1)
+    return slope**1.5, -base / slope

@@ -39,7 +39,9 @@ def test_a_disturbed_sweep_goes_on_to_the_same_bits(checkout, fault):
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
-@pytest.mark.parametrize("name", [name for name in ("base", "column") if name in studies.NAMES])
+@pytest.mark.parametrize(
+    "name", [name for name in ("base", "column", "hopper") if name in studies.NAMES]
+)
 def test_a_study_that_is_stopped_goes_on_to_the_same_bits(checkout, name, number):
     faults.study_killed(checkout, name, number)
 
