@@ -7,7 +7,7 @@ refuses values that cannot be simulated with one sentence per fault, which names
 import re
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, NamedTuple, get_origin
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field, create_model, model_validator
@@ -16,7 +16,7 @@ from pydantic.fields import FieldInfo
 from dem.base.errors import InputError
 from dem.base.messages import check_known
 from dem.base.plugins import is_plugin
-from dem.base.refusals import parsed, section_of, unit_of
+from dem.base.refusals import parsed
 from dem.base.types import (
     Count,
     Density,
@@ -31,6 +31,7 @@ from dem.base.types import (
 )
 from dem.experiment.box import check_room
 from dem.experiment.cylinder import as_scene
+from dem.experiment.entries import UNHASHED_KEYS, Entry, entries
 from dem.experiment.kinds import EXPERIMENTS, Experiment
 from dem.experiment.replicate import Replicate
 from dem.experiment.scene_sections import (
@@ -68,10 +69,6 @@ from dem.shapes import Kind, kind_of
 SECTIONS = dict.fromkeys(name for header in EXPERIMENTS.values() for name in header["SECTIONS"])
 # of the section record, which only some experiments read, and what they have without it
 RECORD_KEYS = {"window": None, "cells": CELLS, "region": None}
-UNHASHED_KEYS = "beside", "record.window", "threads"  # that no number depends on
-FIXED_KEYS = *UNHASHED_KEYS, "record.observables", "record.region"  # that cannot vary in a sweep
-# names of others that cannot
-NO_AXIS = "discs", "mixture", "until", "file", "path", "removed", "to"
 # what runs have without these keys: said or not, they are one run
 USUAL = {
     "contact.law": ContactSection().name,
@@ -387,7 +384,7 @@ class Configuration(Section):
         return value
 
     @cached_property
-    def entries(self) -> dict[str, "Entry"]:
+    def entries(self) -> dict[str, Entry]:
         """The values that may vary, by path."""
         return entries(self.read, self)
 
@@ -489,35 +486,3 @@ def model_of(base: type[Configuration], data) -> type[Configuration]:
     model = create_model(base.__name__, __base__=base, **{label: (section, default)})
     model.read = base.read | {label: model.model_fields[label]}
     return _models.setdefault(key, model)
-
-
-class Entry(NamedTuple):
-    """A value that may vary: its path, units (None: a text), what it is, its field of the schema."""
-
-    path: str
-    units: str | None
-    about: str
-    field: FieldInfo | None = None
-
-    def __reduce__(self):
-        """Without the field for another process: its checks are functions that cannot be sent."""
-        return Entry, self[:3]
-
-
-def entries(
-    fields: dict[str, FieldInfo] = Configuration.read, values: Any = None, head: str = ""
-) -> dict[str, Entry]:
-    """All values of a configuration that may vary, by path; of tables the values of its labels."""
-    paths = {}
-    for name, field in fields.items():
-        path, section = head + name, section_of(field.annotation)
-        inner = values.get(name) if isinstance(values, dict) else getattr(values, name, None)
-        if section and get_origin(field.annotation) is dict:
-            for label in inner or ():
-                paths |= entries(section.model_fields, inner[label], f"{path}.{label}.")
-        elif section:
-            paths |= entries(section.model_fields, inner, f"{path}.")
-        elif path not in FIXED_KEYS and name not in NO_AXIS:
-            unit = unit_of(field.rebuild_annotation())
-            paths[path] = Entry(path, unit, field.description, field)
-    return paths

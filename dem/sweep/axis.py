@@ -14,7 +14,8 @@ from dem.base.errors import InputError
 from dem.base.messages import check_known, did_you_mean
 from dem.base.refusals import parsed, written
 from dem.base.types import SEEDS, Label, Number
-from dem.experiment.config import Configuration, Entry, entries
+from dem.experiment.config import Configuration
+from dem.experiment.entries import Entry, entries
 from dem.experiment.kinds import EXPERIMENTS
 from dem.experiment.observables import OBSERVABLES
 from dem.experiment.sections import RunSection

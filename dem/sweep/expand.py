@@ -10,7 +10,8 @@ from math import prod
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.experiment.config import Configuration, Entry
+from dem.experiment.config import Configuration
+from dem.experiment.entries import Entry
 from dem.experiment.replicate import Replicate
 from dem.sweep.axis import RUN_KEYS, Axis, axis_of, changes, name_of, text_of
 from dem.sweep.derive import Derive, derived

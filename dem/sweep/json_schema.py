@@ -9,7 +9,7 @@ import json
 from dem.base.files import write_bytes
 from dem.base.source_hash import ROOT
 from dem.base.types import Section
-from dem.experiment.config import entries
+from dem.experiment.entries import entries
 from dem.sweep.axis import RUNS
 from dem.sweep.config import TABLES, Sweep
 
@@ -37,7 +37,7 @@ def schema() -> dict:
     tree = of_model(Sweep)
     values = {
         name: {"description": f"{entry.field.description} ({entry.units or 'text'})"}
-        for name, entry in (entries() | RUNS).items()
+        for name, entry in (entries(Sweep.read) | RUNS).items()
     }
     blocks = {"type": "object", "additionalProperties": {"$ref": "#/$defs/Block"}}
     shared = {"type": "object", "properties": values}
