@@ -82,9 +82,9 @@ class Look(NamedTuple):
     hatch: str
 
 
-# of any number of cases in turn, where kinds of granules do not suffice
-CASES = ("#2f7fd1", "#b34700", "#5b4a8a", "#6fae8a", "#2f7d4f", "#0f5a30", "black")
-MARKERS = "osD^vPX"
+# of any number of cases in turn, where kinds of granules do not suffice: together 24 looks
+CASES = ("#2f7fd1", "#b34700", "#5b4a8a", "#2c9c76", "#c2528b", "#8a6d00", "black", "#808080")
+MARKERS = "osD^vPX<>*ph"
 LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (3, 1, 1, 1)), (0, (7, 1.5, 1, 1.5)))
 LOOKS = {
     "disc": Look("#2f7fd1", "#a9c8ea", LINES[0], "o", ""),

@@ -226,6 +226,12 @@ def test_a_sweep_shows_every_mean_at_its_value():
     assert "(3 to 4 runs each; bars: 95 % intervals)" in figure.get_suptitle()
 
 
+def test_twelve_cases_have_twelve_looks():
+    data, _ = varied(shape=[f"s{k}" for k in range(12)], friction_granule=[0.1, 0.3])
+    lines = [container.lines[0] for container in plot("sweep", data).axes[0].containers]
+    assert len({(line.get_color(), line.get_marker()) for line in lines}) == 12
+
+
 @quick
 def test_a_sweep_over_more_than_there_is_room_for_shows_means_over_an_axis():
     """Which it names."""
