@@ -39,6 +39,16 @@ def plot(dataset: xr.Dataset) -> Figure:
     ticks = [f"{label}\n" + style.describe(numbers.sel(case=label), "\n") for label in labels]
     style.finish_bars(axes, ticks, dataset)
     axes.set_title("Above each bar: mean drag and its 95 % interval", loc="left")
-    figure.suptitle("Mean drag by shape of the granules")
+    over = numbers["mean"] / numbers["mean"][0]
+    ends = (
+        f"{float(share):.2f} for {_named(numbers, label.item())}"
+        for share, label in ((over.min(), over.idxmin("case")), (over.max(), over.idxmax("case")))
+    )
+    figure.suptitle(f"Mean drag over that of {_named(numbers, labels[0])}: {', '.join(ends)}")
     style.legend(figure, axes, ncols=4)
     return figure
+
+
+def _named(numbers: xr.Dataset, label: str) -> str:
+    """Kind and label of a case: ellipse e3."""
+    return f"{numbers['kind'].sel(case=label).item()} {label}"

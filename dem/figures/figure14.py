@@ -3,6 +3,7 @@
 A seed means one bed at all densities, so the interval of a change is one of pairs of runs.
 """
 
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -24,9 +25,9 @@ def plot(dataset: xr.Dataset) -> Figure:
     numbers = summarise(dataset).sel(case=[label for labels in groups.values() for label in labels])
     figure = Figure(figsize=(style.WIDTH, 5.2))
     axes = figure.subplots()
-    ticks = []
+    ticks, changes = [], []
     for place, labels in enumerate(groups.values()):
-        _group(axes, place, labels, numbers)
+        changes += _group(axes, place, labels, numbers)
         what = style.describe(numbers.sel(case=labels[0]), "\n")
         ticks.append(f"{', '.join(labels)}\n{what}")
     style.finish_bars(axes, ticks, dataset)
@@ -35,13 +36,18 @@ def plot(dataset: xr.Dataset) -> Figure:
     axes.set_title(
         f"Above each group: change with density and its 95 % interval{paper}", loc="left"
     )
-    figure.suptitle("Mean drag by density of the granules")
+    ends = [style.percent(share, np.nan) for share in (min(changes), max(changes))]
+    denser = max(compared) / min(compared)
+    figure.suptitle(
+        f"Granules {denser:g} times as dense: the mean drag changes by {' to '.join(ends)}"
+    )
     style.legend(figure, axes, ncols=2)
     return figure
 
 
-def _group(axes, place, labels, numbers) -> None:
-    """The cases of one shape, from the lowest density to the highest, side by side."""
+def _group(axes, place, labels, numbers) -> list[float]:
+    """The cases of one shape, from the lowest density to the highest, side by side; returns the
+    changes over the lowest."""
     width = 0.8 / len(labels)
     tops = []
     for number, label in enumerate(labels):
@@ -54,5 +60,6 @@ def _group(axes, place, labels, numbers) -> None:
         name = f"mean of {style.runs(alike['run_mean'])} at {words} kg/m³"
         look = {"color": fill, "edgecolor": "black", "hatch": hatch, "label": name}
         tops.append(style.bar(axes, middle, width, case_numbers, **look))
-    changes = (change(numbers["run_mean"], labels[0], label) for label in labels[1:])
+    changes = [change(numbers["run_mean"], labels[0], label) for label in labels[1:]]
     style.write_above(axes, place, max(tops), "\n".join(style.percent(*c) for c in changes))
+    return [share for share, _ in changes]

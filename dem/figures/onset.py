@@ -31,9 +31,11 @@ def plot(dataset: xr.Dataset) -> Figure:
     """Packing fraction at the onset above, contacts per granule below."""
     found = limits(dataset)
     figure, (above, below) = style.panels(2, 1, 0.0, 3.8, sharex=True)
+    top = [estimate[0] for estimate in found.fraction]
     figure.suptitle(
-        f"Onset of jamming without friction: means of {found.beds} beds of each size,\n"
-        "and the lines through them at infinite size (95 % intervals)"
+        f"Infinite beds jam at {np.min(top):.3f} to {np.max(top):.3f}, "
+        f"the most at an aspect ratio of {found.ratio[np.argmax(top)]:g}\n"
+        f"(means of {found.beds} beds of each size, set to the left to be legible; 95 % intervals)"
     )
     markers, sizes = style.MARKERS[1:], len(found.granules)
     for axes, means, estimates in (
@@ -67,7 +69,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     below.set_xscale("function", functions=(_scaled, _ratio))
     below.set_xticks(found.ratio, [f"{ratio:g}" for ratio in found.ratio])
     below.set(
-        xlabel="Aspect ratio (scaled by the root of its excess over 1)",
+        xlabel="Aspect ratio (square-root scale from 1)",
         ylabel="Contacts per granule there,\nrattlers left out",
     )
     style.legend(figure, above, ncols=3)

@@ -2,6 +2,7 @@
 limit."""
 
 import json
+from textwrap import fill
 
 import numpy as np
 import xarray as xr
@@ -25,15 +26,15 @@ def plot(dataset: xr.Dataset) -> Figure:
     usual = json.loads(dataset.attrs["configuration"])["cylinder"].get("velocity")
     marked = usual in found.velocity  # else no run has it
     figure, (above, below) = style.panels(2, 1, 0.0, 3.8, sharex=True)
-    figure.suptitle(
-        f"Drag against velocity: means of {found.beds} beds, and the law fitted to them\n"
-        f"(95 % intervals; dotted: limits{f'; grey line: {usual:g} m/s' if marked else ''})"
-    )
+    over_limit = []
     velocity = np.geomspace(found.velocity[0], found.velocity[-1], ALONG)
     for number, ((place, law), at) in enumerate(zip(found.laws.items(), places, strict=True)):
         words = ", ".join(f"{dim} {value}" for dim, value in at.items())
         look = style.numbered(number)
         limit, low, high = found.interval(law.limit)
+        if marked:
+            share = found.interval(law.drag(usual) / law.limit).value
+            over_limit.append(f"{share:.2f}" + f" ({words})" * bool(words))
         look["label"] = f"{words or 'mean'}: limit {limit:.0f} N ({low:.0f} to {high:.0f})"
         for axes, over in ((above, 1.0), (below, limit)):
             means = [found.interval(each) for each in (found.means[place] / over).T]
@@ -52,5 +53,13 @@ def plot(dataset: xr.Dataset) -> Figure:
     if (slow := inertial_number(dataset)) is not None:
         scale = (lambda v: slow * v, lambda i: i / slow)
         above.secondary_xaxis("top", functions=scale).set_xlabel("Inertial number")
+    title = "Drag against velocity, and its quasi-static limit"
+    if marked:
+        title = f"At {usual:g} m/s drag over its limit is {', '.join(over_limit)}"
+    figure.suptitle(
+        f"{fill(title, 76)}\n(means of {found.beds} beds and the fitted law; 95 % intervals; "
+        f"dotted: limits{f'; grey line: {usual:g} m/s' if marked else ''})",
+        fontsize=12.0,
+    )
     style.legend(figure, above, ncols=2)
     return figure
