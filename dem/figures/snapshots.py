@@ -70,8 +70,13 @@ def beds(dataset: xr.Dataset, shapes: tuple[str, ...], colors: str, title: str) 
     for axes, snapshot in zip(grid[0], snapshots, strict=True):
         shown = 1e3 * moved[snapshot]
         axes.set_title(f"after {shown:.1f} mm" if shown else "at the start")
-    look = {"color": "black", "linewidth": 3.0, "solid_capstyle": "butt", "clip_on": False}
-    grid[-1, 0].plot([0.0, SCALE], [-1.2, -1.2], **look)
-    grid[-1, 0].text(1.2 * SCALE, -1.2, f"{SCALE:g} mm", va="center")
+    scale_bar(grid[-1, 0])
     figure.suptitle(f"{title}\n(one run each, seed {int(dataset['seed'][0])})")
     return figure
+
+
+def scale_bar(axes) -> None:
+    """Draw a bar of a round length below a bed, on axes in mm."""
+    look = {"color": "black", "linewidth": 3.0, "solid_capstyle": "butt", "clip_on": False}
+    axes.plot([0.0, SCALE], [-1.2, -1.2], **look)
+    axes.text(1.2 * SCALE, -1.2, f"{SCALE:g} mm", va="center")

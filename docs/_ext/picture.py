@@ -4,9 +4,10 @@ from pathlib import Path
 
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from dem.figures import bed, style
-from dem.figures.snapshots import frames_of_case, motion_of
+from dem.figures.snapshots import frames_of_case, motion_of, scale_bar
 
 NAME, FILES = "beds", ("snapshots", "drag")
 CASES = {"c1": "Discs", "d1": "Dumbbells", "e3": "Ellipses 1.375:1"}
@@ -16,14 +17,22 @@ SNAPSHOT = -1  # the end of the stroke
 @style.styled
 def draw(snapshots: Path, drag: Path, folder: Path) -> list[Path]:
     """Draw the beds of the first seed, and the mean drag of all runs with its interval."""
-    figure = Figure(figsize=(12.0, 3.7))
-    *beds, curves = figure.subplots(1, 4, width_ratios=(1, 1, 1, 1.35))
+    figure = Figure(figsize=(style.WIDTH, 6.6))
+    above, below = figure.subfigures(2, 1, height_ratios=(1.25, 1.0))
+    beds, curves = above.subplots(1, len(CASES), sharex=True, sharey=True), below.subplots()
     with xr.open_dataset(snapshots) as dataset:
         for axes, (case, title) in zip(beds, CASES.items(), strict=True):
             _bed(axes, motion_of(dataset, case))
             axes.set_title(title)
         stroke = 1e3 * float(dataset["snapshot_displacement"].max())
-    beds[1].set_xlabel(f"Layers as they were at the start, after {stroke:.0f} mm")
+    scale_bar(beds[0])
+    names = "every second layer at the start", "layers between", f"cylinder, after {stroke:.0f} mm"
+    looks = *({"facecolor": color, "edgecolor": "0.25"} for color in style.LAYERS[::-1]), bed.STEEL
+    above.legend(
+        handles=[Patch(label=name, **look) for name, look in zip(names, looks, strict=True)],
+        loc="outside lower center",
+        ncols=3,
+    )
     with xr.open_dataset(drag) as dataset:
         for case, title in CASES.items():
             one = dataset.sel(case=case)
@@ -34,9 +43,12 @@ def draw(snapshots: Path, drag: Path, folder: Path) -> list[Path]:
             )
             curves.plot(x, mean, color=look.color, linestyle=look.line, label=title)
             style.band(curves, x, mean, half, color=look.color)
-        curves.set(xlim=(0.0, x[-1]), ylim=(0.0, None), xlabel="Displacement of the cylinder (mm)")
+        ranked = sorted(CASES, key=lambda case: float(dataset["drag"].sel(case=case).mean()))
+        count = dataset.sizes["seed"]
+        curves.set(xlim=(0.0, stroke), ylim=(0.0, None), xlabel="Displacement of the cylinder (mm)")
     curves.set_ylabel("Drag (N)")
-    curves.set_title("Mean of five runs, 95 % intervals")
+    curves.set_title(f"Mean of {count} runs, 95 % intervals")
+    figure.suptitle(f"{CASES[ranked[-1]]} resist most, {CASES[ranked[0]].lower()} least")
     curves.legend(loc="upper left")
     return style.save(figure, folder / NAME)
 
@@ -49,5 +61,3 @@ def _bed(axes, motion) -> None:
     x, y = 1e3 * frames.place[SNAPSHOT, 0]
     arrow = {"arrowstyle": "-|>", "linewidth": 2.0, "color": "black"}
     axes.annotate("", (x, y + 1.4e3 * cylinder), (x, y), arrowprops=arrow)
-    words = {"ha": "center", "va": "top", "fontsize": "small"}
-    axes.annotate("cylinder", (x, y - 0.5e3 * cylinder), **words)
