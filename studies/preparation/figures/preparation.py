@@ -10,6 +10,7 @@ from dem.analysis.values import along, places_beside
 from dem.base.statistics import mean_interval
 from dem.figures import style
 from dem.figures.sweep import heading
+from studies.common.shapes import name
 from studies.common.statistics import log_ratio_interval
 
 FILE = "drag"
@@ -25,7 +26,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     dataset = along(dataset, AXIS)
     columns, runs = places_beside(dataset, *AXES), summarise(dataset)["run_mean"]
     shapes, ways = runs["shape"].values.tolist(), runs[AXIS].values.tolist()
-    size = {"sharex": True, "sharey": "row"}
+    size, changes = {"sharex": True, "sharey": "row"}, []
     figure, grid = style.panels(2 * len(columns), len(columns), 0.4, 3.0, **size)
     for above, below, place in zip(grid, grid[len(columns) :], columns, strict=False):
         above.set_title(heading(runs, place, len(columns)) or "all runs")
@@ -41,13 +42,17 @@ def plot(dataset: xr.Dataset) -> Figure:
                     for pair in zip(drags, values[0], strict=True)
                 ]
                 style.intervals(below, x, ratios, **look)
+                changes += [ratio[0] for ratio in ratios]
         below.axhline(1.0, **style.REFERENCE)
-        below.set_xticks(range(len(shapes)), shapes)
+        below.set_xticks(range(len(shapes)), map(name, shapes), rotation=40, ha="right")
         for axes in (above, below):
             style.logarithmic(axes)
     grid[0].set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
     grid[len(columns)].set_ylabel(f"Drag over that of\nbeds that are {ways[0]}")
     style.legend(figure, grid[0], ncols=len(ways))
     count = runs.sizes["seed"]
-    figure.suptitle(f"Drag by how the bed was made: {count} runs each\n(bars: 95 % intervals)")
+    figure.suptitle(
+        f"Beds that are {' or '.join(ways[1:])} drag {min(changes):.2f} to {max(changes):.2f} times as much "
+        f"as beds that are {ways[0]}\n(means of {count} runs; bars: 95 % intervals)"
+    )
     return figure

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from dem.analysis.values import places_beside
 from dem.figures import style
 from dem.figures.sweep import heading
+from studies.common.shapes import name
 from studies.pressure.widths import Widths
 
 FILE = "drag"
@@ -25,11 +26,10 @@ def plot(dataset: xr.Dataset) -> Figure:
     columns = places_beside(dataset, *AXES)
     figure, grid = style.panels(2 * len(columns), len(columns), 0.4, 3.5, sharex=True)
     for above, below, place in zip(grid, grid[len(columns) :], columns, strict=False):
-        above.set_title(heading(dataset, place, len(columns)) or "all runs")
         widths = Widths(dataset.sel(place))
         base = widths.line(widths.shapes[0])
         for number, shape in enumerate(widths.shapes):
-            look = style.numbered(number) | {"label": shape}
+            look = style.numbered(number) | {"label": name(shape)}
             shift = 1.0 + APART * (number - 0.5 * (len(widths.shapes) - 1))
             line = widths.line(shape)
             drags = [widths.drag(shape, box) for box in widths.series]
@@ -37,20 +37,23 @@ def plot(dataset: xr.Dataset) -> Figure:
             if number:
                 ratios = [widths.ratio(shape, box) for box in widths.series]
                 _points(below, widths, shift, ratios, widths.limit(shape), _over(line, base), look)
+        above.set_title(
+            f"{widths.ratio(shape, widths.series[-1]).value:.2g} with\n"
+            f"{heading(dataset, place, len(columns)) or 'all runs'}"
+        )
         style.logarithmic(below, "x")
         places = np.unique(widths.width[widths.along])
         ticks = [f"{width:g}" for width in places]
         below.set_xticks([*places, BEYOND * places[-1]], [*ticks, "\N{INFINITY}"])
         below.axhline(1.0, **style.REFERENCE)
-        below.set_xlabel("Width of the box, over that of the first")
+        below.set_xlabel("Width of the box / that of the first")
         for axes in (above, below):
             style.logarithmic(axes)
     grid[0].set_ylabel(f"Mean drag from\n{style.window_text(dataset)} (N)")
-    grid[len(columns)].set_ylabel(f"Drag over that of {widths.shapes[0]}")
-    style.legend(figure, grid[0], ncols=len(widths.shapes))
+    grid[len(columns)].set_ylabel(f"Drag over that of {name(widths.shapes[0])}")
+    style.legend(figure, grid[0], ncols=3)
     figure.suptitle(
-        "Drag against the width of the box, and lines in 1 / width of the drag or its inverse\n"
-        "(95 % intervals; open symbols: limits; none where the line may end at no drag)"
+        f"Drag of {name(shape)} over that of {name(widths.shapes[0])} in the widest box:\n(95 % intervals; open: extrapolated to infinite width, where possible)"
     )
     return figure
 

@@ -3,18 +3,20 @@
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from dem.analysis.drag import summarise, window_text
 from dem.base.statistics import mean_interval
 from dem.figures import style
+from studies.common.shapes import look, name
 
 FILE = "drag"
 CAPTION = "Drag of discs against their coefficient of rolling resistance, beside that of dumbbells and ellipses"
 AXES = {"model": 3, "state": 1, "seed": 2}
 DISC, MU = "c1", "mu "  # labels of discs without rolling resistance, and before the coefficient
 STATES = {
-    "fraction": "At equal packing fraction",
-    "pressure": "At equal pressure on the lid",
+    "fraction": "equal packing fraction",
+    "pressure": "equal pressure on the lid",
 }
 
 
@@ -44,19 +46,26 @@ def plot(dataset: xr.Dataset) -> Figure:
             color=style.CURVE,
             label="discs",
         )
-        for number, label in enumerate(others):
+        for label in others:
             mean, low, high = mean_interval(drags.sel(model=label))
-            axes.axhspan(low, high, color=style.CASES[1 + number], alpha=0.25, linewidth=0.0)
-            axes.axhline(mean, color=style.CASES[1 + number], linewidth=1.0, linestyle="--")
-            place = max(discs.values()) * (
-                1.0 - 0.1 * number
-            )  # where bands overlap, beside each other
-            axes.text(place, mean, label, ha="right", va="center", fontweight="bold")
+            color = look(label)["color"]
+            axes.axhspan(low, high, color=color, alpha=0.2, linewidth=0.0)
+            axes.axhline(mean, color=color, linewidth=1.0, linestyle="--")
+            axes.annotate(
+                name(label),
+                (max(discs.values()), mean),
+                (0, 2),
+                textcoords="offset points",
+                ha="right",
+                path_effects=[withStroke(linewidth=3.0, foreground="white")],
+            )
         axes.set(xlabel="Coefficient of rolling resistance of discs")
-        axes.set_title(STATES.get(state, state))
+        gain = means[-1].value / means[0].value
+        axes.set_title(f"by up to {gain:.1f} at {STATES.get(state, state)}")
         style.logarithmic(axes)
     panels[0].set_ylabel(f"Mean drag from {window_text(dataset)} (N)")
     figure.suptitle(
-        "Discs with rolling resistance (dots), and other granules without (bands)\n(95 % intervals)"
+        "Rolling resistance multiplies the drag of discs\n"
+        "(dots: discs; bands: other granules without; 95 % intervals)"
     )
     return figure
