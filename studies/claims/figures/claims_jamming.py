@@ -9,6 +9,7 @@ from dem.base.statistics import mean_interval
 from dem.figures import style
 from studies.claims.findings import claims
 from studies.claims.remains import EQUAL
+from studies.common.shapes import name
 
 FILE = "claims"
 CAPTION = "Shapes at equal packing fraction, at equal distance from jamming and at equal load"
@@ -30,29 +31,43 @@ def plot(dataset: xr.Dataset) -> Figure:
         raise InputError("there are no runs of the part matched.")
     shapes = list(dict.fromkeys(row.shape for row in rows))
     figure = Figure(figsize=(style.WIDTH + 2.0, 5.6))
-    left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.9])
+    left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.5])
     _jamming(left, dataset, [str(dataset["reference_shape"].values), *shapes])
     _drags(right, rows, shapes)
     fraction = float(dataset["reference_packing"])
-    right.set_ylabel(f"Mean drag over that of {base.shape}\nat a packing fraction of {fraction:g}")
+    right.set_ylabel(
+        f"Mean drag over that of {name(base.shape)}\nat a packing fraction of {fraction:g}"
+    )
     style.legend(figure, left, "outside lower left")
     style.legend(figure, right, "outside lower right", ncols=2)
-    figure.suptitle(f"{CAPTION} (95 % intervals)", fontsize=12.5)
+    last = {row.state: row.ratio.value for row in rows if row.shape == shapes[-1]}
+    words = [f"{last[state]:.2g} at {STATES[state][0]}" for state in STATES if state in last]
+    figure.suptitle(
+        f"Drag of {name(shapes[-1])} over that of {name(base.shape)}:\n"
+        f"{words[0]}, {words[-1]} (95 % intervals)",
+        fontsize=12.5,
+    )
     return figure
 
 
 def _jamming(axes, dataset, shapes):
+    fraction, y = float(dataset["reference_packing"]), -np.arange(len(shapes))
     for friction, (marker, color) in zip(np.unique(dataset["jam_friction"]), GRIPS, strict=False):
         means = []
         for shape in shapes:
             mask = (dataset["jam_shape"] == shape) & (dataset["jam_friction"] == friction)
             means.append(mean_interval(dataset["jam_fraction"].values[mask]))
         look = {"marker": marker, "color": "0.15", "markerfacecolor": color}
-        style.intervals(axes, range(len(shapes)), means, label=f"friction {friction:g}", **look)
-    fraction = float(dataset["reference_packing"])
-    axes.axhline(fraction, **style.REFERENCE, label=f"packing fraction of the runs, {fraction:g}")
-    axes.set_xticks(range(len(shapes)), shapes)
-    axes.set_ylabel("Packing fraction at which beds jam")
+        if friction == 0.0:
+            jammed = [s for s, mean in zip(shapes, means, strict=True) if mean.value < fraction]
+            axes.set_title(
+                f"Jammed at {fraction:g} without friction: {', '.join(jammed)}", loc="right"
+            )
+        style.intervals(axes, y, means, across=True, label=f"friction {friction:g}", **look)
+    axes.axvline(fraction, **style.REFERENCE, label=f"packing fraction of the runs, {fraction:g}")
+    axes.set_yticks(y, map(name, shapes))
+    axes.grid(axis="x", visible=True)
+    axes.set_xlabel("Packing fraction at which beds jam")
 
 
 def _drags(axes, rows, shapes):
@@ -60,13 +75,15 @@ def _drags(axes, rows, shapes):
     width = 0.8 / len(states)
     for number, state in enumerate(states):
         selection = [row for row in rows if row.state == state]
-        name, color, hatch = STATES[state]
+        words, color, hatch = STATES[state]
         x = np.array([shapes.index(row.shape) for row in selection])
         x = x + (number - 0.5 * (len(states) - 1)) * width
         ratios = [row.ratio for row in selection]
         look = {"color": color, "hatch": hatch, "edgecolor": "0.15", "linewidth": 0.8}
-        axes.bar(x, [ratio.value for ratio in ratios], width, label=name, **look)
+        axes.bar(x, [ratio.value for ratio in ratios], width, label=words, **look)
         style.intervals(axes, x, ratios, **style.INTERVAL | {"capsize": 3})
     axes.axhline(1.0, color="0.3", linewidth=1.0)
-    axes.set_xticks(range(len(shapes)), shapes)
+    axes.set_xticks(
+        range(len(shapes)), [name(shape, "\n").replace("e ", "e\n") for shape in shapes]
+    )
     axes.tick_params(axis="x", length=0)

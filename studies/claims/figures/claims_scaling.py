@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from dem.base.errors import InputError
 from dem.figures import style
 from studies.claims.evidence import MARGIN, rows, scaled_ratios
+from studies.common.shapes import name
 
 FILE = "claims"
 CAPTION = "Drag against the sizes of cylinder and box and against velocity"
@@ -32,7 +33,8 @@ def plot(dataset: xr.Dataset) -> Figure:
         raise InputError("there are no runs of the part scaling.")
     shapes = list(dict.fromkeys(runs["run_case"].values.tolist()))
     figure, grid = style.panels(4, 2, 0.6, 3.2, sharey=True)
-    for axes, (setting, name) in zip(grid, PANELS.items(), strict=True):
+    for axes, (setting, quantity) in zip(grid, PANELS.items(), strict=True):
+        drags = []
         for shape, (marker, color) in zip(shapes, LOOKS, strict=False):
             for suffix, (words, line) in WAYS.items():
                 comparisons = scaled_ratios(dataset, setting + suffix, shape)
@@ -43,9 +45,14 @@ def plot(dataset: xr.Dataset) -> Figure:
                     for x, comparison in comparisons.items()
                 ]
                 x, *ratios = np.transpose(sorted([*points, (1.0,) * 4]))
+                drags += ratios[0].tolist()
                 look = {"marker": marker, "linestyle": line, "color": color}
                 look |= {"markerfacecolor": "white" if suffix else color}
-                style.intervals(axes, x, np.transpose(ratios), label=f"{shape}, {words}", **look)
+                style.intervals(
+                    axes, x, np.transpose(ratios), label=f"{name(shape)}, {words}", **look
+                )
+        if drags:
+            axes.set_title(f"{min(drags):.2g} to {max(drags):.2g} times the drag", loc="left")
         axes.axhspan(1.0 - MARGIN, 1.0 + MARGIN, **style.WINDOW)
         axes.axhline(1.0, **style.REFERENCE)
         axes.set_xscale("log")
@@ -53,11 +60,12 @@ def plot(dataset: xr.Dataset) -> Figure:
         factors = np.unique([1.0, *rows(dataset, "scaling", setting)["run_x"].values])
         axes.set_xticks(factors, [f"{x:g}" for x in factors])
         axes.set_xticks([], minor=True)
-        axes.set_xlabel(f"{name} over the paper's")
+        axes.set_xlabel(f"{quantity} over the paper's")
     for axes in grid[::2]:
         axes.set_ylabel("Mean drag over that\nat the paper's value")
     style.legend(figure, grid[2], ncols=2)
     figure.suptitle(
-        "Is the motion slow, and is the box large enough?\n(grey: within 18 %; 95 % intervals)"
+        "Is the motion slow, and is the box large enough? Drag over the paper's\n"
+        f"(grey: within {100.0 * MARGIN:.0f} %; 95 % intervals)"
     )
     return figure

@@ -3,15 +3,34 @@
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.ticker import EngFormatter
 
 from dem.base.errors import InputError
 from dem.figures import style
 from studies.claims.findings import claims
+from studies.common import shapes
 
 FILE = "claims"
 CAPTION = "What decides the drag, over plausible ranges of values that the paper does not report"
 VARIABLES = ("run_factor",)
 SHOWN = 10  # factors
+WORDS = {  # and units
+    "friction.granule": ("friction between granules", ""),
+    "friction.wall": ("friction on walls", ""),
+    "friction.cylinder": ("friction on the cylinder", ""),
+    "friction.stiffness": ("tangential over normal stiffness", ""),
+    "material.young_modulus": ("Young's modulus", "Pa"),
+    "material.poisson_ratio": ("Poisson's ratio", ""),
+    "material.restitution": ("restitution", ""),
+    "material.thickness": ("thickness of granules", "m"),
+    "packing.fraction": ("packing fraction", ""),
+    "packing.friction": ("friction while beds are packed", ""),
+    "packing.preparation": ("way in which beds are packed", ""),
+    "cylinder.start": ("start of the cylinder over the height", ""),
+    "shapes.c2.granules": ("number of small discs", ""),
+    "ellipse.contact": ("where ellipses touch", ""),
+    "ellipse.curvature": ("curvature of ellipses in contacts", ""),
+}
 LOOKS = {
     "drag of c1": {"marker": "o", "markerfacecolor": "#17457d"},
     "ratio of e1 to c1": {"marker": "D", "markerfacecolor": "white"},
@@ -40,15 +59,15 @@ def plot(dataset: xr.Dataset) -> Figure:
     figure = Figure(figsize=(style.WIDTH, 1.6 + 0.5 * len(order)))
     axes = figure.subplots()
     for number, (name, influences) in enumerate(ranked.items()):
+        words = " ".join(map(shapes.name, name.split()))
         y = 0.24 - 0.24 * number - np.arange(len(order))
         values = [
             (influences[factor].growth, influences[factor].low, influences[factor].high)
             for factor in order
         ]
-        style.intervals(axes, y, values, across=True, color="0.15", label=name, **LOOKS[name])
+        style.intervals(axes, y, values, across=True, color="0.15", label=words, **LOOKS[name])
     axes.axvline(1.0, color="0.4", linewidth=0.8)
-    ranges = [_range(dataset["run_factor"].sel(factor=factor).values) for factor in order]
-    labels = ["\n".join(filter(None, pair)) for pair in zip(order, ranges, strict=True)]
+    labels = [_words(factor, dataset["run_factor"].sel(factor=factor).values) for factor in order]
     axes.set_yticks(-np.arange(len(order)), labels)
     style.logarithmic(axes, "x")
     axes.grid(visible=False)
@@ -56,13 +75,20 @@ def plot(dataset: xr.Dataset) -> Figure:
         "Drag, or ratio of drags, at the high end of the range\nover that at the low end (95 % intervals)"
     )
     axes.legend(loc="lower right")
+    most = [WORDS.get(factor, (factor,))[0] for factor in order]
     figure.suptitle(
-        f"What decides the drag, from {len(set(dataset['run_point'].values)) - 1} points of the plausible space"
+        f"The drag in discs depends most on {most[0]}, {most[1]}\n"
+        f"and {most[2]} ({len(set(dataset['run_point'].values)) - 1} points of plausible ranges)"
     )
     return figure
 
 
-def _range(values) -> str:
-    """Ends of the values (run,) of a factor in SI units; nothing for a choice of few."""
+def _words(factor: str, values) -> str:
+    """What a factor is, with the ends of its values (run,) unless they are a choice of few."""
+    words, unit = WORDS.get(factor, (factor, ""))
     values = np.unique(values[np.isfinite(values)])
-    return f"{values[0]:.2g} to {values[-1]:.2g}" if len(values) > 4 else ""
+    words = words[0].upper() + words[1:]
+    if len(values) <= 4:
+        return words
+    form = EngFormatter(unit, 0, sep="\N{NO-BREAK SPACE}") if unit else "{:.2g}".format
+    return f"{words}\n{form(values[0])} to {form(values[-1])}"
