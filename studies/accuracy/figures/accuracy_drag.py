@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 
 from dem.figures import style
 from studies.accuracy.bias import LARGEST, Steps, steps_of
+from studies.common.shapes import name
 
 FILE = "accuracy"
 CAPTION = "What the time step costs in mean drag and in processor time"
@@ -23,7 +24,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     )
     for (shape, steps), (above, below) in zip(shapes.items(), rows.T, strict=True):
         _changes(above, steps)
-        above.set_title(f"{shape}: bias {style.percent(*steps.bias[:2])}", loc="left")
+        above.set_title(f"{name(shape)}:\nbias {style.percent(*steps.bias[:2])}", loc="left")
         _times(below, steps)
     rows[0, 0].set_ylabel("Change of the mean drag\nagainst the paper's step (%)")
     rows[1, 0].set_ylabel("Processor time\nof a run (s)")

@@ -81,7 +81,8 @@ def _windows(axes, dataset) -> None:
     axes.set_ylabel("Scatter of one run (%)")
     shift = 100.0 * replicates.drift(dataset)
     axes.set_title(
-        f"A window of {1e3 * lengths[-1]:.0f} mm: {100 * scatter[-1]:.0f} %,\nbut another mean ({shift:+.0f} %)",
+        f"Over {1e3 * lengths[-1]:.0f} mm runs scatter by {100 * scatter[-1]:.0f} %,\n"
+        f"about another mean ({shift:+.0f} %)",
         loc="left",
     )
     axes.legend(loc="lower left")

@@ -9,6 +9,7 @@ from dem.figures import style
 from studies.accuracy.budget.findings import budget
 from studies.accuracy.budget.spend import WAYS
 from studies.accuracy.budget.trial import NAMES, interval
+from studies.common import shapes
 
 FILE = "budget"
 CAPTION = "By how much the mean drag is off, against processor time"
@@ -46,7 +47,7 @@ def plot(dataset: xr.Dataset) -> Figure:
             TIMES, low, high, color="0.85", linewidth=0.0, zorder=0, label="their 95 % interval"
         )
         for shift, (way, outcome) in zip(
-            (0.85, 1.0, 1.18), findings.ways[name].items(), strict=True
+            (0.7, 1.0, 1.43), findings.ways[name].items(), strict=True
         ):
             style.intervals(
                 axes,
@@ -62,7 +63,7 @@ def plot(dataset: xr.Dataset) -> Figure:
             )
         style.logarithmic(axes, "x", (1.0,))
         style.logarithmic(axes)
-        axes.set_title(name, loc="left")
+        axes.set_title(shapes.name(name), loc="left")
     soon, late = (
         [s.spent(WAYS["default"], t).error / s.best(t).error for s in findings.shapes.values()]
         for t in (10.0, 3600.0)

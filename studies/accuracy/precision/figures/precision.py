@@ -33,7 +33,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     for above, below, title in zip(grid[:2], grid[2:], COLUMNS, strict=True):
         for number, (name, (rule, source)) in enumerate(COLUMNS[title].items()):
             rows = findings.rows(rule, source=source, target=0.05).sort_values("scatter")
-            look = style.numbered(number) | {
+            look = style.numbered(number + 4 * (rule in OTHERS)) | {  # no look means two things
                 "linestyle": LINES[number],
                 "markersize": 7,
                 "label": name,
