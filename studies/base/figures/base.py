@@ -40,7 +40,7 @@ def plot(dataset: xr.Dataset) -> Figure:
             look = style.numbered(number) | {"label": f"{share:g}" if rubs else "_"}
             style.intervals(left, velocity, means, **line | look)
         if rubs:
-            means = [mean_interval(runs / rubs) for runs in drags[place, 0]]
+            means = worth = [mean_interval(runs / rubs) for runs in drags[place, 0]]
             style.intervals(right, fraction, means, **line, marker="o", color=style.CURVE)
     style.logarithmic(left)
     style.logarithmic(left, "x")
@@ -50,5 +50,8 @@ def plot(dataset: xr.Dataset) -> Figure:
     left.set_title("Filled: friction on the plate; open: none")
     right.set_title(f"With friction, at {velocity[0]:g} m/s")
     style.legend(figure, left, ncols=len(fraction), title="Packing fraction")
-    figure.suptitle("Drag of a disc through discs on a plate (bars: 95 % intervals)")
+    figure.suptitle(
+        f"The drag of a slow disc is the friction of {worth[0].value:.0f} to {worth[-1].value:.0f} granules, by packing fraction\n"
+        "(bars: 95 % intervals)"
+    )
     return figure

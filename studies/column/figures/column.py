@@ -37,5 +37,9 @@ def plot(dataset: xr.Dataset) -> Figure:
     panels[0].plot(RATIO, ROLLING, ":", label="discs with rolling resistance, Kumar", **LOOK)
     style.legend(figure, panels[0], ncols=2)
     count = runs.sizes["seed"]
-    figure.suptitle(f"Columns that collapse: means of {count} runs (bars: 95 % intervals)")
+    fronts = runs["front"].mean("seed")
+    figure.suptitle(
+        f"Columns run out by {fronts.min():.2g} to {fronts.max():.2g} times their base\n"
+        f"(means of {count} runs; bars: 95 % intervals)"
+    )
     return figure

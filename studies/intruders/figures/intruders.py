@@ -81,7 +81,14 @@ def plot(dataset: xr.Dataset) -> Figure:
             0.0, **style.REFERENCE
         )
     left.set_title("Outlines of one width")
-    right.set_title("A plate, 0: across the motion")
+    right.set_title("Plate (0: across the motion)")
     style.legend(figure, right, ncols=3)
-    figure.suptitle("Drag and side force of intruders (bars: 95 % intervals)")
+    means = drag.sel(intruder=outlines).mean("seed")
+    most, least = (
+        WORDS.get(str(end.item()), str(end.item()))
+        for end in (means.idxmax("intruder"), means.idxmin("intruder"))
+    )
+    figure.suptitle(
+        f"Of outlines of one width, the most drag: {most}; the least: {least}\n(bars: 95 % intervals)"
+    )
     return figure

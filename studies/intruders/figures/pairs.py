@@ -47,5 +47,9 @@ def plot(dataset: xr.Dataset) -> Figure:
     left.set_title("Drag of each cylinder")
     right.set_title("Side by side: above 0 they repel")
     style.legend(figure, left, ncols=3)
-    figure.suptitle("Two cylinders that move together (bars: 95 % intervals)")
+    behind = (curves["in line, behind"].mean("seed") / curves["in line, ahead"].mean("seed")).values
+    figure.suptitle(
+        f"In line, the cylinder behind has {behind.min():.2f} to {behind.max():.2f} times the drag of that ahead\n"
+        "(bars: 95 % intervals)"
+    )
     return figure
