@@ -36,7 +36,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     below.set(xlabel="Inertial number", xscale="log", ylabel="Packing fraction")
     style.from_zero(above)
     figure.suptitle(
-        f"{fill('Friction of the bed from ' + ', '.join(ends), 84)}\n"
+        f"{fill('Friction of the bed from ' + ', '.join(ends), 76)}\n"
         "(from the least inertial number to the greatest; 95 % intervals)"
     )
     style.legend(figure, above, ncols=2)
