@@ -212,12 +212,10 @@ def refine_pairs(shape, table, base, count, pair, lanes):
             store(pair, lanes, k, table, p, geometry)
 
 
-def find_walls(shape, planes, contacts, block, pair, lanes):
+def find_walls(shape, planes, numbers, at, table, base, count, pair, lanes):
     """Geometry of contacts with walls; planes (w, 3): normal, and offset (m)."""
     apart()
     widest_vectors()
-    numbers, table, count = contacts.numbers, contacts.table, contacts.count[block]
-    at, base = NUMBERS * np.uint64(block), STRIDE * np.uint64(block)
     for q in range(count):
         k = np.uint64(q)
         wall = np.uint64(numbers[at + TARGET + k])
@@ -278,13 +276,15 @@ def find_polygons(shape, faces, orientation, more, contacts, block, pair, lanes)
         corner = sizes_at(table, p + SIZES + SECOND)
         if ORIENTED:
             corner = (1.0, 0.0) + corner
-        away, guess = spacing(pair, k), last_normal(table, p)
+        dx, dy = spacing(pair, k)
         turned = turned_solid(orientation, more, numbers, at + k)
-        geometry = polygon_contact(shape, faces, t, turned, one, corner, away, guess)
+        geometry = polygon_contact(
+            shape, faces, t, turned, one, corner, dx, dy, last_normal(table, p)
+        )
         store(pair, lanes, k, table, p, geometry)
 
 
-def polygon_contact(shape, faces, t, turned, one, corner, away, guess):
+def polygon_contact(shape, faces, t, turned, one, corner, dx, dy, guess):
     """Contact of a constituent and a chain of faces of a polygon: with a face, or with a corner.
 
     A face is a half-plane along its length, and meets any shape by its support function, as a wall
@@ -292,9 +292,8 @@ def polygon_contact(shape, faces, t, turned, one, corner, away, guess):
     R* is the granule's on both, so that the force does not jump where one becomes the other.
 
     turned: cosine and sine of the angle of target t; one, corner: outlines of the constituent and
-    of a corner; away (m): where the polygon is from the constituent.
+    of a corner; dx, dy (m): where the polygon is from the constituent.
     """
-    dx, dy = away
     gap, nx, ny, place, f = nearest_face(shape, faces, t, turned, one, dx, dy)
     h, q, rho = support(shape, one, nx, ny)
     overlap, n1, t1 = -gap, h + 0.5 * gap, q

@@ -219,14 +219,16 @@ def accumulate(numbers, at, count, lanes, flat):
         add_four(flat, FOUR * np.uint64(numbers[at + k]), -fx, -fy, one, 0.0)
 
 
-def load_boundaries(boundaries, target, numbers, at, count, lanes, flat):
-    """Add the forces of a block to constituents, and sum up those on boundaries; target: the boundary
-    of each target."""
+def load_boundaries(numbers, at, count, walls, boundary, lanes, flat, on, loads):
+    """Add the forces of a block to constituents, and sum up those on boundaries.
+
+    on, loads: Boundaries.force and Boundaries.contact_forces; walls: how many there are; boundary:
+    of each target.
+    """
     apart()
-    on, loads, walls = boundaries.force, boundaries.contact_forces, boundaries.planes.shape[0]
     for q in range(count):
         k = np.uint64(q)
-        b = target[np.uint64(numbers[at + TARGET + k])]
+        b = boundary[np.uint64(numbers[at + TARGET + k])]
         fx, fy, nx, ny = lanes[k + FORCE_X], lanes[k + FORCE_Y], lanes[k + NX], lanes[k + NY]
         one = two = 0.0
         if TURNS:

@@ -43,10 +43,11 @@ def find_block(world, section, block, pair, lanes):
     numbers, table, count = contacts.numbers, contacts.table, contacts.count[block]
     at, base = NUMBERS * np.uint64(block), STRIDE * np.uint64(block)
     motion, turned = constituents.motion.reshape(-1), constituents.orientation.reshape(-1)
-    shape, more = world.shape, constituents.first.shape[0] - 1 - constituents.reference.shape[0]
+    shape, planes = world.shape, world.boundaries.planes
+    more = constituents.first.shape[0] - 1 - constituents.reference.shape[0]
     gather(motion, turned, numbers, table, at, base, count, pair, lanes)
     if section == WALLS:
-        find_walls(shape, world.boundaries.planes, contacts, block, pair, lanes)
+        find_walls(shape, planes, numbers, at, table, base, count, pair, lanes)
     elif WITH_OUTLINES and section == OUTLINES:
         find_outlines(world.outlines, turned, more, contacts, block, pair, lanes)
     elif WITH_POLYGONS and section == POLYGONS:
@@ -79,8 +80,9 @@ def contact_forces(world, task, begin, end, dt, pair, lanes, rows):
     """
     apart()
     contacts, constituents, boundaries = world.contacts, world.constituents, world.boundaries
-    numbers, target = contacts.numbers, world.faces.boundary
-    flat, motion = constituents.force.reshape(-1), constituents.motion.reshape(-1)
+    numbers, force, walls = contacts.numbers, constituents.force, boundaries.planes.shape[0]
+    flat, motion = force.reshape(-1), constituents.motion.reshape(-1)
+    on, loads, boundary = boundaries.force, boundaries.contact_forces, world.faces.boundary
     prefetches, section = contacts.of_patch.shape[0] > 2 and begin < contacts.first[WALLS], PAIRS
     for block in range(begin, end):
         while block >= contacts.first[section + 1]:
@@ -97,7 +99,7 @@ def contact_forces(world, task, begin, end, dt, pair, lanes, rows):
             if section == PAIRS:
                 accumulate(numbers, at, count, lanes, flat)
             else:
-                load_boundaries(boundaries, target, numbers, at, count, lanes, flat)
+                load_boundaries(numbers, at, count, walls, boundary, lanes, flat, on, loads)
         else:
             for row in range(SEEN):
                 for k in range(count):

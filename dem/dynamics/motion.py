@@ -52,15 +52,13 @@ def extrapolated(previous_acceleration, i, c, now):
     return now
 
 
-def drift(world, kick, dt, low, high):
+def drift(granules, constituents, held, boundary_motion, gravity, account, kick, dt, low, high):
     """Kick granules low to high over the time `kick` (s), then move them over dt (s).
 
     With dt = 0 velocities are then at a full step.
     """
     apart()
     widest_vectors()
-    granules, constituents, held = world.granules, world.constituents, world.held
-    gravity, account = world.gravity, world.account
     if COMPOSED:
         collect(granules.force, constituents, low, high)
     motion, angle, force = granules.motion, granules.angle, granules.force
@@ -88,7 +86,7 @@ def drift(world, kick, dt, low, high):
             if ROTATES:
                 rotate(orientation, i, angle[i], dt * motion[i, W])
     if held.member.shape[0] > 0:
-        move_held(granules, held, world.boundaries.motion, account, kick, low, high)
+        move_held(granules, held, boundary_motion, account, kick, low, high)
     if COMPOSED:
         place(motion, constituents, low, high)
 

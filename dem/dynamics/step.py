@@ -92,7 +92,18 @@ def move_patch(world, kick, dt, patch, limit):
     if world.base.grip.shape[0] > 0:
         given = world.base, granules, constituents, world.gravity, world.account
         rub_granules(*given, kick, low, high)
-    drift(world, kick, dt, low, high)
+    drift(
+        granules,
+        constituents,
+        world.held,
+        world.boundaries.motion,
+        world.gravity,
+        world.account,
+        kick,
+        dt,
+        low,
+        high,
+    )
     first = constituents.first
     return farthest_of(constituents.motion, constituents.reference, first[low], first[high], limit)
 

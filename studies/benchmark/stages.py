@@ -73,8 +73,11 @@ def looks(world, place, limit, times):
 
 
 def moves(world, place, dt, times):
+    granules, constituents, held = world.granules, world.constituents, world.held
+    moving, gravity, account = world.boundaries.motion, world.gravity, world.account
     for _ in range(times):
-        drift(world, 0.0, 0.0, 0, world.granules.angle.shape[0])
+        count = granules.angle.shape[0]
+        drift(granules, constituents, held, moving, gravity, account, 0.0, 0.0, 0, count)
 
 
 def roots(numbers, times):
