@@ -2,6 +2,7 @@
 
 * The page of a study, studies/NAME/README.md, is read from _generated/studies, and links to it lead
   there. docs/write_pages.py has put the numbers into all pages.
+* In tables an interval may go on below its value, so that a table is no wider than its column.
 * The gallery (gallery.py) is written before the build.
 * Mathematics becomes MathML, which browsers draw themselves: a page loads nothing from a network.
 """
@@ -54,6 +55,7 @@ Stability <../_generated/studies/stability>
 Speed <../_generated/studies/benchmark>
 """,
 }
+ROW = re.compile(r"^\|.*", re.M)
 LISTED = re.compile(r"^\* \[([^\]]+)\]\(([^)]+)\.md\)", re.M)
 TOCTREE = "\n```{{toctree}}\n:hidden:\n\n{}```\n"
 
@@ -74,7 +76,8 @@ def _linked(text: str, folder: Path, to: Path) -> str:
 def _read_page(app, docname, source):
     path = Path(app.env.doc2path(docname))
     if path.suffix == ".md":
-        source[0] = _linked(source[0], path.parent, path.parent)
+        text = _linked(source[0], path.parent, path.parent)
+        source[0] = ROW.sub(lambda row: row[0].replace("\u00a0(", " ("), text)
     listed = "".join(f"{words} <{page}>\n" for words, page in LISTED.findall(source[0]))
     if docname == "index" or docname.endswith("/index"):
         source[0] += TOCTREE.format(BESIDE.get(docname, listed))
