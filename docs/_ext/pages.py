@@ -2,6 +2,7 @@
 
 * The page of a study, studies/NAME/README.md, is read from _generated/studies, and links to it lead
   there. docs/write_pages.py has put the numbers into all pages.
+* Links to the changelog lead to its page, and links to other files to pages that show them.
 * In tables an interval may go on below its value, so that a table is no wider than its column.
 * The gallery (gallery.py) is written before the build.
 * Mathematics becomes MathML, which browsers draw themselves: a page loads nothing from a network.
@@ -18,6 +19,12 @@ from latex2mathml.converter import convert
 from dem.base.source_hash import ROOT
 
 STUDIES = ROOT / "docs/_generated/studies"
+SOURCES = ROOT / "docs/_generated/sources"
+LANGUAGES = {".py": "python", ".yaml": "yaml", ".cff": "yaml"}  # of files that are shown
+PAGE_OF = {
+    ROOT / "CHANGELOG.md": ROOT / "docs/changes.md",
+    ROOT / "CONTRIBUTING.md": ROOT / "docs/contributing.md",
+}
 LINK = re.compile(r"\]\(([^)\s#:]+)(#[^)\s]*)?\)")
 # What is beside a page: on the page itself a code host would show it as code. Other indexes list
 # their pages, by the words of the links.
@@ -68,9 +75,23 @@ def _linked(text: str, folder: Path, to: Path) -> str:
         path = Path(normpath(folder / found[1]))
         if path.name == "README.md" and path.parent.parent == ROOT / "studies":
             path = STUDIES / f"{path.parent.name}.md"
+        elif path.suffix in LANGUAGES and path.is_file():
+            path = _source_page(path)
+        path = PAGE_OF.get(path, path)
         return f"]({Path(relpath(path, to)).as_posix()}{found[2] or ''})"
 
     return LINK.sub(link, text)
+
+
+def _source_page(path: Path) -> Path:
+    """A page that shows a file."""
+    name = path.relative_to(ROOT).as_posix()
+    page = SOURCES / f"{name}.md"
+    page.parent.mkdir(parents=True, exist_ok=True)
+    language = f":language: {LANGUAGES[path.suffix]}"
+    shown = f"```{{literalinclude}} /../{name}\n{language}\n```\n"
+    page.write_text(f"---\norphan: true\n---\n# {name}\n\n{shown}", encoding="utf-8")
+    return page
 
 
 def _read_page(app, docname, source):
@@ -103,6 +124,9 @@ def _write_pages(app):
     for path in ROOT.glob("studies/*/README.md"):
         text = _linked(path.read_text(encoding="utf-8"), path.parent, STUDIES)
         (STUDIES / f"{path.parent.name}.md").write_text(text, encoding="utf-8")
+    for folder in (ROOT / "docs", *ROOT.glob("docs/[a-z]*")):  # before Sphinx lists all pages
+        for path in folder.glob("*.md"):
+            _linked(path.read_text(encoding="utf-8"), folder, folder)
     gallery.write(Path(app.srcdir))
 
 
