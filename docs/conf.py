@@ -55,6 +55,8 @@ html_title = "granular-drag"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_show_sourcelink = False
+ALONE = "index", "start", "contributing", "changes", "_generated/gallery"  # nothing is beside them
+html_sidebars = {page: [] for page in ALONE}
 html_theme_options = {
     "navigation_with_keys": False,
     "show_prev_next": True,
