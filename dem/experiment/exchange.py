@@ -11,7 +11,7 @@ from dem.dynamics.simulation import Simulation
 from dem.experiment.replicate import Replicate
 from dem.periodic import Periods, nearest_image, wrapped
 
-SHARE = 0.25  # of the time in which a granule falls by its diameter
+SHARE = 0.25  # of the time in which a granule falls by half its diameter
 PLACES = 100  # that are tried for a granule, before it waits
 NEARLY = 1e-9  # of an interval: a moment is reached that is no farther off
 
@@ -55,6 +55,14 @@ class Exchange:
         """Number and mass (kg) of granules in the bins (s, 2, bins)."""
         bins = self.kept["bins"] if self.interval else np.empty((1, 0, 2))
         return np.diff(bins, axis=0).transpose(1, 2, 0)
+
+    @property
+    def is_feeding(self) -> bool:
+        """Whether a source has granules for which its rate alone, and no lack of room, is not due."""
+        return any(
+            source.rate is not None and len(self.kept[f"waiting{k}"]) and self.kept["due"][k] < 1.0
+            for k, source in enumerate(self.sources.values())
+        )
 
     def advance(self, duration: float) -> None:
         """Go on by a time (s)."""

@@ -163,9 +163,12 @@ def _move(
 
 
 def _rest(scene: Configuration, exchange: Exchange, phase: str, save) -> None:
-    """Go on until the granules are at rest."""
+    """Go on until the granules are at rest, and no more come by their rate."""
     simulation, gravity = exchange.simulation, scene.gravity or scene.base_plate.gravity
-    energy, enough = come_to_rest(simulation, gravity, STILL, save, exchange.advance)
+    while True:
+        energy, enough = come_to_rest(simulation, gravity, STILL, save, exchange.advance)
+        if energy > enough or not exchange.is_feeding:
+            break
     if energy > enough:
         raise RunError(
             f"phases.{phase}: the granules are not at rest after {simulation.time:.3g} s: their kinetic "

@@ -100,3 +100,10 @@ def test_a_source_that_was_blocked_makes_up_for_it():
 def test_the_last_granule_of_a_bed_stays():
     _, values = run_of({"count": 1, "rate": 1e-3}, {"region": [None] * 4})
     assert np.isfinite(values["granule_x"][1:]).sum() == 6
+
+
+def test_a_phase_until_rest_waits_for_granules_that_still_come():
+    """The bed is at rest between two of them."""
+    phases = {"fill": {"until": "rest"}, "on": {"time": 6e-3}}
+    _, values = run_of({"count": 3, "rate": 4.0}, phases=phases)
+    assert (np.isfinite(values["granule_x"]).sum(axis=1) == 15).all()
