@@ -51,7 +51,7 @@ from dem.dynamics.scan import (
     TOUCHING,
     Moment,
 )
-from dem.dynamics.skin import following
+from dem.dynamics.skin import best_skin
 from dem.dynamics.step import Threads
 from dem.dynamics.system import System, is_finite, longest_move
 from dem.dynamics.world import REMOVED, World, number_of_patches
@@ -66,7 +66,7 @@ SCAN_INTERVAL = 1000  # steps without a scan, at most
 QUIET = 2000  # steps for which the bound must have allowed a longer step before it is taken
 PER_OCTAVE = 8  # quantised steps to a factor of two
 MARGIN = 0.75  # share of skin / 2 that a constituent may move before the lists are rebuilt
-PATIENCE = 20  # lists without a break for which another skin must be best
+PATIENCE = 20  # lists without a break for which a wider skin must be best
 NEARLY = 1e-9  # of a step: a time is reached that is no farther off
 FIRST_BUDGET = 20_000  # constituents times steps of the first call of a kernel
 BRIEF, LONG = 0.05, 0.15  # s: between these a call returns, so that Python can answer Ctrl-C
@@ -193,8 +193,8 @@ class Progress(NamedTuple):
         Skin of the lists (m).
     listed : int
         Step of the last list.
-    asked : int
-        Lists without a break before it for which another skin was best.
+    narrow : int
+        Lists without a break before it for which a wider skin was best.
     """
 
     outcome: int = FINE
@@ -215,7 +215,7 @@ class Progress(NamedTuple):
     candidate_since: int = 0
     skin: float = 0.0
     listed: int = 0
-    asked: int = 0
+    narrow: int = 0
 
     @property
     def reach(self) -> float:
@@ -495,6 +495,8 @@ class Engine:
         while True:
             now = self.progress
             if now.scanned < 0:
+                if self.best_skin() < now.skin:
+                    self.renew_lists(0.0)
                 self.choose_step(checks_overlap=True)
                 now = self.progress
                 shortest = min(shortest, now.dt)
@@ -529,18 +531,23 @@ class Engine:
         elif took > LONG:
             self.budget = max(self.budget // 2, 1)
 
+    def best_skin(self) -> float:
+        """The skin (m) by how long the list of now has lasted."""
+        now = self.progress
+        return best_skin(now.skin, now.steps - now.listed, *self.rules.skins)
+
     def renew_lists(self, moved: float) -> None:
         """Lists with a skin that suits how long the last ones were good for; stops where a contact may
-        have been missed."""
+        have been missed. One list that lasts says enough, and a few short ones do not."""
         now, reach = self.progress, self.progress.reach
         granule = first_outside(self.world)
         if not (moved <= reach or longest_move(self.world) <= 2.0 * reach):
             self.stop(LOST, moved, granule)
-        best = following(now.skin, now.steps - now.listed, *self.rules.skins)
-        asked = now.asked + 1 if best != now.skin else 0
-        if asked == PATIENCE:
-            now, asked = now._replace(skin=best), 0
-        self.progress = now._replace(asked=asked, scanned=-1)
+        best = self.best_skin()
+        narrow = now.narrow + 1 if best > now.skin else 0
+        if narrow == PATIENCE or best < now.skin:
+            now, narrow = now._replace(skin=best), 0
+        self.progress = now._replace(narrow=narrow, scanned=-1)
         self.rebuild()
         if granule >= 0:
             self.stop(OUTSIDE, granule=granule)

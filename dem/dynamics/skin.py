@@ -14,8 +14,8 @@ SKIN = 0.12  # of runs, at least; timings of beds are flat from 0.1 to 0.2
 WIDEST = 1.0
 SKIN_OF_PACKING = 0.3  # while a bed is packed, where granules move far
 REBUILD_COST = 60.0  # of a list over what a wider skin costs, fitted to gases and dense beds
-USUAL = 200.0  # steps that a list with the least skin lasts where no other skin is better
-OTHER = 3.0  # how many times as wide the best skin is where it is taken
+BEST_LIFE = 200.0  # steps that a list with the least skin lasts where no other skin is better
+CHANGE = 3.0  # how many times as wide or as narrow the best skin is where it is taken
 
 
 def widest_skins(scene: Scene) -> list[float]:
@@ -50,11 +50,11 @@ def skin_for(world, table, time_step: float | None, skins: tuple[float, float]) 
     return float(np.clip(wanted, *skins))
 
 
-def following(skin: float, lasted: int, least: float, widest: float) -> float:
-    """The best skin (m) after one whose list lasted so many steps, or that one where the best is less than
-    `OTHER` times as wide or as narrow.
+def best_skin(skin: float, life: int, least: float, widest: float) -> float:
+    """The best skin (m) after one whose list lasted so many steps; that one where the best is less than
+    `CHANGE` times as wide or as narrow.
 
     The list of the best skin lasts a number of steps that is inverse to that skin.
     """
-    best = skin * math.sqrt(USUAL * least / (max(lasted, 1) * skin))
-    return min(max(best, least), widest) if max(best / skin, skin / best) > OTHER else skin
+    best = skin * math.sqrt(BEST_LIFE * least / (max(life, 1) * skin))
+    return min(max(best, least), widest) if max(best / skin, skin / best) > CHANGE else skin

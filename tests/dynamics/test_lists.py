@@ -7,35 +7,34 @@ from project import quick
 import dem
 from dem.dynamics.system import System
 
-R, SIDE = 1e-3, 12
-SOFT = dem.Material(young_modulus=1e7, restitution=0.6)
+R = 1e-3
+PLACE = 3.0 * R * (1.0 + np.mgrid[:6, :6].reshape(2, -1).T)
 
 
-def steps_a_list(run, duration):
-    """How many steps a list lasts, over a time (s)."""
-    count, steps, rebuild = [], run.steps, System.rebuild
+def lists_of(run, duration):
+    """Skins (m) of the lists that are made in a time (s)."""
+    skins, rebuild = [], System.rebuild
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(System, "rebuild", lambda *args: (count.append(1), rebuild(*args)))
+        patch.setattr(System, "rebuild", lambda *args: (skins.append(args[1]), rebuild(*args)))
         run.advance(duration)
-    return (run.steps - steps) / len(count)
+    return np.array(skins)
 
 
 @quick
-def test_lists_of_granules_that_begin_to_fall_last_longer():
-    """Than with the skin that they begin with, which a user may ask for. What the bed does is the same."""
-    place = np.vstack([3.0 * R * np.mgrid[:SIDE, :SIDE].reshape(2, -1).T, [0.0, 1.0]])
+def test_lists_of_granules_that_fall_last_longer_and_are_narrow_again_when_they_lie():
+    """Than with the skin that they begin with, which a user may ask for. What they do is the same."""
     scene = dem.Scene(
-        dem.Disc(np.full(len(place), R)),
-        SOFT,
+        dem.Disc(np.full(len(PLACE), R)),
+        dem.Material(young_modulus=1e7, restitution=0.3),
         dem.Friction(),
         gravity=(0.0, -9.81),
         thickness=R,
-        held=[dem.Held([len(place) - 1])],
+        walls=[dem.Wall((0.0, -1.0, 0.1))],
     )
-    runs = [dem.Simulation(scene, dem.State(place), skin=skin) for skin in (None, 0.12)]
-    for run in runs:
-        run.advance(0.15)
-    lasts = [steps_a_list(run, 5e-3) for run in runs]
-    assert lasts[0] > 2.0 * lasts[1]
-    places = [run.state.position for run in runs]
+    fallen, fixed = (dem.Simulation(scene, dem.State(PLACE), skin=skin) for skin in (None, 0.12))
+    lists = [lists_of(run, 0.13) for run in (fallen, fixed)]
+    assert lists[0].max() > 2.0 * lists[0][0] and len(set(lists[1])) == 1
+    assert 1.5 * len(lists[0]) < len(lists[1])
+    places = [run.state.position for run in (fallen, fixed)]
     assert np.allclose(*places, rtol=0.0, atol=1e-4 * R)
+    assert lists_of(fallen, 1.0)[-1] == pytest.approx(0.12 * R)

@@ -74,7 +74,7 @@ ROWS = (
     ("dynamics/neighbours.py", "lowest[home] = min(lowest[home], patch)", "lowest[home] = home", THREADS),
     ("dynamics/neighbours.py", "reach = radius[i] + radius[j] + skin", "reach = radius[i] + radius[j]", BOX),
     ("dynamics/engine.py", "if now.steps - since >= QUIET:", "if candidate < math.inf:", "tests/dynamics/test_step.py::test_the_time_step_is_held_where_the_bound_goes_up_and_down"),
-    ("dynamics/engine.py", "self.progress = now._replace(asked=asked, scanned=-1)\n        self.rebuild()", "self.progress = now._replace(asked=asked, scanned=-1)", BOX),
+    ("dynamics/engine.py", "self.progress = now._replace(narrow=narrow, scanned=-1)\n        self.rebuild()", "self.progress = now._replace(narrow=narrow, scanned=-1)", BOX),
     ("dynamics/engine.py", "impulses[:] -= boundaries.impulses", "impulses[:] -= 0.0", RUN),
     ("dynamics/measures.py", "* 2.0 / max(rate + root", "* 4.0 / max(rate + root", "tests/dynamics/test_step.py"),
     ("laws/hertz.py", "return 0.4 * stiffness", "return 0.5 * stiffness", "tests/dynamics/test_energy.py"),
