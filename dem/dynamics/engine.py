@@ -350,7 +350,7 @@ class Engine:
             account[ACCOUNTS + POWER_SPRINGS : WORK] -= taken[1:]
         return engine
 
-    def populate(self, system: System, order: np.ndarray) -> None:
+    def replace_granules(self, system: System, order: np.ndarray) -> None:
         """Go on from the end of a step with other granules: those that stay, in the same order, then
         those that come. Pairs that stay keep what they remember, and all that stay their anchors.
 

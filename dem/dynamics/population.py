@@ -12,7 +12,7 @@ from dem.dynamics.system import System
 from dem.scene import ARRAYS, TOUCHING, Scene, State
 
 
-def populated(
+def with_granules(
     scene: Scene, engine: Engine, granules: np.ndarray, new: State | None = None
 ) -> Engine:
     """A copy of the engine of a scene, without some granules, or with some more in a new state.
@@ -41,13 +41,13 @@ def populated(
         new.velocity -= frame
         for name in ARRAYS:
             getattr(state, name)[granules] = getattr(new, name)
-    engine.populate(reassembled(scene, engine, state, order), order)
+    engine.replace_granules(system_of(scene, engine, state, order), order)
     if new:
         check_room(scene, engine, granules)
     return engine
 
 
-def reassembled(scene: Scene, engine: Engine, state: State, order: np.ndarray) -> System:
+def system_of(scene: Scene, engine: Engine, state: State, order: np.ndarray) -> System:
     """The arrays of an engine for granules of a scene that are there, and its boundaries as they are
     now."""
     table, flags = engine.system.table, engine.system.kernels.flags

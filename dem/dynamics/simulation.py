@@ -22,9 +22,9 @@ from dem.dynamics.numerics import (
     StepFraction,
     check_stable,
 )
-from dem.dynamics.population import check_free, populated, reassembled
+from dem.dynamics.population import check_free, system_of, with_granules
 from dem.dynamics.record import Record, record_of, shares
-from dem.dynamics.skin import skin_for, skins_of
+from dem.dynamics.skin import initial_skin, skin_limits
 from dem.dynamics.world import REMOVED
 from dem.motion import Motion, Numbers, Spin, Velocities
 from dem.scene import Scene, State
@@ -123,8 +123,8 @@ class Simulation(MovingScene):
             state.velocity -= frame
         order = order_of(scene, state)
         system = assemble(scene, state, order, step_fraction, ledger)
-        skins = skins_of(scene, system.table, skin)
-        width = skin_for(system.world, system.table, time_step, skins)
+        skins = skin_limits(scene, system.table, skin)
+        width = initial_skin(system.world, system.table, time_step, skins)
         rules = StepControl(time_step or 0.0, max_overlap, skins, allow_unstable, frame)
         self.scene, self.engine = scene, Engine(system, width, rules, order, threads)
         system = self.engine.observe()[0]
@@ -216,7 +216,7 @@ class Simulation(MovingScene):
             raise InputError(f"saved is no whole checkpoint; it lacks {min(lacking)}.")
         engine, order = self.engine, np.array(saved["order"])
         state = State(np.zeros((self.scene.granules, 2)))
-        system = reassembled(self.scene, engine, state, order)
+        system = system_of(self.scene, engine, state, order)
         engine.system, engine.order = system.suited(restored(system, saved)), order
         engine.progress = replaced(engine.progress, saved, "progress")
 
@@ -349,7 +349,7 @@ class Simulation(MovingScene):
         array([[0.01, 0.  ],
                [ nan,  nan]])
         """
-        self.engine = populated(self.scene, self.engine, np.unique(granules))
+        self.engine = with_granules(self.scene, self.engine, np.unique(granules))
 
     @checked
     def insert_granules(
@@ -410,7 +410,7 @@ class Simulation(MovingScene):
             raise InputError(
                 f"position has {len(new.position)} rows; it must have {len(granules)}, as granules."
             )
-        self.engine = populated(self.scene, self.engine, granules, new)
+        self.engine = with_granules(self.scene, self.engine, granules, new)
 
     @checked
     def advance(self, duration: Annotated[NotNegative, Unit("s")]) -> float:

@@ -18,24 +18,24 @@ BEST_LIFE = 200.0  # steps that a list with the least skin lasts where no other 
 CHANGE = 3.0  # how many times as wide or as narrow the best skin is where it is taken
 
 
-def widest_skins(scene: Scene) -> list[float]:
+def periodic_limits(scene: Scene) -> list[float]:
     """Skins (m) with which no list holds two images of one body, nor finds one pair by another
     image than the list before: for each period."""
     return [0.25 * (period - 2.0 * reach(scene)) for period in scene.periodic or () if period]
 
 
-def skin_of(scene: Scene, table, share: float) -> float:
+def bounded_skin(scene: Scene, table, share: float) -> float:
     """Skin (m) for a share of the mean bounding radius of the granules that are there, at most the
     widest."""
-    return min([float(share * table.bounding.mean()), *widest_skins(scene)])
+    return min([float(share * table.bounding.mean()), *periodic_limits(scene)])
 
 
-def skins_of(scene: Scene, table, share: float | None) -> tuple[float, float]:
-    """The least and the widest skin (m) of a run, one for a share that is given (`skin_of`)."""
-    return skin_of(scene, table, share or SKIN), skin_of(scene, table, share or WIDEST)
+def skin_limits(scene: Scene, table, share: float | None) -> tuple[float, float]:
+    """The least and the widest skin (m) of a run, one for a share that is given (`bounded_skin`)."""
+    return bounded_skin(scene, table, share or SKIN), bounded_skin(scene, table, share or WIDEST)
 
 
-def skin_for(world, table, time_step: float | None, skins: tuple[float, float]) -> float:
+def initial_skin(world, table, time_step: float | None, skins: tuple[float, float]) -> float:
     """Skin (m) for the speeds of a scene at the start, within the least and the widest.
 
     What flies farther in a step needs its lists more often, or wider ones. The sum of both costs is

@@ -34,7 +34,7 @@ from dem.dynamics.forces import (
 )
 from dem.dynamics.motion import collect, farthest_of, greater, place, rotate
 from dem.dynamics.scan import CRITICAL, DEEP_CONSTITUENT, DEEPEST, TOUCHING
-from dem.dynamics.skin import SKIN_OF_PACKING, skin_of
+from dem.dynamics.skin import SKIN_OF_PACKING, bounded_skin
 from dem.dynamics.step import STEPS, Place, Threads, share_of
 from dem.dynamics.system import System
 from dem.dynamics.world import PATCH, SECTIONS, WALLS, World, granules_of, number_of_patches
@@ -410,7 +410,7 @@ def minimise(scene, state, iterations, enough=None, job=None):
     order = stopped["order"] if stopped else order_of(scene, state)
     system = assemble(scene, state, order, work=fire)
     table = system.table
-    skin = skin_of(scene, table, SKIN_OF_PACKING)
+    skin = bounded_skin(scene, table, SKIN_OF_PACKING)
     radius, modulus = table.radius.mean(), table.modulus
     law = system.world.law
     unit, large = scene.law.scale(modulus, radius) * radius, scene.granules > PATCH

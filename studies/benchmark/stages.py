@@ -16,7 +16,7 @@ from dem.dynamics.assembly import assemble
 from dem.dynamics.forces import FORCES, clear, clear_boundaries, contact_forces
 from dem.dynamics.kinds import bound
 from dem.dynamics.motion import drift, farthest_of
-from dem.dynamics.skin import SKIN, skin_of
+from dem.dynamics.skin import SKIN, bounded_skin
 from dem.dynamics.system import NONE
 from dem.dynamics.world import SECTIONS, WALLS
 from dem.jit.kernel import kernel
@@ -111,7 +111,7 @@ def stage_times(case: Case, times: int) -> dict[str, float]:
     """Time (s) of one step by stage, and of the whole step; the mean of a number of `times`."""
     granules, dt = case.scene.granules, STILL * case.time_step
     system = assemble(case.scene, case.state.checked(granules), np.arange(granules))
-    system.rebuild(skin_of(case.scene, system.table, SKIN))
+    system.rebuild(bounded_skin(case.scene, system.table, SKIN))
     system.advance(dt, dt, WARM, math.inf)
     world, flags, layout = system.world, system.kernels.flags, system.kernels.layout
 
