@@ -60,6 +60,7 @@ def pytest_collection_modifyitems(config, items):
     for item in items:
         parameters, stem = item.name.lower().partition("[")[2], item.path.stem
         group = next((kind for kind in KINDS if kind in parameters + stem), stem)
+        group = stem if "small_checkout" in item.fixturenames else group  # with files of each other
         groups[item] = "claims" if "checkout_with_claims" in item.fixturenames else group
         item.add_marker(pytest.mark.xdist_group(groups[item]))
     if config.option.markexpr == "quick":
