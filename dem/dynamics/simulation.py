@@ -125,6 +125,8 @@ class Simulation(MovingScene):
         system = assemble(scene, state, order, step_fraction, ledger)
         skins = skin_limits(scene, system.table, skin)
         width = initial_skin(system.world, system.table, time_step, skins)
+        if allow_unstable:  # short lists must end a run that breaks
+            skins = width, width
         rules = StepControl(time_step or 0.0, max_overlap, skins, allow_unstable, frame)
         self.scene, self.engine = scene, Engine(system, width, rules, order, threads)
         system = self.engine.observe()[0]

@@ -28,8 +28,9 @@ def draw(sweep, shape, change) -> dict:
 
 def rest(sweep, shape, change) -> dict:
     """The cylinder rests for many steps."""
-    simulation = start(changed(sweep, shape, change), still=True)
-    step = simulation.step_fraction * simulation.diagnose().critical_time_step
+    replicate = changed(sweep, shape, change)
+    simulation, fraction = start(replicate, still=True), replicate.configuration.numerics.step_fraction
+    step = fraction * simulation.diagnose().critical_time_step
     quantities = watch(simulation, step * (change.steps or 1000) / LOOKS)
     moving = 0.5 * simulation.scene.mass.sum() * sweep.cylinder.velocity**2
     return quantities | {"kinetic": quantities["kinetic"] / moving}
