@@ -16,6 +16,7 @@ from os.path import relpath
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from matplotlib import rc_context
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
@@ -80,7 +81,7 @@ def origin_of(name: str) -> str:
     """A hash of what a picture is drawn from; comments of modules do not count."""
     if name == TUTORIAL.stem:
         code = tutorial_code()
-        files = [ROOT / path for path in re.findall(r"docs/data/\w+\.nc", code)]
+        files = [TUTORIAL.parent / path for path in re.findall(r"\.\./data/\w+\.nc", code)]
     else:
         module, *files = sources_of(name)
         code = str(codes([module]))
@@ -102,7 +103,7 @@ def draw_picture(name: str, path: Path) -> None:
             drawn = picture.draw(*sources_of(name)[1:], Path(folder))
         elif name == TUTORIAL.stem:
             drawn, names = [Path(folder, "results.png")], {}
-            with chdir(ROOT):
+            with chdir(TUTORIAL.parent), rc_context({"backend": "agg"}):
                 exec(tutorial_code(), names)
             names["figure"].savefig(drawn[0], dpi=200)
         else:
