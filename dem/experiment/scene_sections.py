@@ -236,9 +236,9 @@ class PartSection(Section):
 
 class SolidSection(MotionSection):
     outline: Literal["circle", "ellipse", "plate", "square", "wedge", "ring"] | None = None
-    """outline; at an angle of 0 its length is along x, or its tip upwards; none: it has parts"""
+    """outline; at an angle of 0 its length is along x, or its tip upwards; none: required unless there are parts"""
     diameter: Diameter | None = None
-    """diameter, or length of a plate or an ellipse; of a ring, which is made of 36 plates, the diameter inside; none: it has parts"""
+    """diameter, or length of a plate or an ellipse; of a ring, which is made of 36 plates, the diameter inside; none: required unless there are parts"""
     parts: Annotated[dict[Label, PartSection], SORTED] = Field({})
     """outlines that together are one body, by label"""
     thickness: Length | None = None
@@ -340,9 +340,9 @@ class SourceSection(Section):
 
 class PhaseSection(Section):
     time: Time | None = None
-    """duration of the phase; none: it lasts as until says"""
+    """duration of the phase; none: required unless until is given"""
     until: Literal["rest"] | None = None
-    """rest: the phase lasts until the granules are at rest under gravity; none: it lasts for time"""
+    """rest: the phase lasts until the granules are at rest under gravity; none: required unless time is given"""
     motion: dict[Label, PhaseMotionSection] = Field({})
     """motion of solids from the start of the phase on, by name; others move as before"""
 

@@ -172,17 +172,17 @@ Mixture = Annotated[dict[Label, Share], Field(min_length=2), SORTED]
 
 class ShapeSection(Section):
     kind: Annotated[str, or_file(KINDS), Field(examples=[*KINDS])] | None = None
-    """kind of granule, or file and class of your own, such as stones.Stone; none: a mixture"""
+    """kind of granule, or file and class of your own, such as stones.Stone; none: required unless mixture is given"""
     diameter: Diameter | None = None
-    """mean volume diameter of the granules; none: a mixture"""
+    """mean volume diameter of the granules; none: required unless mixture is given"""
     granules: Annotated[Count, Field(ge=1, le=10_000_000)] | None = None
-    """number of granules; none: the shape is only a part of mixtures"""
+    """number of granules; none: required unless the shape is only a part of mixtures"""
     aspect_ratio: AspectRatio | None = None
     """length over width of a granule; none: that of the kind, such as 1 of a disc"""
     discs: Discs | None = None
-    """discs of a clump, [x, y, radius] of each in any unit, or a file with these lines; none: it is no clump"""
+    """discs of a clump, [x, y, radius] of each in any unit, or a file with these lines; none: required where kind is clump"""
     mixture: Mixture | None = None
-    """shares by number of other shapes, by label, all of one kind; none: it is no mixture"""
+    """shares by number of other shapes, by label, all of one kind; none: required unless kind is given"""
     material: GranuleMaterialSection | None = None
     """material of these granules; none: that of the key material"""
 
@@ -229,7 +229,7 @@ class ShapeSection(Section):
 
 class PackingSection(Section):
     fraction: Share | None = None
-    """area of the granules over the area of the box without solids; none: pressure or height is given"""
+    """area of the granules over the area of the box without solids; none: required unless pressure or height is given"""
     height: Length | None = None
     """height of the box; none: it follows from fraction or pressure"""
     size_spread: Annotated[Coefficient, Field(lt=1)]
@@ -237,7 +237,7 @@ class PackingSection(Section):
     friction: Coefficient = 0.0
     """friction of all contacts while the bed is packed"""
     pressure: Pressure | None = None
-    """pressure that the top wall exerts and keeps; none: fraction or height is given"""
+    """pressure that the top wall exerts and keeps; none: required unless fraction or height is given"""
     preparation: Literal["relaxed", "grown", "settled", "lattice", "file"] = "relaxed"
     """relaxed: granules grow and their energy is minimised; grown: they grow in motion; settled: then they fall under
     gravity; lattice: they are put in rows, apart from each other; file: they are where packing.file says"""
