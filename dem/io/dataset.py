@@ -20,7 +20,7 @@ from dem.base.files import atomic, bytes_of
 # Tables of variables, name: (dimensions, units, long name). What a run records is in
 # dem.experiment.observables.
 LABELS = {
-    "shape": ((), None, "label of the shape, Table 1"),
+    "shape": ((), None, "label of the shape, as in Table 1 of the paper"),
     "kind": ((), None, "kind of granule"),
     "aspect_ratio": ((), "1", "length over width of a granule"),
     "density": ((), "kg m-3", "density of the granules"),
@@ -76,7 +76,7 @@ OF_STORE = {  # of a run in a file of many
 }
 REPLICATES = "replicates"  # where seeds have no end
 OF_SWEEP = {
-    "case": ((), None, "case: a shape at a density, labels of Tables 1 and 2"),
+    "case": ((), None, "case: a shape at a density, as in Tables 1 and 2 of the paper"),
     REPLICATES: ((), "1", "number of replicates, whose seeds are the first ones"),
 }
 

@@ -104,7 +104,7 @@ def variables() -> str:
     text += f"\n## Of each run that records observables\n\n{_layout(OF_RUN)}"
     for head, name in modules.items():
         module = import_module(name)
-        about, _, _ = module.__doc__.partition("\n")
+        about, _, _ = module.__doc__.partition("\n\n")
         text += f"\n## {head}\n\n{about}\n\n"
         text += _layout(getattr(module, "AXIS", {}) | getattr(module, "VARIABLES", {}))
     return text
