@@ -40,6 +40,7 @@ NAMES = (
 UP = 5  # terms of alpha_y
 # of many sands, poppy seeds and glass beads (Li, Zhang and Goldman 2013, supplement), in N/m3
 GENERIC = 1e6 * np.array([0.206, 0.169, 0.212, 0.358, 0.055, -0.124, 0.253, 0.007, 0.088])
+MOVED = 0.1  # of the mean depth: a plate whose depth changes by more says how stress grows with it
 BEGIN = 0.4  # share of the way after which the force has forgotten its beginning
 
 
@@ -265,26 +266,27 @@ def fitted(plates: Plates) -> Resistance:
     return Resistance(coefficients, covariance, left)
 
 
-def linearity(
-    plates: Plates, resistance: Resistance, bins: int = 6
-) -> tuple[np.ndarray, np.ndarray]:
-    """Edges (bins + 1,) of depth (m), and what stress is there over that of the fit (bins, 3): the
-    mean over all cells, without unit, and its 95 % interval over seeds."""
-    fit = resistance.alpha(plates.angle, plates.direction)[:, None, None]
-    expected = fit * plates.depth[..., None]
-    edges = np.linspace(np.nanmin(plates.depth), np.nanmax(plates.depth), bins + 1)
-    place = np.clip(np.digitize(plates.depth, edges) - 1, 0, bins - 1)
+def linearity(plates: Plates, bins: int = 6) -> tuple[np.ndarray, np.ndarray]:
+    """Edges (bins + 1,) of depth (m), and what stress is there over its depth times what `Plates.alpha`
+    has of its run (bins, 3): the mean over plates that move up or down, without unit, and its 95 %
+    interval over seeds."""
+    way = np.nanmax(np.ptp(plates.depth, axis=2), axis=1)
+    moves = way >= min(MOVED * np.nanmean(plates.depth), np.nanmax(way))
+    depth, stress = plates.depth[moves], plates.stress[moves]
+    expected = plates.alpha[moves][:, :, None] * depth[..., None]
+    edges = np.linspace(np.nanmin(depth), np.nanmax(depth), bins + 1)
+    place = np.clip(np.digitize(depth, edges) - 1, 0, bins - 1)
     rows = []
     for k in range(bins):
-        here = ((place == k) & np.isfinite(plates.stress[..., 0]))[..., None]
-        shares = (np.where(here, plates.stress, 0.0) * expected).sum(axis=(0, 2, 3))
+        here = ((place == k) & np.isfinite(stress[..., 0]))[..., None]
+        shares = (np.where(here, stress, 0.0) * expected).sum(axis=(0, 2, 3))
         rows.append(mean_interval(shares / np.where(here, expected**2, 0.0).sum(axis=(0, 2, 3))))
     return edges, np.array(rows)
 
 
 def dataset_of(plates: Plates, resistance: Resistance, of: dict) -> xr.Dataset:
     """All of it as a dataset; of: attributes of the file that the runs are in."""
-    edges, shares = linearity(plates, resistance)
+    edges, shares = linearity(plates)
     fit = resistance.alpha(plates.angle, plates.direction)
     against = "stress over depth, against the motion along x, and upwards"
     variables = {
@@ -306,7 +308,7 @@ def dataset_of(plates: Plates, resistance: Resistance, of: dict) -> xr.Dataset:
             ("bin", "end"),
             shares,
             "1",
-            "stress over that of the fit, with its interval",
+            "stress over depth relative to that of the whole run, with its interval",
         ),
     }
     tables = {
