@@ -113,7 +113,8 @@ def measured(dataset: xr.Dataset) -> Plates:
     beside = {"seed", "time", "snapshot", "cell"}
     runs = runs.stack(cell_of=[dim for dim in runs.dims if dim not in beside])
     plate = dataset["solid"].item()
-    size = value_of(runs, f"solids.{plate}.diameter") * value_of(runs, "material.thickness")
+    length = value_of(runs, f"solids.{plate}.diameter")
+    size = length * value_of(runs, "material.thickness")
     way = (
         runs[["solid_x", "solid_y"]]
         .to_array("axis")
@@ -127,8 +128,9 @@ def measured(dataset: xr.Dataset) -> Plates:
     surface = runs["surface_height"].isel(snapshot=0).median("cell").transpose("cell_of", "seed")
     y = first[..., 1, None] + share[late] * (last - first)[..., 1, None]
     depth = surface.values[..., None] - y
-    if not np.nanmin(depth) > 0.0:
-        raise InputError("its plate leaves the bed; let it stay below the surface.")
+    end = 0.5 * np.reshape(length.values, (-1, 1)) * np.abs(np.sin(turned))
+    if not np.nanmin(depth - end[..., None]) > 0.0:
+        raise InputError("its plate leaves the bed; let all of it stay below the surface.")
     force = runs[["solid_force_x", "solid_force_y"]].to_array("axis")
     force = force.transpose("cell_of", "seed", "time", "axis").values[:, :, late]
     stress = force / np.reshape(size.values, (-1, 1, 1, 1))
