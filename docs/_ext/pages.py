@@ -54,6 +54,7 @@ Intruders <../_generated/studies/intruders>
 Drag on a plate <../_generated/studies/base>
 Columns that collapse <../_generated/studies/column>
 Hoppers that empty <../_generated/studies/hopper>
+Forces on outlines <../_generated/studies/rft>
 Contact laws <../_generated/studies/law>
 Rolling resistance <../_generated/studies/rolling>
 Verification <../_generated/studies/verification>

@@ -26,6 +26,8 @@ from findings import FILES  # noqa: E402
 from docs.data.kernels import digest  # noqa: E402
 
 FORCES = "wall_force", "transverse_force", "kinetic_energy"
+GRANULES = "granule_x", "granule_y", "granule_angle", "granule_diameter"
+STATE = "kinetic_energy", "coordination_number", "max_overlap", "solid_torque"
 BINS = "drag_normal", "coordination_number", "time_step"
 PLACES = "granule_x", "granule_y", "granule_angle", "granule_diameter", "surface_height"
 LEFT_OUT = {  # on no page, in no figure
@@ -40,6 +42,9 @@ LEFT_OUT = {  # on no page, in no figure
     "distance": (*FORCES, *BINS, "drag_tangential", "max_overlap"),
     "shear": ("shear_height", "steps"),
     **dict.fromkeys(("hopper", "hopper_changes"), PLACES),
+    **dict.fromkeys(
+        ("rft", "kinds", "half_speed", "usual_speed", "twice_speed"), (*GRANULES, *STATE)
+    ),
 }
 # No page shows more digits of these than float32 has.
 ROUNDED = ("granule_x", "granule_y", "granule_angle", "run_curve", "wall_force")

@@ -86,6 +86,7 @@ PROGRAMS = "dem", "snakemake", "python", "make", "pip", "bash"
 ENDLESS, ELSEWHERE = ("--watch",), ("--scheduler", "--wait")
 NOT_RUN = {
     "python -m studies calibration fit": "its interval takes hundreds of runs; test_calibration.py has them",
+    "python -m studies rft proof": "it reads the runs of three sweeps; test_outlines.py has what it does",
     "python docs/data/release.py": "it writes the files of this checkout; test_pages.py reads it",
     "python docs/write_pages.py": "it writes the pages of this checkout; test_pages.py compares them",
 }
@@ -124,7 +125,7 @@ def small_checkout(copy, tmp_path_factory):
             if not (target := Path("results") / file.source).exists():
                 target.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(file.path, target)
-        Path("results/rft").mkdir()
+        Path("results/rft").mkdir(exist_ok=True)
         plated(plates(1e4)).to_netcdf("results/rft/scene.nc")
         Path("results/rough").mkdir()  # of no sweep
         shutil.copy("results/friction/drag.nc", "results/rough/drag.nc")

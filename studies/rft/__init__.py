@@ -1,0 +1,1 @@
+"""Do coefficients of resistive force theory, measured in grains, give the force on any outline?"""
