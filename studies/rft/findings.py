@@ -10,7 +10,7 @@ from dem.analysis.rft import GENERIC, NAMES, Plates, Resistance, fitted, lineari
 from dem.base.statistics import Estimate, mean_interval, ratio_interval, student
 from studies.common.findings import Findings, estimate, interval, numbers
 
-__all__ = ["proof", "rft"]
+__all__ = ["half_speed", "proof", "rft", "twice_speed", "usual_speed"]
 
 CLOSE = 0.1  # of a force: a prediction within that share of it is good
 
@@ -217,4 +217,48 @@ class Proof(Findings):
         return table
 
 
+class Speed(Maps):
+    """A few plates at another velocity."""
+
+    def __init__(self, name: str, block: str):
+        self.name, self.block = name, block
+
+    command = "snakemake -j2 --configfile studies/rft/speeds.yaml"
+
+    @property
+    def source(self) -> str:
+        """Where the command writes it."""
+        return f"rft/speeds/{self.block}/scene.nc"
+
+    def over(self, other: "Speed") -> Estimate:
+        """Factor on the stress at another velocity, over beds: of an angle and a seed, with all directions."""
+        ours, theirs = (each.plates.alpha for each in (self, other))
+        base = np.nanmean(theirs, axis=1, keepdims=True)
+        parts, angle = (
+            np.array([(ours - theirs) * base, base**2 + 0.0 * ours]),
+            np.abs(self.plates.angle),
+        )
+        groups = [np.abs(angle - each) < 1e-3 for each in np.unique(angle.round(3))]
+        sums = [parts[:, group].sum(axis=(1, 3)) for group in groups]
+        return mean_interval(np.concatenate([1.0 + off / square for off, square in sums]))
+
+    def table(self) -> Table:
+        """One row per plate and velocity."""
+        heads = "direction, degrees", "velocity, m/s", "against x, N/cm3", "upwards, N/cm3"
+        table = numbers("angle, degrees", *heads, words=0)
+        for cell in np.lexsort([self.plates.direction.round(3), self.plates.angle.round(3)]):
+            for speed, value in ((half_speed, 0.05), (usual_speed, 0.1), (twice_speed, 0.2)):
+                plates = speed.plates
+                row = (
+                    f"{np.degrees(plates.angle[cell]):.0f}",
+                    f"{np.degrees(plates.direction[cell]):.0f}",
+                )
+                means = [estimate(mean_interval(1e-6 * x), "", 3) for x in plates.alpha[cell].T]
+                table.add_row(*row, f"{value:g}", *means)
+        return table
+
+
 rft, proof = Maps(), Proof()
+half_speed, usual_speed, twice_speed = (
+    Speed(f"{name}_speed", name) for name in ("half", "usual", "twice")
+)
