@@ -8,9 +8,9 @@ from rich.table import Table
 
 from dem.analysis.rft import GENERIC, NAMES, Plates, Resistance, fitted, linearity, measured
 from dem.base.statistics import Estimate, mean_interval, ratio_interval, student
-from studies.common.findings import Findings, estimate, interval, numbers
+from studies.common.findings import Findings, estimate, interval, numbers, percent
 
-__all__ = ["half_speed", "proof", "rft", "twice_speed", "usual_speed"]
+__all__ = ["half_speed", "kinds", "proof", "rft", "twice_speed", "usual_speed"]
 
 CLOSE = 0.1  # of a force: a prediction within that share of it is good
 
@@ -258,7 +258,72 @@ class Speed(Maps):
         return table
 
 
-rft, proof = Maps(), Proof()
+class Kinds(Findings):
+    """The plate in several kinds of grains, kinds.nc."""
+
+    name, command = "kinds", "snakemake -j2 --configfile studies/rft/sweep.yaml"
+    source = "rft/kinds/scene.nc"
+
+    @cached_property
+    def plates(self) -> dict[str, Plates]:
+        """What runs measured, by grains."""
+        names = self.dataset["grains"].values.tolist()
+        return {name: measured(self.dataset.sel(grains=name)) for name in names}
+
+    @cached_property
+    def resistance(self) -> dict[str, Resistance]:
+        """The coefficients, by grains."""
+        return {name: fitted(plates) for name, plates in self.plates.items()}
+
+    def scale(self, grains: str) -> Estimate:
+        """On the generic profile."""
+        return factor(self.resistance[grains])
+
+    def over(self, grains: str) -> Estimate:
+        """Factor on the coefficients of discs."""
+        return factor(self.resistance[grains], self.resistance["discs"])
+
+    def left(self, grains: str, profile: str) -> float:
+        """Share that a profile leaves: nine coefficients of these grains, those of discs or the generic ones, scaled."""
+        mine = self.resistance[grains]
+        shapes = {
+            "own": mine.coefficients,
+            "discs": self.over(grains).value * self.resistance["discs"].coefficients,
+        }
+        shapes["generic"] = self.scale(grains).value * GENERIC
+        return remains(self.plates[grains], Resistance(shapes[profile], mine.covariance))
+
+    def scatter(self, grains: str) -> float:
+        """Share that beds alone would leave."""
+        return scatter(self.plates[grains])
+
+    def suffices(self, share: float) -> bool:
+        """Whether the profile of discs, scaled, leaves at most so much more than nine coefficients of other grains do."""
+        others = [name for name in self.plates if name != "discs"]
+        return all(self.left(x, "discs") < self.left(x, "own") + share for x in others)
+
+    def table(self) -> Table:
+        """One row per kind of grains."""
+        heads = "factor on the generic profile", "it leaves", "factor on that of discs", "it leaves"
+        table = numbers("grains", *heads, "nine coefficients leave", "scatter of beds")
+        for name in self.plates:
+            other = (
+                ("", "")
+                if name == "discs"
+                else (estimate(self.over(name)), percent(self.left(name, "discs")))
+            )
+            own = percent(self.left(name, "own")), percent(self.scatter(name))
+            table.add_row(
+                name,
+                estimate(self.scale(name), "", 3),
+                percent(self.left(name, "generic")),
+                *other,
+                *own,
+            )
+        return table
+
+
+rft, proof, kinds = Maps(), Proof(), Kinds()
 half_speed, usual_speed, twice_speed = (
     Speed(f"{name}_speed", name) for name in ("half", "usual", "twice")
 )
