@@ -29,7 +29,10 @@ def draw(sweep, shape, change) -> dict:
 def rest(sweep, shape, change) -> dict:
     """The cylinder rests for many steps."""
     replicate = changed(sweep, shape, change)
-    simulation, fraction = start(replicate, still=True), replicate.configuration.numerics.step_fraction
+    simulation, fraction = (
+        start(replicate, still=True),
+        replicate.configuration.numerics.step_fraction,
+    )
     step = fraction * simulation.diagnose().critical_time_step
     quantities = watch(simulation, step * (change.steps or 1000) / LOOKS)
     moving = 0.5 * simulation.scene.mass.sum() * sweep.cylinder.velocity**2
