@@ -43,7 +43,7 @@ LEFT_OUT = {  # on no page, in no figure
     "shear": ("shear_height", "steps"),
     **dict.fromkeys(("hopper", "hopper_changes"), PLACES),
     **dict.fromkeys(
-        ("rft", "kinds", "half_speed", "usual_speed", "twice_speed"), (*GRANULES, *STATE)
+        ("rft", "kinds", "lengths", "half_speed", "usual_speed", "twice_speed"), (*GRANULES, *STATE)
     ),
 }
 # No page shows more digits of these than float32 has.

@@ -10,7 +10,7 @@ from dem.analysis.rft import GENERIC, NAMES, Plates, Resistance, fitted, lineari
 from dem.base.statistics import Estimate, mean_interval, ratio_interval, student
 from studies.common.findings import Findings, estimate, interval, numbers, percent
 
-__all__ = ["half_speed", "kinds", "proof", "rft", "twice_speed", "usual_speed"]
+__all__ = ["half_speed", "kinds", "lengths", "proof", "rft", "twice_speed", "usual_speed"]
 
 CLOSE = 0.1  # of a force: a prediction within that share of it is good
 
@@ -30,6 +30,12 @@ def factor(one: Resistance, other: Resistance | None = None) -> Estimate:
         slope = (one.coefficients - 2.0 * ratio * base) / square
         variance += slope @ other.covariance @ slope
     return about(ratio, variance)
+
+
+def alpha_of(plates: Plates, angle: float, direction: float) -> np.ndarray:
+    """Stress over depth (s, 2) of each run at an angle and in a direction (degrees)."""
+    at = np.degrees(plates.angle) - angle, np.degrees(plates.direction) - direction
+    return plates.alpha[np.hypot(*at).argmin()]
 
 
 def remains(plates: Plates, resistance: Resistance) -> float:
@@ -76,8 +82,7 @@ class Maps(Findings):
 
     def alpha(self, angle: float, direction: float) -> np.ndarray:
         """Stress over depth (s, 2) in N/cm3 of each run at an angle and in a direction (degrees)."""
-        at = np.degrees(self.plates.angle) - angle, np.degrees(self.plates.direction) - direction
-        return 1e-6 * self.plates.alpha[np.hypot(*at).argmin()]
+        return 1e-6 * alpha_of(self.plates, angle, direction)
 
     def sliding(self) -> Estimate:
         """Stress against a flat plate that moves along itself, over that against an upright one."""
@@ -258,6 +263,25 @@ class Speed(Maps):
         return table
 
 
+class Lengths(Findings):
+    """Plates of two lengths, lengths.nc."""
+
+    name, command = "lengths", "snakemake -j2 --configfile studies/rft/lengths.yaml"
+    source = "rft/lengths/scene.nc"
+
+    def over(self) -> Estimate:
+        """Stress against plates that lie or stand and move along x or down, of twice the length over that of
+        the other."""
+        plates = [measured(self.dataset.isel(solids_plate_diameter=[at])) for at in (0, 1)]
+        ways = (0.0, 0.0, 0), (0.0, 90.0, 1), (90.0, 0.0, 0), (90.0, 90.0, 1)
+        short, long = (
+            np.array([alpha_of(each, angle, way)[:, axis] for angle, way, axis in ways])
+            for each in plates
+        )
+        mean = short.mean(axis=1, keepdims=True)
+        return ratio_interval((long / mean).ravel(), (short / mean).ravel())
+
+
 class Kinds(Findings):
     """The plate in several kinds of grains, kinds.nc."""
 
@@ -297,10 +321,14 @@ class Kinds(Findings):
         """Share that beds alone would leave."""
         return scatter(self.plates[grains])
 
-    def suffices(self, share: float) -> bool:
-        """Whether the profile of discs, scaled, leaves at most so much more than nine coefficients of other grains do."""
-        others = [name for name in self.plates if name != "discs"]
-        return all(self.left(x, "discs") < self.left(x, "own") + share for x in others)
+    @property
+    def generic_leaves_more(self) -> bool:
+        """Whether the generic profile leaves more than that of discs, both scaled, of all grains."""
+        return all(self.left(x, "generic") > self.left(x, "discs") for x in self.plates)
+
+    def suffices(self, share: float, *grains: str) -> bool:
+        """Whether the profile of discs, scaled, leaves at most so much more than nine coefficients of their own do."""
+        return all(self.left(x, "discs") < self.left(x, "own") + share for x in grains)
 
     def table(self) -> Table:
         """One row per kind of grains."""
@@ -323,7 +351,7 @@ class Kinds(Findings):
         return table
 
 
-rft, proof, kinds = Maps(), Proof(), Kinds()
+rft, proof, kinds, lengths = Maps(), Proof(), Kinds(), Lengths()
 half_speed, usual_speed, twice_speed = (
     Speed(f"{name}_speed", name) for name in ("half", "usual", "twice")
 )

@@ -18,14 +18,14 @@ def plot(dataset: xr.Dataset) -> Figure:
     """Coefficients with their intervals above; below over the factor on the generic profile."""
     figure, (left, right) = style.panels(2, 1, 0.9, 2.7, sharex=True)
     grains, place = dataset["grains"].values.tolist(), np.arange(len(NAMES))
-    shift = 0.8 / (len(grains) + 1)
+    shift, factors = 0.8 / (len(grains) + 1), []
     for number, name in enumerate(grains):
         resistance = fitted(measured(dataset.sel(grains=name)))
         values, error = 1e-6 * resistance.coefficients, 1e-6 * resistance.error
         x = place + shift * (number - 0.5 * len(grains))
         look = style.MARK | style.numbered(number) | {"label": name}
         left.errorbar(x, values, error, **look)
-        factor = resistance.scale
+        factors.append(factor := resistance.scale)
         right.errorbar(x, values / factor, error / factor, **look)
     right.plot(
         place + shift * 0.5 * len(grains),
@@ -38,5 +38,8 @@ def plot(dataset: xr.Dataset) -> Figure:
     for axes in (left, right):
         axes.axhline(0.0, color="0.5", linewidth=0.7)
     style.legend(figure, right, ncols=3)
-    figure.suptitle(f"{dataset.sizes['seed']} beds a plate (bars: 95 % intervals)")
+    figure.suptitle(
+        f"Grains: {min(factors):.2f} to {max(factors):.2f} times the generic profile\n"
+        f"(below over that factor; {dataset.sizes['seed']} beds a plate, bars: 95 % intervals)"
+    )
     return figure
