@@ -25,7 +25,9 @@ pytestmark = pytest.mark.quick
 
 
 def low(file):
-    return file.assign(surface_height=file["surface_height"] - 0.007)  # ends of upright plates come out
+    return file.assign(
+        surface_height=file["surface_height"] - 0.007
+    )  # ends of upright plates come out
 
 
 def test_coefficients_come_back_from_forces_that_were_made_from_them():

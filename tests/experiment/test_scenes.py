@@ -182,8 +182,10 @@ def test_regions_and_rows_vary_and_files_have_them_again(folder):
     """Along an axis, and in a group beside a single number."""
     regions = (0.0, 4e-3, 8e-3, 8e-3), (0.0, 5e-3, 8e-3, 9e-3)
     pushes = ((0.0, 0.1), (1.0, 0.2)), 0.3
-    values = run_of(phases={"on": {"time": 1e-3}}).configuration.values()
-    group = {f"push {k}": {"solids.floor.force_y": force} for k, force in enumerate(pushes)}
+    peg = {"outline": "circle", "diameter": 1e-3, "x": 4e-3, "y": 2e-3}
+    changes = {"solids": {"peg": peg}, "phases": {"on": {"time": 1e-3}}, "periodic": "x"}
+    values = run_of(**changes).configuration.values()
+    group = {f"push {k}": {"solids.peg.force_y": force} for k, force in enumerate(pushes)}
     axes = {"shape": "disc", "density": 2500.0, "packing.region": list(regions), "push": group}
     text = text_of(values | {"results": "results/rows", "sweep": axes})
     (folder / "rows.yaml").write_text(text)
@@ -191,7 +193,7 @@ def test_regions_and_rows_vary_and_files_have_them_again(folder):
     for k, region in enumerate(regions):
         for j, force in enumerate(pushes):
             c = replicate_at(runs, runs.isel(packing_region=k, push=j)).configuration
-            assert (c.packing.region, c.solids["floor"].force_y) == (region, force)
+            assert (c.packing.region, c.solids["peg"].force_y) == (region, force)
 
 
 @pytest.mark.parametrize("removed", [["gate"], ["floor", "gate"]])
