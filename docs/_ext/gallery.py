@@ -114,7 +114,7 @@ def _figures(folder: Path, code: float) -> dict[str, tuple[str, str]]:
 
 def _label(file: str) -> str:
     """Where the gallery shows a file."""
-    return f"gallery-{Path(file).stem}"
+    return "gallery-" + file.replace(".", "-")  # of a figure and a film of one name
 
 
 def _older(file: Path, time: float) -> bool:
