@@ -76,7 +76,7 @@ def write(docs: Path) -> None:
             _run(command, folder)
     figures = _figures(folder, code)
     cards = [
-        CARD.format(file=file, label=_label(file), about=about)
+        CARD.format(file=file, label=label(file), about=about)
         for file, (_, about) in (PICTURES | figures).items()
         if not file.endswith(".mp4")
     ]
@@ -86,7 +86,7 @@ def write(docs: Path) -> None:
         for file, (command, about) in group.items():
             place = f"gallery/{file}"
             shown = FILM.format(place) if file.endswith(".mp4") else f"![{about}]({place})"
-            parts += [f"({_label(file)})=\n### {about}", shown, f"```console\n$ {command}\n```"]
+            parts += [f"({label(file)})=\n### {about}", shown, f"```console\n$ {command}\n```"]
     (folder.parent / "gallery.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
 
 
@@ -112,7 +112,7 @@ def _figures(folder: Path, code: float) -> dict[str, tuple[str, str]]:
     return found
 
 
-def _label(file: str) -> str:
+def label(file: str) -> str:
     """Where the gallery shows a file."""
     return "gallery-" + file.replace(".", "-")  # of a figure and a film of one name
 
