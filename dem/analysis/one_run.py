@@ -11,7 +11,7 @@ from pathlib import Path
 import xarray as xr
 
 from dem.base.errors import InputError
-from dem.experiment.config import Configuration, of_results
+from dem.experiment.config import Configuration, of_results, parse
 from dem.experiment.replicate import Replicate
 from dem.io.lazily import open_lazily
 from dem.sweep.axis import RUN_KEYS, name_of
@@ -84,9 +84,10 @@ def replicate_at(dataset: xr.Dataset, one: xr.Dataset, shapes=None) -> Replicate
     """The run of one point of a combined file, with what varies there."""
     values = json.loads(dataset.attrs["configuration"])
     values = {name: values[name] for name in Configuration.read if name in values}
+    beside = shapes and str(Path(shapes).resolve())
+    known = parse(values | {"beside": beside}).entries  # of a file of which no run is possible, too
     values |= {name: one[name].item() for name in RUN_KEYS}
-    run = of_results(values, folder=shapes)
-    for path in run.configuration.entries:
+    for path in known:
         if (name := name_of(path)) in one.variables:
             value = one[name].item()
             *groups, last = path.split(".")

@@ -179,13 +179,17 @@ def test_a_picture_of_a_scene_has_its_solids_where_they_are_and_nothing_behind_w
 
 
 def test_regions_and_rows_vary_and_files_have_them_again(folder):
-    """Along an axis, and in a group beside a single number."""
+    """Along an axis, and in a group beside a single number, also where all else than the points is impossible."""
     regions = (0.0, 4e-3, 8e-3, 8e-3), (0.0, 5e-3, 8e-3, 9e-3)
     pushes = ((0.0, 0.1), (1.0, 0.2)), 0.3
     peg = {"outline": "circle", "diameter": 1e-3, "x": 4e-3, "y": 2e-3}
     changes = {"solids": {"peg": peg}, "phases": {"on": {"time": 1e-3}}, "periodic": "x"}
     values = run_of(**changes).configuration.values()
-    group = {f"push {k}": {"solids.peg.force_y": force} for k, force in enumerate(pushes)}
+    values["solids"]["peg"]["y"] = -5e-3  # below the floor
+    group = {
+        f"push {k}": {"solids.peg.force_y": force, "solids.peg.y": 2e-3 + 1e-4 * k}
+        for k, force in enumerate(pushes)
+    }
     axes = {"shape": "disc", "density": 2500.0, "packing.region": list(regions), "push": group}
     text = text_of(values | {"results": "results/rows", "sweep": axes})
     (folder / "rows.yaml").write_text(text)
