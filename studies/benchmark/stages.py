@@ -18,7 +18,7 @@ from dem.dynamics.kinds import bound
 from dem.dynamics.motion import drift, farthest_of
 from dem.dynamics.skin import SKIN, bounded_skin
 from dem.dynamics.system import NONE
-from dem.dynamics.world import SECTIONS, WALLS
+from dem.dynamics.world import SECTIONS, WALLS, friction_of
 from dem.jit.kernel import kernel
 from studies.benchmark.scenes import Case
 
@@ -51,7 +51,16 @@ def pairs(world, place, dt, times):
             if STAGE > 0:
                 find_pairs(shape, table, base, count, pair, lanes)
             if STAGE > 1:
-                respond(law, table, base, count, dt, lanes)
+                respond(
+                    law,
+                    table,
+                    base,
+                    contacts.friction,
+                    friction_of(contacts, block),
+                    count,
+                    dt,
+                    lanes,
+                )
             if STAGE > 2:
                 accumulate(numbers, at, count, lanes, flat)
 
