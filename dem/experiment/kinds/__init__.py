@@ -187,11 +187,6 @@ class Experiment:
         absent = {name for name, path in self.table("NEEDED").items() if at(path) is None}
         return {name: entry for name, entry in layout.items() if name not in absent}
 
-    def variables(self, observable: str) -> dict:
-        """Variables of a combined file, by its name without .nc."""
-        file = {file.stem: file for file in self.files}[observable]
-        return constants(file)["VARIABLES"] | (OF_RUN if self.observed else {})
-
     def sizes(self, replicate) -> dict[str, int]:
         """Length of every dimension of a run."""
         return self.lengths | {"granule": replicate.granules}
@@ -213,16 +208,11 @@ class Experiment:
         values = reduce(or_, (load(file).axes(self.configuration) for file in files), {})
         return {name: row for name, row in values.items() if name in self.along}
 
-    def duration(self, replicate) -> float | None:
-        """Time (s) that a run simulates; None where it prepares beds, or is a file that would run here."""
-        if self.name not in EXPERIMENTS or "duration" not in definitions(self.file):
-            return None
-        return load(self.file).duration(replicate)
-
-    def check_values(self) -> None:
-        """Raise ValueError where the values of the configuration do not go together."""
-        if self.name in EXPERIMENTS and "check" in definitions(self.file):
-            load(self.file).check(self.configuration)
+    def asked(self, function: str, of: Any) -> Any:
+        """What duration(replicate) or check(configuration) says; None without it, or of a user's file."""
+        if self.name in EXPERIMENTS and function in definitions(self.file):
+            return getattr(load(self.file), function)(of)
+        return None
 
     def check(self) -> None:
         """Raise InputError where its file or one of an observable cannot be used."""
