@@ -298,7 +298,7 @@ def combine_block(
 def _existing(store: Store, block: Block, batches: list[Batch], folder: Path) -> Iterator[Path]:
     """Files of the runs of a block that exist: finished batches, and in a folder the runs of
     others."""
-    from dem.sweep.batch import write_batch  # with the kernels
+    from dem.sweep.batch_job import write_batch  # with the kernels
 
     runs = {run.id: run for run in block.unique()}
     for batch in batches:
