@@ -289,7 +289,7 @@ def combine_block(
     files = [state.store.file_of(batch.id) for batch in batches]
     with TemporaryDirectory() as folder:
         if partial:
-            from dem.sweep.batch import write_batch  # with the kernels
+            from dem.sweep.batch_job import write_batch  # with the kernels
 
             runs, files = {run.id: run for run in block.unique()}, []
             for batch in batches:

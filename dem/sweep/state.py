@@ -18,10 +18,10 @@ from dem.experiment.replicate import Replicate
 from dem.io.dataset import BY_CASE
 from dem.io.lazily import open_lazily
 from dem.packing.cost import near_jamming
+from dem.sweep.batches import plan_batches
 from dem.sweep.combine import combine_block, combined_runs
 from dem.sweep.config import CONFIG, Sweep, load, parse
 from dem.sweep.expand import Block, expand
-from dem.sweep.grouping import plan_batches
 from dem.sweep.precision import GridPoint, counts, run_mean, short_of
 from dem.sweep.store import FOLDER, Batch, Store
 from dem.sweep.workers import Workers, make_batches
@@ -307,7 +307,7 @@ class SweepState:
 
     def retry(self) -> int:
         """Let the failed runs be made again; returns how many there are."""
-        from dem.sweep.batch import retry  # with the kernels
+        from dem.sweep.batch_job import retry  # with the kernels
 
         known = [name for name in self.sweep.blocks if self.is_known(name)]
         self.begin(*known)

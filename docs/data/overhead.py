@@ -20,7 +20,7 @@ from dem.base.errors import RunError
 from dem.experiment import phases
 from dem.experiment.bed import make_bed
 from dem.sweep import store as stores
-from dem.sweep.batch import write_batch
+from dem.sweep.batch_job import write_batch
 from dem.sweep.config import load
 
 CASES = ("c1", "d1", "e0", "e3", "c12")

@@ -34,7 +34,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, create_model
 
-from dem.base.constants import constants, definitions, described
+from dem.base.declarations import constants, definitions, described
 from dem.base.errors import InputError, RunError
 from dem.base.plugins import find_module, load
 from dem.base.refusals import BOUNDS, shown
