@@ -95,7 +95,10 @@ def snapshots_of(replicate: Replicate, values: dict) -> Snapshots:
         place, turn = np.stack(place, axis=1), np.stack(turn, axis=1)
         force = values["drag"][None] if "drag" in values else None
     else:
-        place, turn = np.stack([values["solid_x"], values["solid_y"]], axis=-1), values["solid_angle"]
+        place, turn = (
+            np.stack([values["solid_x"], values["solid_y"]], axis=-1),
+            values["solid_angle"],
+        )
         if "solid_force_x" in values:
             force = np.hypot(values["solid_force_x"], values["solid_force_y"])
     return Snapshots(

@@ -17,7 +17,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from dem.base.constants import constants
+from dem.base.declarations import constants
 from dem.base.errors import InputError, RunError
 from dem.base.messages import say
 from dem.io.dataset import (
@@ -128,8 +128,7 @@ def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
     variables = {
         name: entry
         for name, entry in experiment.layout.items()
-        if name in own
-        and (observable in (BEDS, experiment.label) or "granule" not in entry[0])
+        if name in own and (observable in (BEDS, experiment.label) or "granule" not in entry[0])
     }
     of_runs = variables | {name: OF_STORE[name] for name in ("run_id", "bed_family", "failure")}
     layout = {name: ((*block.dims, *dims), *rest) for name, (dims, *rest) in of_runs.items()}

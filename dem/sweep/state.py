@@ -227,7 +227,9 @@ class SweepState:
         """Write what jobs read: the resolved configuration, whose path is returned, and what the
         batches of some blocks are to make."""
         path = self.results / CONFIG
-        write_bytes(path, text_of(self.sweep.dump()).encode())  # first, so that pruning knows what is needed
+        write_bytes(
+            path, text_of(self.sweep.dump()).encode()
+        )  # first, so that pruning knows what is needed
         for name in names:
             self.batches(name)
         for batch, runs in self._new.items():
