@@ -1,9 +1,11 @@
 """What verbs of the library and of studies share: drawing a figure, showing a table."""
 
 import sys
+import time
 from pathlib import Path
 
 from rich.console import Console
+from rich.live import Live
 
 from dem.analysis.tables import WIDE
 from dem.base.files import atomic, check_output
@@ -32,6 +34,20 @@ def draw_figure(
     check_output("output", folder / f"{name}.svg")
     with bar(f"drawing {name}"):
         draw(name, data, folder, figures, of)
+
+
+def watched(look) -> None:
+    """Show a table every few s, in place on a terminal, until nothing is left.
+
+    look: gives the table, and whether anything is left.
+    """
+    with Live(console=PlainConsole(), auto_refresh=False) as live:
+        while True:
+            table, left = look()
+            live.update(table, refresh=True)
+            if not left:
+                return
+            time.sleep(3.0)
 
 
 def print_or_write(table, output: Path | None) -> None:

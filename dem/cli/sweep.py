@@ -1,12 +1,11 @@
 """Command line, runs: `dem sweep`, `status`, `combine`, `store`, `simulate`."""
 
-import time
 from contextlib import nullcontext
 from pathlib import Path
 
 from dem.base.messages import say
 from dem.cli.options import OUTPUT, PAPER, ConfigOption, OutputOption, argument, option, writes
-from dem.cli.show import PlainConsole, print_or_write
+from dem.cli.show import print_or_write, watched
 from dem.io.progress import bar
 
 FileArgument = argument(Path, "Configuration file of a sweep (YAML).")
@@ -75,23 +74,18 @@ def status(
 
     Example: dem status config/smoke.yaml --watch
     """
-    from rich.live import Live
-
     from dem.report.status import status as table
     from dem.sweep.state import SweepState
 
-    state = SweepState.of(file)
-    if not watch:
-        print_or_write(table(state), None)
-        return
-    with Live(console=PlainConsole(), auto_refresh=False) as live:
-        while True:
-            live.update(table(state), refresh=True)
-            runs, total = state.counts()
-            if runs == total:
-                return
-            time.sleep(3.0)
-            state = SweepState.of(file)
+    def look():
+        state = SweepState.of(file)
+        runs, total = state.counts()
+        return table(state), runs < total
+
+    if watch:
+        watched(look)
+    else:
+        print_or_write(look()[0], None)
 
 
 def combine(
