@@ -50,7 +50,7 @@ def test_a_run_is_made_again_only_where_its_numbers_may_change(tmp_path, name, e
 
 
 BASE = (
-    "constants",
+    "declarations",
     "errors",
     "files",
     "plugins",
