@@ -17,12 +17,10 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from dem.base.declarations import constants
 from dem.base.errors import InputError, RunError
 from dem.base.messages import say
 from dem.io.dataset import (
     LABELS,
-    OF_RUN,
     OF_STORE,
     OF_SWEEP,
     REPLICATES,
@@ -123,12 +121,12 @@ def combine(
 def layout_of(block: Block, observable: str) -> tuple[dict, list[str]]:
     """Layout of the combined file, and the names of what its runs give."""
     experiment = block.first.configuration.module
-    file = next(file for file in experiment.files if file.stem == observable)
-    own = constants(file)["VARIABLES"].keys() | OF_RUN.keys()
+    recorded = experiment.layout
     variables = {
         name: entry
-        for name, entry in experiment.layout.items()
-        if name in own and (observable in (BEDS, experiment.label) or "granule" not in entry[0])
+        for name, entry in experiment.variables(observable).items()
+        if name in recorded
+        and (observable in (BEDS, experiment.label) or "granule" not in entry[0])
     }
     of_runs = variables | {name: OF_STORE[name] for name in ("run_id", "bed_family", "failure")}
     layout = {name: ((*block.dims, *dims), *rest) for name, (dims, *rest) in of_runs.items()}

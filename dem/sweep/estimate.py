@@ -128,7 +128,7 @@ def _kind(run: Replicate) -> str:
 def effort(run: Replicate) -> float:
     """How much there is to do, but for a factor: granules times steps, without the bed."""
     configuration, shape = run.configuration, run.shape
-    if (duration := configuration.module.asked("duration", run)) is None:
+    if (duration := configuration.module.answer("duration", run)) is None:
         return 1e5 * shape.granules
     speed = np.sqrt(configuration.material.young_modulus / run.density)
     decay = -np.log(configuration.material.restitution)

@@ -187,6 +187,11 @@ class Experiment:
         absent = {name for name, path in self.table("NEEDED").items() if at(path) is None}
         return {name: entry for name, entry in layout.items() if name not in absent}
 
+    def variables(self, observable: str) -> dict:
+        """Variables of a combined file, by its name without .nc."""
+        file = {file.stem: file for file in self.files}[observable]
+        return constants(file)["VARIABLES"] | (OF_RUN if self.observed else {})
+
     def sizes(self, replicate) -> dict[str, int]:
         """Length of every dimension of a run."""
         return self.lengths | {"granule": replicate.granules}
@@ -208,7 +213,7 @@ class Experiment:
         values = reduce(or_, (load(file).axes(self.configuration) for file in files), {})
         return {name: row for name, row in values.items() if name in self.along}
 
-    def asked(self, function: str, of: Any) -> Any:
+    def answer(self, function: str, of: Any) -> Any:
         """What duration(replicate) or check(configuration) says; None without it, or of a user's file."""
         if self.name in EXPERIMENTS and function in definitions(self.file):
             return getattr(load(self.file), function)(of)
