@@ -17,7 +17,6 @@ from dem.contacts.layout import (
     DV_TANGENT,
     EIGHT,
     FOUR,
-    MEAN_ROOT,
     N1,
     N2,
     NUMBERS,
@@ -44,6 +43,7 @@ from dem.contacts.layout import (
     VY2,
     W1,
     W2,
+    WALL_OFFSET,
     X1,
     X2,
     Y1,
@@ -220,15 +220,15 @@ def find_walls(shape, planes, numbers, at, table, base, count, pair, lanes):
         k = np.uint64(q)
         wall = np.uint64(numbers[at + TARGET + k])
         lanes[k + NX], lanes[k + NY] = planes[wall, 0], planes[wall, 1]
-        lanes[k + MEAN_ROOT] = planes[wall, 2]
+        lanes[k + WALL_OFFSET] = planes[wall, 2]
     for q in range(count):
         k = np.uint64(q)
         p, group = base + k, FOUR * k
         nx, ny = lanes[k + NX], lanes[k + NY]
         reach, t1, radius = support(shape, outline_of_first(lanes, table, k, p), nx, ny)
         height = pair[group + X1] * nx + pair[group + Y1] * ny
-        overlap = reach + height - lanes[k + MEAN_ROOT]
-        middle = reach - 0.5 * overlap  # one type for all, so that `store` is compiled once
+        overlap = reach + height - lanes[k + WALL_OFFSET]
+        middle = reach - 0.5 * overlap  # one type for all, so that `write_lane` is compiled once
         geometry = ContactGeometry(overlap, nx, ny, middle, t1, 0.0, 0.0, radius)
         write_lane(pair, lanes, k, table, p, geometry)
 
