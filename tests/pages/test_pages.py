@@ -153,3 +153,9 @@ def test_the_ways_of_two_numbers_lead_from_a_file_to_the_kernel_and_back(tmp_pat
     assert "base/yaml_file.py: read\n" in there
     assert "dynamics/assembly.py: pair_constants\n" in there
     assert "observables/drag.py: measure\n" in back
+
+
+@pytest.mark.parametrize("name", ["ensembles", "large_beds", "overhead"])
+def test_scripts_that_take_too_long_to_be_run_begin(name, tmp_path):
+    """All that they import is there."""
+    assert "--help" in run(DOCS / f"data/{name}.py", "--help", cwd=tmp_path)
