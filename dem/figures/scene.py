@@ -11,6 +11,7 @@ from dem.experiment.snapshots import snapshots_of
 from dem.figures import style
 from dem.figures.bed import draw, view_of
 from dem.figures.snapshots import frames_of_case
+from dem.figures.sweep import at_place
 
 FILE = "scene"
 CAPTION = "A scene at three times, and the force and torque on each solid that is there"
@@ -47,7 +48,10 @@ def plot(dataset: xr.Dataset) -> Figure:
         draw(axes, frames, snapshot, view, facecolors=frames.paints["layer"])
         axes.set_axis_off()
         axes.set_title(f"{time[snapshot]:.3g} s")
-    point = ", ".join(f"{dim} {runs[dim].item()}" for dim in beside if dim in runs.coords)
+    coords = [dim for dim in beside if dim in dataset.coords]
+    point = ", ".join(
+        at_place(dataset, dim, dataset[dim].values[0]).replace(": ", " ") for dim in coords
+    )
     words = "one run"
     for curves in below:
         draw_curves(curves, runs.isel(solid=there), len(whole) > 1)

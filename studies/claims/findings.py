@@ -22,11 +22,11 @@ from studies.common.findings import Findings, estimate, interval, numbers
 __all__ = ["claims"]
 
 ABOUT_SHAPE = (
-    "dumbbells_above_discs",
-    "dumbbells_below_discs",
-    "dumbbells_above_small_discs",
-    "slight_ellipses_drop",
-    "longer_ellipses_drop",
+    "drag_higher_in_dumbbells_than_discs",
+    "drag_lower_in_dumbbells_than_discs",
+    "drag_higher_in_dumbbells_than_small_discs",
+    "drag_falls_for_slightly_elongated_ellipses",
+    "drag_falls_further_for_longer_ellipses",
     "shape_matters",
 )
 RANKED = 4  # influences that are listed
@@ -207,7 +207,7 @@ class Claims(Findings):
 def table_of(verdicts) -> Table:
     """One row per claim; those that do not hold come first."""
     order = [CONTRADICTED, UNDECIDED, SUPPORTED, UNTESTED]
-    heads = "claim (section)", "verdict", "numbers", "holds in the\nplausible space, %"
+    heads = "claim (section)", "verdict", "numbers", "holds, % of samples\nof unknown parameters"
     table = numbers(*heads, words=3)
     for verdict in sorted(verdicts, key=lambda verdict: order.index(verdict.verdict)):
         parts = "\n".join(

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.analysis.drag import densities, find
+from studies.claims import IRREGULARITY
 from studies.claims.compare import Comparison, Growth, Prediction
 from studies.claims.evidence import Evidence, curves
 from studies.claims.influence import plane, slopes
@@ -83,7 +84,7 @@ def ratio(runs, measure, one, other, low=0.0, high=INFINITE, **how) -> list[Comp
     a, b = values(runs, measure, one), values(runs, measure, other)
     if a is None or b is None:
         return []
-    words = f"{measure.replace('_', ' ')}, {one} / {other}"
+    words = f"{IRREGULARITY.get(measure, measure)}, {one} / {other}"
     return [Comparison(words=words, a=a, b=b, low=low, high=high, **how)]
 
 
@@ -110,7 +111,7 @@ def near(share: float) -> dict[str, float]:
 @claim(
     "abstract", "the drag in dumbbell-shaped granules is higher than that in cylindrical granules"
 )
-def dumbbells_above_discs(evidence):
+def drag_higher_in_dumbbells_than_discs(evidence):
     """Mean drag in d1 relative to c1 is above 1."""
     return shapes(evidence, "drag", "d1", "c1", low=1.0)
 
@@ -119,7 +120,7 @@ def dumbbells_above_discs(evidence):
     "3.3",
     "dumbbell-shaped particles exhibit less drag than cylindrical particles of equal effective diameter",
 )
-def dumbbells_below_discs(evidence):
+def drag_lower_in_dumbbells_than_discs(evidence):
     """Mean drag in d1 relative to c1 is below 1: the opposite of the previous claim."""
     return shapes(evidence, "drag", "d1", "c1", high=1.0)
 
@@ -128,7 +129,7 @@ def dumbbells_below_discs(evidence):
     "3.3",
     "dumbbell-shaped particles show significantly higher drag than cylindrical particles if the diameter of the two sub-particles in the dumbbell is equal to the cylinder diameter",
 )
-def dumbbells_above_small_discs(evidence):
+def drag_higher_in_dumbbells_than_small_discs(evidence):
     """Mean drag in d1 relative to c2, discs of the size of its lobes, is above 1 by more than the
     margin."""
     return shapes(evidence, "drag", "d1", "c2", low=1.0 + evidence.margin)
@@ -137,7 +138,7 @@ def dumbbells_above_small_discs(evidence):
 @claim(
     "3.3", "there is a remarkable drop in drag force when the granules are made slightly elliptical"
 )
-def slight_ellipses_drop(evidence):
+def drag_falls_for_slightly_elongated_ellipses(evidence):
     """Mean drag in e1 relative to c1 is below 1 by more than the margin."""
     return shapes(evidence, "drag", "e1", "c1", high=1.0 - evidence.margin)
 
@@ -146,7 +147,7 @@ def slight_ellipses_drop(evidence):
     "3.3",
     "Further increases in aspect ratio for cases e2 and e3 result in further drops in the calculated drag force",
 )
-def longer_ellipses_drop(evidence):
+def drag_falls_further_for_longer_ellipses(evidence):
     """Mean drag in e2 relative to e1, and in e3 relative to e2, are both below 1."""
     return all_of(
         shapes(evidence, "drag", "e2", "e1", high=1.0),
@@ -256,7 +257,7 @@ def velocity_hardly_matters(evidence):
     allowed = near(evidence.margin)
     parts = (ratio(evidence.velocity, "drag", x, 1.0, **allowed, paired=True) for x in speeds)
     return [
-        replace(comparison, words=f"drag at {x:g} times the velocity, relative to 1")
+        replace(comparison, words=f"drag, {x:g} / 1 times the velocity")
         for x, comparison in zip(speeds, all_of(*parts), strict=False)
     ]
 

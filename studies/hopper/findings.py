@@ -70,7 +70,12 @@ class Hopper(Findings):
 
     def table(self) -> Table:
         """One row per kind of granules and width."""
-        columns = "width over diameter", "flow", "over √(g D³)", "packing fraction above"
+        columns = (
+            "width D / d",
+            "flow / (φ √(g d³))",
+            "flow / (φ √(g D³))",
+            "packing fraction φ above",
+        )
         table = numbers("granules", *columns)
         for case in self.runs["case"].values.tolist():
             for orifice in self.runs["orifice"].values.tolist():

@@ -94,7 +94,7 @@ class Pressure(Findings):
             )
             for shape in widths.shapes[1:]
         )
-        return numbers("shape", *(f"box {box}" for box in widths.series), "infinite", rows=rows)
+        return numbers("shape", *(f"{box}x width" for box in widths.series), "infinite", rows=rows)
 
     def others(self, way: str) -> Table:
         """One row per shape: drag in the other boxes of the paper's width over that in the first box,
@@ -126,10 +126,10 @@ class Pressure(Findings):
             ]
             rows.append((shape, *cells))
         heads = (
-            *(f"box {box}, N" for box in widths.series),
+            *(f"{box}x width, N" for box in widths.series),
             "infinite, N",
-            "wide enough, times",
-            "misfit",
+            "width within 5 % of the limit, x the paper's",
+            "reduced χ²",
         )
         return numbers("shape", *heads, rows=rows)
 

@@ -130,7 +130,8 @@ def small_checkout(copy, tmp_path_factory):
         Path("results/rough").mkdir()  # of no sweep
         shutil.copy("results/friction/drag.nc", "results/rough/drag.nc")
         shutil.copy("results/drag.nc", "docs/data/drag.nc")
-        shutil.copy(ROOT / "docs/data/snapshots.nc", "docs/data")
+        for name in ("snapshots", "precise"):
+            shutil.copy(ROOT / f"docs/data/{name}.nc", "docs/data")
     return folder
 
 

@@ -36,7 +36,7 @@ def test_one_command_makes_all_results(checkout_with_claims):
     assert len(runs) == len(set(runs))
     assert {*contents(results / "drag.nc")["run_id"].ravel()} <= {*runs}
     assert (results / "snapshots.nc").is_file() and not list(results.rglob("*.part"))
-    assert "dumbbells above discs" in (results / "claims.txt").read_text()
+    assert "drag higher in dumbbells than discs" in (results / "claims.txt").read_text()
     of_claims = [*results.glob("figures/claims_*.png")]
     numbers = "07", "08", "09", "12", "13", "14"
     for picture in [*of_claims, *(results / f"figures/figure{number}.png" for number in numbers)]:

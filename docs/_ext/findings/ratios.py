@@ -17,7 +17,9 @@ def ratios(precise, claims, preparation, pressure) -> Table:
     precise: of as many beds as the ratio takes; claims, preparation, pressure: the findings of
     these studies.
     """
-    made = numbers("page", "file", "box", "beds", "compared at", "beds per shape", *SHAPES, words=5)
+    made = numbers(
+        "page", "file", "box", "preparation", "compared at", "beds per shape", *SHAPES, words=5
+    )
     made.add_row(
         _link("drag"),
         _name(precise),
@@ -41,7 +43,7 @@ def ratios(precise, claims, preparation, pressure) -> Table:
     seeds = str(pressure.dataset.sizes["seed"])
     for way, beds, at in (
         ("fraction", "relaxed", "0.84"),
-        ("pressure", "pressed", f"{1e-6 * pressure.top_pressure:.0f} MPa"),
+        ("pressure", "under pressure", f"{1e-6 * pressure.top_pressure:.0f} MPa"),
     ):
         widths = pressure.widths[way]
         over = (estimate(widths.ratio(shape, widths.boxes[0])) for shape in SHAPES)

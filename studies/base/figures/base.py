@@ -51,7 +51,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     right.set_title(f"With friction, at {velocity[0]:g} m/s")
     style.legend(figure, left, ncols=len(fraction), title="Packing fraction")
     figure.suptitle(
-        f"The drag of a slow disc is the friction of {worth[0].value:.0f} to {worth[-1].value:.0f} granules, by packing fraction\n"
+        f"The drag of a slow disc equals the base friction of {worth[0].value:.0f} to {worth[-1].value:.0f} granules\n"
         "(bars: 95 % intervals)"
     )
     return figure

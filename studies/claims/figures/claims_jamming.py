@@ -17,7 +17,7 @@ VARIABLES = ("run_drag", "jam_fraction")
 STATES = {
     EQUAL: ("equal packing fraction", "#17457d", ""),
     "equal distance": ("equal distance from jamming", "#d5eedd", "..."),
-    "equal distance, friction": ("equal distance, jamming with friction", "#f5c49a", "///"),
+    "equal distance, friction": ("equal distance from frictional jamming", "#f5c49a", "///"),
     "equal load": ("equal load before the run", "0.88", "xx"),
 }
 GRIPS = (("o", "#17457d"), ("s", "#f5c49a"))
@@ -41,10 +41,14 @@ def plot(dataset: xr.Dataset) -> Figure:
     style.legend(figure, left, "outside lower left")
     style.legend(figure, right, "outside lower right", ncols=2)
     last = {row.state: row.ratio.value for row in rows if row.shape == shapes[-1]}
-    words = [f"{last[state]:.2g} at {STATES[state][0]}" for state in STATES if state in last]
+    words = [
+        f"{'above' if last[state] > 1.0 else 'below'} 1 at {STATES[state][0]}"
+        for state in STATES
+        if state in last
+    ]
     figure.suptitle(
-        f"Drag of {name(shapes[-1])} over that of {name(base.shape)}:\n"
-        f"{words[0]}, {words[-1]} (95 % intervals)",
+        f"The drag of {name(shapes[-1])} over that of {name(base.shape)} is\n"
+        f"{words[0]} and {words[-1]} (95 % intervals)",
         fontsize=12.5,
     )
     return figure

@@ -33,6 +33,7 @@ def plot(dataset: xr.Dataset) -> Figure:
         raise InputError("there are no runs of the part scaling.")
     shapes = list(dict.fromkeys(runs["run_case"].values.tolist()))
     figure, grid = style.panels(4, 2, 0.6, 3.2, sharey=True)
+    factors = {}
     for axes, (setting, quantity) in zip(grid, PANELS.items(), strict=True):
         drags = []
         for shape, (marker, color) in zip(shapes, LOOKS, strict=False):
@@ -51,21 +52,21 @@ def plot(dataset: xr.Dataset) -> Figure:
                 style.intervals(
                     axes, x, np.transpose(ratios), label=f"{name(shape)}, {words}", **look
                 )
-        if drags:
-            axes.set_title(f"{min(drags):.2g} to {max(drags):.2g} times the drag", loc="left")
+        factors[quantity.lower()] = max(drags, default=1.0) / min(drags, default=1.0)
+        axes.set_title(quantity, loc="left")
         axes.axhspan(1.0 - MARGIN, 1.0 + MARGIN, **style.WINDOW)
         axes.axhline(1.0, **style.REFERENCE)
         axes.set_xscale("log")
         style.logarithmic(axes)
-        factors = np.unique([1.0, *rows(dataset, "scaling", setting)["run_x"].values])
-        axes.set_xticks(factors, [f"{x:g}" for x in factors])
+        ticks = np.unique([1.0, *rows(dataset, "scaling", setting)["run_x"].values])
+        axes.set_xticks(ticks, [f"{x:g}" for x in ticks])
         axes.set_xticks([], minor=True)
-        axes.set_xlabel(f"{quantity} over the paper's")
+        axes.set_xlabel("Relative to the paper's")
     for axes in grid[::2]:
         axes.set_ylabel("Mean drag over that\nat the paper's value")
     style.legend(figure, grid[2], ncols=2)
     figure.suptitle(
-        "Is the motion slow, and is the box large enough? Drag over the paper's\n"
-        f"(grey: within {100.0 * MARGIN:.0f} %; 95 % intervals)"
+        f"The drag changes most with the {max(factors, key=factors.get)}\n"
+        f"and least with the {min(factors, key=factors.get)} (grey: {100.0 * MARGIN:.0f} %; bars: 95 % intervals)"
     )
     return figure

@@ -37,7 +37,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     style.logarithmic(axes, "x")
     axes.set_xlim(*RANGE)
     axes.axvline(1.0, color="0.4", linewidth=0.8, zorder=1)
-    axes.set_yticks(-np.arange(len(judged)), [fill(v.claim.title, 28) for v in judged])
+    axes.set_yticks(-np.arange(len(judged)), [fill(v.claim.title, 26) for v in judged])
     axes.tick_params(axis="y", length=0, labelsize=11.5)
     axes.set_ylim(-len(judged) + 0.4, 0.6)
     axes.grid(visible=False)

@@ -47,22 +47,35 @@ def test_verdicts_say_what_is_known():
     """The true order is found with many runs; equal means support neither side. A drop of 28 % is remarkable by a
     margin of 18 %, and not by one of 40 %."""
     runs, equal = verdicts(drawn(SHAPES)), verdicts(drawn(dict.fromkeys(SHAPES, 1000.0)))
-    assert runs["dumbbells_above_discs"] == runs["longer_ellipses_drop"] == SUPPORTED
-    assert runs["codes_agree"] == SUPPORTED and runs["dumbbells_below_discs"] == CONTRADICTED
-    assert equal["dumbbells_above_discs"] == equal["dumbbells_below_discs"] == UNDECIDED
-    assert equal["slight_ellipses_drop"] == CONTRADICTED
+    assert (
+        runs["drag_higher_in_dumbbells_than_discs"]
+        == runs["drag_falls_further_for_longer_ellipses"]
+        == SUPPORTED
+    )
+    assert (
+        runs["codes_agree"] == SUPPORTED
+        and runs["drag_lower_in_dumbbells_than_discs"] == CONTRADICTED
+    )
+    assert (
+        equal["drag_higher_in_dumbbells_than_discs"]
+        == equal["drag_lower_in_dumbbells_than_discs"]
+        == UNDECIDED
+    )
+    assert equal["drag_falls_for_slightly_elongated_ellipses"] == CONTRADICTED
     few = verdicts(drawn(SHAPES, runs=2, scatter=0.5))
-    assert few["longer_ellipses_drop"] == UNDECIDED
+    assert few["drag_falls_further_for_longer_ellipses"] == UNDECIDED
     dropped = drawn({"c1": 1000.0, "e1": 720.0})
-    assert verdicts(dropped, margin=0.18)["slight_ellipses_drop"] == SUPPORTED
-    assert verdicts(dropped, margin=0.40)["slight_ellipses_drop"] == CONTRADICTED
+    assert verdicts(dropped, margin=0.18)["drag_falls_for_slightly_elongated_ellipses"] == SUPPORTED
+    assert (
+        verdicts(dropped, margin=0.40)["drag_falls_for_slightly_elongated_ellipses"] == CONTRADICTED
+    )
 
 
 def test_wrong_verdicts_are_as_rare_as_the_level_says():
     """Where every truth lies on the bound of its claim, a verdict other than undecided is wrong."""
     names = shlex.split(
-        "dumbbells_above_discs dumbbells_below_discs dumbbells_above_small_discs codes_agree "
-        "slight_ellipses_drop longer_ellipses_drop momentum_is_insignificant"
+        "drag_higher_in_dumbbells_than_discs drag_lower_in_dumbbells_than_discs drag_higher_in_dumbbells_than_small_discs codes_agree "
+        "drag_falls_for_slightly_elongated_ellipses drag_falls_further_for_longer_ellipses momentum_is_insignificant"
     )
     beds = [verdicts(drawn(AT_BOUNDS, runs=10, seed=seed)) for seed in range(60)]
     wrong = sum({judged[name] for name in names} != {UNDECIDED} for judged in beds)
@@ -88,7 +101,7 @@ def test_share_of_space_counts_the_points():
     """But not those at which a run failed."""
     means = drawn({"c1": 1.0, "d1": 1.0}, runs=10, scatter=0.0)
     means["drag"].values[1] = [2.0] * 7 + [0.5] * 2 + [np.nan]
-    claim = next(claim for claim in CLAIMS if claim.name == "dumbbells_above_discs")
+    claim = next(claim for claim in CLAIMS if claim.name == "drag_higher_in_dumbbells_than_discs")
     result = share(claim, Evidence(means, single=True))
     assert (result.points, result.failed) == (9, 1)
     assert result.low < result.share == 7 / 9 < result.high

@@ -29,12 +29,12 @@ def plot(dataset: xr.Dataset) -> Figure:
             look["label"] = WORDS.get(model, model)
             look["markerfacecolor"] = "white" if number % 2 else look["color"]
             style.intervals(axes, runs["ratio"][number].mean("seed"), means, **look)
-        axes.plot(DYNAMICS[:, 0], points, label="contact dynamics", **style.STAR)
-        axes.plot(RATIO, rods, "--", label="rods, measured", **LOOK)
+        axes.plot(DYNAMICS[:, 0], points, label="contact dynamics, Lagrée 2011", **style.STAR)
+        axes.plot(RATIO, rods, "--", label="rods, arXiv:1512.05180 (2015)", **LOOK)
         axes.set(xlabel="Height over base of the column", ylabel=words)
         style.logarithmic(axes, "x")
         style.logarithmic(axes, subs=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0))
-    panels[0].plot(RATIO, ROLLING, ":", label="discs with rolling resistance, Kumar", **LOOK)
+    panels[0].plot(RATIO, ROLLING, ":", label="discs with rolling resistance, Kumar 2015", **LOOK)
     style.legend(figure, panels[0], ncols=2)
     count = runs.sizes["seed"]
     fronts = runs["front"].mean("seed")

@@ -25,6 +25,7 @@ def plot(dataset: xr.Dataset) -> Figure:
     """Drags above and ratios below against width, one column per place on the other axes."""
     columns = places_beside(dataset, *AXES)
     figure, grid = style.panels(2 * len(columns), len(columns), 0.4, 3.5, sharex=True)
+    found = []
     for above, below, place in zip(grid, grid[len(columns) :], columns, strict=False):
         widths = Widths(dataset.sel(place))
         base = widths.line(widths.shapes[0])
@@ -37,10 +38,9 @@ def plot(dataset: xr.Dataset) -> Figure:
             if number:
                 ratios = [widths.ratio(shape, box) for box in widths.series]
                 _points(below, widths, shift, ratios, widths.limit(shape), _over(line, base), look)
-        above.set_title(
-            f"{widths.ratio(shape, widths.series[-1]).value:.2g} with\n"
-            f"{heading(dataset, place, len(columns)) or 'all runs'}"
-        )
+        found.append(f"{widths.ratio(shape, widths.series[-1]).value:.2g}")
+        equal = heading(dataset, place, len(columns)) or "all runs"
+        above.set_title(f"Equal {equal}" if len(columns) > 1 else equal)
         style.logarithmic(below, "x")
         places = np.unique(widths.width[widths.along])
         ticks = [f"{width:g}" for width in places]
@@ -53,7 +53,8 @@ def plot(dataset: xr.Dataset) -> Figure:
     grid[len(columns)].set_ylabel(f"Drag over that of {name(widths.shapes[0])}")
     style.legend(figure, grid[0], ncols=3)
     figure.suptitle(
-        f"Drag of {name(shape)} over that of {name(widths.shapes[0])} in the widest box:\n(95 % intervals; open: extrapolated to infinite width, where possible)"
+        f"The drag of {name(shape)} in the widest box is {' or '.join(found)} times that of {name(widths.shapes[0])}\n"
+        "(95 % intervals; open: extrapolated to infinite width, where possible)"
     )
     return figure
 
