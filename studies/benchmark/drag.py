@@ -69,7 +69,7 @@ def compare_drag(sweep: Sweep, beds: int, ways=WAYS) -> dict:
         bounds[bed] = case.time_step / STEP_FRACTION
         for code, (name, (way, steps)) in enumerate(ways.items()):
             for level, fraction in enumerate(steps):
-                if name.startswith("LAMMPS") and lammps.best().available() is not None:
+                if name.startswith("LAMMPS") and lammps.available() is not None:
                     continue
                 try:
                     values = way(case, fraction * bounds[bed], window)

@@ -211,7 +211,7 @@ def compare_motion(cases: dict[str, Case], plan: Plan) -> dict:
     """Differences between ours and LAMMPS; NaN without LAMMPS."""
     variants = checks(cases)
     apart, missed = np.full((2, len(variants), len(plan.compared)), np.nan)
-    if lammps.best().available() is None:
+    if lammps.available() is None:
         for row, check in enumerate(variants.values()):
             apart[row], missed[row] = differences(check, plan.compared)
     scene, _, time_step = next(iter(cases.values()))

@@ -70,7 +70,7 @@ def bytes_a_granule(world) -> float:
 def compare_sizes(sweep: Sweep, turns: int, threads=(1, 2), tiles=TILES) -> dict:
     """Variables: seconds per granule and step by size and threads, of LAMMPS on as many ranks, and
     memory per granule."""
-    ranked = not (lammps.best().available() or absent(lammps.MPIEXEC))
+    ranked = not (lammps.available() or absent(lammps.MPIEXEC))
     beds = [large_scene(sweep, side) for side in tiles]
     times, ranks = np.full((2, len(beds), len(threads), turns), np.nan)
     memory = np.empty(len(beds))

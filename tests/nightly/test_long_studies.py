@@ -27,7 +27,7 @@ def test_lammps_moves_undamped_beds_alike():
     from studies.benchmark.scenes import make_case
     from studies.common.peers import lammps
 
-    if reason := lammps.best().available():
+    if reason := lammps.available():
         pytest.skip(reason)
     bed = small_bed("dumbbell")
     cases = {"dumbbell": make_case(bed.scene(), bed.state)}

