@@ -60,15 +60,12 @@ def variants(cases: dict[str, Case]) -> dict[str, Case]:
     """By what each has: scenes on the beds of `beds`, full ones first."""
     disc, dumbbell, ellipse = (cases[kind] for kind in ("disc", "dumbbell", "ellipse"))
     elastic = replace(disc.scene.material, restitution=1.0)
-    planes = disc.scene.planes
-    sides = {"walls": planes[2:], "periodic": (float(planes[1, 2]), None)}
     chord = ellipse.scene.shape._replace(contact="geometric_potential")
     return {
         FULL: disc,
         "dumbbells, full": dumbbell,
         "ellipses, full": ellipse,
         "ellipses by geometric potential, full": _changed(ellipse, shape=chord),
-        "discs, periodic sides": _changed(disc, **sides),
         "discs, no damping": _changed(disc, material=elastic),
         "discs, no friction, no rotation": _changed(disc, friction=None),
         "discs, Hertz's force alone": _changed(
