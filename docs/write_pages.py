@@ -26,7 +26,7 @@ import picture  # noqa: E402
 from findings import FILES, fill  # noqa: E402
 from gallery import OF_MEANS  # noqa: E402
 
-from dem.base.files import atomic  # noqa: E402
+from dem.base.files import write_bytes  # noqa: E402
 from dem.base.source_hash import codes  # noqa: E402
 from dem.figures.catalogue import draw  # noqa: E402
 from studies.catalogue import figures  # noqa: E402
@@ -35,9 +35,11 @@ FOLDERS = "*.md.in", "docs/**/*.md.in", "studies/**/*.md.in"
 TEMPLATES = sorted(path for each in FOLDERS for path in ROOT.glob(each))
 FRONT_MATTER = re.compile(r"\A---\n.*?\n---\n+", re.S)  # for tests/pages/test_pages.py
 TUTORIAL = ROOT / "docs/tutorials/results.md"  # whose first Python draws the picture of its name
-SHOWN = re.compile(r"!\[[^\]]*\]\(([^)\s]*images/(\w+)\.png)\)")
+SHOWN = re.compile(r"!\[[^\]]*\]\(([^)\s]*images/(\w+)\.(?:png|gif))\)")
 NOTE = "<!-- Written by docs/write_pages.py: edit {}. -->\n\n"
 WIDTH, COLORS, LARGEST = 1100, 96, 120_000  # of a picture: pixels, colours, bytes
+FILM_WIDTH, FILM_COLORS, LARGEST_FILM = 560, 8, 300_000
+PACE, REST = 120, 1500  # ms: a frame of a film, and its last one
 
 
 def page_of(template: Path) -> Path:
@@ -63,8 +65,9 @@ def pictures() -> dict[Path, str]:
 def sources_of(name: str) -> tuple[Path, ...]:
     """What a picture is drawn from: its module, then the released files."""
     released = {each.name: each.path for each in FILES}
-    if name == picture.NAME:
-        return Path(picture.__file__), *(released[each] for each in picture.FILES)
+    drawn_here = {picture.NAME: picture.FILES, picture.FILM: picture.FILMED}
+    if name in drawn_here:
+        return Path(picture.__file__), *(released[each] for each in drawn_here[name])
     figure = figures()[name]
     module = Path(find_spec(figure.module).origin)
     return module, released[
@@ -93,11 +96,39 @@ def origin_of(name: str) -> str:
 
 def note_of(path: Path) -> str | None:
     """The hash of what a picture was drawn from; None without the picture."""
-    return Image.open(path).info.get("origin") if path.is_file() else None
+    if not path.is_file():
+        return None
+    info = Image.open(path).info
+    return info.get("origin") or info["comment"].decode()
+
+
+def smaller(image: Image.Image, width: int) -> Image.Image:
+    """An image of another width (pixels)."""
+    return image.resize((width, image.height * width // image.width), Image.Resampling.LANCZOS)
+
+
+def film() -> bytes:
+    """The film at the top of README, with the hash of its origin."""
+    frames = [smaller(frame, FILM_WIDTH) for frame in picture.film(*sources_of(picture.FILM)[1:])]
+    palette, content = frames[-1].quantize(FILM_COLORS), BytesIO()
+    first, *others = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)
+    first.save(
+        content,
+        format="GIF",
+        save_all=True,
+        append_images=others,
+        duration=[PACE] * len(others) + [REST],
+        loop=0,
+        comment=origin_of(picture.FILM),
+    )
+    return content.getvalue()
 
 
 def draw_picture(name: str, path: Path) -> None:
     """Draw a picture, small enough to be kept in the repository, with the hash of its origin."""
+    if name == picture.FILM:
+        write_bytes(path, film())
+        return
     with TemporaryDirectory() as folder:
         if name == picture.NAME:
             drawn = picture.draw(*sources_of(name)[1:], Path(folder))
@@ -114,13 +145,12 @@ def draw_picture(name: str, path: Path) -> None:
     width, content = WIDTH, BytesIO()
     while not 0 < content.tell() <= LARGEST:
         content = BytesIO()
-        small = image.resize((width, image.height * width // image.width), Image.Resampling.LANCZOS)
+        small = smaller(image, width)
         small = small.quantize(COLORS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
         small.save(content, format="PNG", optimize=True, pnginfo=note)
         width = width * 9 // 10
     path.parent.mkdir(exist_ok=True)
-    with atomic(path) as part:
-        part.write_bytes(content.getvalue())
+    write_bytes(path, content.getvalue())
 
 
 if __name__ == "__main__":

@@ -55,6 +55,11 @@ NUMBERS = np.uint64(3 * BLOCK)
 
 COLUMN = np.uint64(BLOCK)  # from one column of a list to the next
 
+# friction[offset + k]: Coulomb's mu; tangential stiffness over K times the measure of the law;
+# tangential over normal damping, sqrt(k_t / k_n)
+COEFFICIENT, FRICTION_STIFFNESS, FRICTION_DASHPOT = (np.uint64(k * BLOCK) for k in range(3))
+FRICTIONS = 3 * BLOCK
+
 # account: power (W) that dashpots take, tangential springs, and rolling springs; their energies;
 # work on the granules, of boundaries and of gravity; its greatest sum in size; what granules that came
 # brought, less what others took along: kinetic and elastic energy, and work of gravity
@@ -74,9 +79,6 @@ class Layout(NamedTuple):
         Second constant (m) of the law.
     dashpot : int
         alpha sqrt(m* K); alpha sqrt(m*) where it is `local`.
-    coefficient, friction_stiffness, friction_dashpot : int
-        Coulomb's mu; tangential stiffness over K times the measure of the law; tangential over normal
-        damping, sqrt(k_t / k_n).
     arm, rolling_dashpot : int
         mu_r R_r (m), and the constant of its dashpot over the root of the law.
     mass_x, mass_y, mass_turn : int
@@ -107,9 +109,6 @@ class Layout(NamedTuple):
     stiffness: int
     length: int
     dashpot: int
-    coefficient: int
-    friction_stiffness: int
-    friction_dashpot: int
     arm: int
     rolling_dashpot: int
     mass_x: int
@@ -145,7 +144,6 @@ def layout_of(flags: dict[str, bool], sizes: int, outline_sizes: int) -> Layout:
     friction, rolling, yields = flags["FRICTION"], flags["ROLLING"], flags["YIELDS"]
     most = max(sizes, outline_sizes if flags["WITH_OUTLINES"] else 0)
     present = {"stiffness": 1, "length": flags["LONG"], "dashpot": flags["DAMPING"]}
-    present |= dict.fromkeys(("coefficient", "friction_stiffness", "friction_dashpot"), friction)
     present |= dict.fromkeys(("arm", "rolling_dashpot"), rolling)
     present |= dict.fromkeys(("mass_x", "mass_y", "mass_turn"), yields)
     present |= dict.fromkeys(("shift_x", "shift_y"), flags["PERIODIC"])

@@ -11,6 +11,7 @@ import numpy as np
 
 from dem.contacts.force_law import capped, spring_after
 from dem.contacts.layout import (
+    COEFFICIENT,
     D_SPIN,
     DAMPED,
     DV_NORMAL,
@@ -18,6 +19,8 @@ from dem.contacts.layout import (
     FORCE_X,
     FORCE_Y,
     FOUR,
+    FRICTION_DASHPOT,
+    FRICTION_STIFFNESS,
     MEAN_ROOT,
     N1,
     N2,
@@ -44,11 +47,8 @@ from dem.laws.protocol import attraction, force, mean_root, measure, root, slope
 
 # What a kernel has: dem.dynamics.kinds
 FRICTION = DAMPING = TURNS = LEVERS = ROLLING = LEDGER = LOCAL = LONG = YIELDS = True
-STIFFNESS = LENGTH = DASHPOT = FRICTION_STIFFNESS = FRICTION_DASHPOT = ROLLING_DASHPOT = np.uint64(
-    0
-)
+STIFFNESS = LENGTH = DASHPOT = ARM = ROLLING_DASHPOT = np.uint64(0)
 MASS_X = MASS_Y = MASS_TURN = TANGENTIAL_FORCE = MEASURE = ROLLING_MOMENT = np.uint64(0)
-COEFFICIENT = ARM = np.uint64(0)
 
 NO_MEAN = -1.0  # of the root of the law over a step, where that at its middle serves
 NEAR = 8.0  # halves of a step's change; beyond, the mean over the step differs by less than 5e-4
@@ -97,8 +97,10 @@ def rolling_stiffness(law, arm, constant):
     return 3.0 * arm * arm * slope(law, constant, 1.0)
 
 
-def respond(law, table, base, count, dt, lanes):
+def respond(law, table, base, friction, rough, count, dt, lanes):
     """Forces and torques of a block over a step (s), and what its springs remember.
+
+    base, rough: where the block begins in Contacts.table and in Contacts.friction.
 
     Bodies that do not touch remember nothing, and feel nothing but the dashpot if they touch within
     half a step: their overlap counts as zero in the law. Springs are capped first, then spring and
@@ -141,12 +143,12 @@ def respond(law, table, base, count, dt, lanes):
         if FRICTION:
             last = table[p + MEASURE]
             table[p + MEASURE] = measured
-            limit, slip = table[p + COEFFICIENT] * normal, lanes[k + V_TANGENT]
+            limit, slip = friction[rough + k + COEFFICIENT] * normal, lanes[k + V_TANGENT]
             spring = spring_after(
                 table[p + TANGENTIAL_FORCE],
                 measured,
                 last,
-                table[p + FRICTION_STIFFNESS] * constant,
+                friction[rough + k + FRICTION_STIFFNESS] * constant,
                 slip * dt,
             )
             spring = capped(spring, limit)
@@ -155,7 +157,7 @@ def respond(law, table, base, count, dt, lanes):
                 slip = slip + lanes[k + DV_TANGENT]
             tangential = spring
             if DAMPING:
-                tangential = spring - table[p + FRICTION_DASHPOT] * dashpot * mean * slip
+                tangential = spring - friction[rough + k + FRICTION_DASHPOT] * dashpot * mean * slip
             tangential = capped(tangential, limit)
             if LEDGER:
                 damped = damped - (tangential - spring) * slip

@@ -11,7 +11,7 @@ from dem.contacts.force_law import (
     effective_modulus,
     effective_shear_modulus,
 )
-from dem.contacts.layout import ACCOUNT, BLOCK, VX, VY, W, X, Y, aligned, layout_of
+from dem.contacts.layout import ACCOUNT, VX, VY, W, X, Y, aligned, layout_of
 from dem.dynamics.base_plate import base_of
 from dem.dynamics.neighbours import Bodies, Lists, new_contacts, new_patches
 from dem.dynamics.paths import RATES, motion_of
@@ -383,6 +383,7 @@ def assemble(
         layout=layout,
         rotates=flags["ROTATES"],
         composed=flags["COMPOSED"],
+        alike=len(scene.materials) == 1,
     )
     world = World(
         shape=scene.shape,
@@ -407,7 +408,7 @@ def assemble(
             owner=owner,
             place=np.zeros((c, 2)) if alone else np.ascontiguousarray(scene.shape.places),
         ),
-        contacts=new_contacts(0, layout.stride // BLOCK, patches),
+        contacts=new_contacts(0, listed, patches),
         boundaries=moving,
         faces=faces,
         held=held_groups(scene, bodies[:n], moving.motion),

@@ -5,17 +5,19 @@ import math
 import numpy as np
 
 from dem.contacts.force_law import effective_radius
-from dem.contacts.layout import NUMBERS, PARTNER, TARGET
+from dem.contacts.layout import BLOCK, NUMBERS, PARTNER, TARGET
 from dem.contacts.response import rolling_stiffness
 from dem.dynamics.world import (
     ALPHA,
     COULOMB,
     INVERSE_MASS,
+    LAW,
     MODULUS,
     PAIRS,
     SECTIONS,
     SHARE,
     WALLS,
+    friction_of,
 )
 from dem.jit.intrinsics import apart
 from dem.laws.protocol import length, stiffness
@@ -54,6 +56,12 @@ def effective_mass(held, mass, i, j):
     return mass[i] * mass[j] / (mass[i] + mass[j])
 
 
+def set_friction(friction, at, row):
+    """Constants of friction of a contact from its row of GranuleTable.laws."""
+    for c in range(LAW - COULOMB):
+        friction[at + c * BLOCK] = row[COULOMB + c]
+
+
 def set_constants(law, layout, table, p, row, radii, mass, inverse_masses):
     """Constants of contact p from its row of GranuleTable.laws, the radii of both bodies (m; zero of
     a flat one) and its effective mass m* (kg).
@@ -68,9 +76,6 @@ def set_constants(law, layout, table, p, row, radii, mass, inverse_masses):
     put(table, p, layout.length, length(law, row[SHARE], one, other, radius))
     reduced = mass if layout.local else mass * constant
     put(table, p, layout.dashpot, row[ALPHA] * math.sqrt(reduced))
-    put(table, p, layout.coefficient, row[COULOMB])
-    put(table, p, layout.friction_stiffness, row[COULOMB + 1])
-    put(table, p, layout.friction_dashpot, row[COULOMB + 2])
     first, second = inverse_masses
     put(table, p, layout.mass_turn, mass * second[2])
     # where neither body yields or turns, the mass is m* itself
@@ -97,10 +102,15 @@ def fill_constants(world, bed, layout):
     apart()
     contacts, owner, law = world.contacts, world.constituents.owner, world.law
     numbers, table, radius, mass = contacts.numbers, contacts.table, bed.radius, bed.mass
+    friction = contacts.friction
     inverse_mass = world.granules.inverse_mass
+    if friction.shape[0] > 0 and contacts.alike:
+        for lane in range(BLOCK):
+            set_friction(friction, lane, bed.laws[0, 0])
     for section in range(PAIRS, SECTIONS):
         for block in range(contacts.first[section], contacts.first[section + 1]):
             at, base = NUMBERS * np.uint64(block), layout.stride * block
+            rough = np.int64(friction_of(contacts, block))
             for lane in range(contacts.count[block]):
                 k = np.uint64(lane)
                 p, i = base + lane, np.int64(numbers[at + k])
@@ -122,6 +132,8 @@ def fill_constants(world, bed, layout):
                     square = mass[i] * radius[i] ** 2
                 inverse_masses = first, second
                 set_constants(law, layout, table, p, row, radii, m, inverse_masses)
+                if friction.shape[0] > 0 and rough > 0:
+                    set_friction(friction, rough + lane, row)
                 if layout.arm >= 0:
                     coefficient, ratio = bed.rolling[kind], bed.rolling[3]
                     set_rolling(law, layout, table, p, coefficient, ratio, radii, square)

@@ -27,7 +27,7 @@ from dem.contacts.layout import (
 )
 from dem.contacts.response import accumulate, add_losses, load_boundaries, respond
 from dem.dynamics.motion import greater
-from dem.dynamics.world import OUTLINES, PAIRS, POLYGONS, WALLS, granules_of
+from dem.dynamics.world import OUTLINES, PAIRS, POLYGONS, WALLS, friction_of, granules_of
 from dem.jit.intrinsics import apart, prefetch
 
 FORCES, SHOW, RESPOND = range(3)  # what is asked of blocks of contacts
@@ -92,7 +92,8 @@ def contact_forces(world, task, begin, end, dt, pair, lanes, rows):
             ask_for_partners(contacts, motion, block + 1)
         at, count = NUMBERS * np.uint64(block), contacts.count[block]
         if task != SHOW:
-            respond(world.law, contacts.table, STRIDE * np.uint64(block), count, dt, lanes)
+            base, rough = STRIDE * np.uint64(block), friction_of(contacts, block)
+            respond(world.law, contacts.table, base, contacts.friction, rough, count, dt, lanes)
         if task == FORCES:
             if LEDGER:
                 add_losses(world.account, count, lanes)

@@ -16,6 +16,7 @@ from dem.contacts.layout import (
     CONSTITUENT,
     DVX,
     DVY,
+    FRICTIONS,
     NUMBERS,
     PARTNER,
     TARGET,
@@ -480,6 +481,8 @@ class Bodies(NamedTuple):
         Where numbers of contacts are.
     rotates, composed : bool
         Flags of dem.dynamics.kinds.
+    alike : bool
+        Whether there is one material.
     """
 
     radius: np.ndarray
@@ -492,13 +495,17 @@ class Bodies(NamedTuple):
     layout: Layout
     rotates: bool
     composed: bool
+    alike: bool
 
 
-def new_contacts(blocks: int, columns: int, patches: int) -> Contacts:
-    """Memory for a list of so many blocks and columns; no contact yet."""
+def new_contacts(blocks: int, bodies: Bodies, patches: int) -> Contacts:
+    """Memory for a list of so many blocks; no contact yet."""
+    layout = bodies.layout
     return Contacts(
         numbers=np.empty(blocks * int(NUMBERS), np.uint32),
-        table=aligned(blocks * columns * BLOCK),
+        table=aligned(blocks * layout.stride),
+        friction=aligned((blocks + 1) * FRICTIONS if layout.tangential_force >= 0 else 0),
+        alike=bodies.alike,
         count=np.zeros(blocks, np.int64),
         first=np.zeros(SECTIONS + 1, np.int64),
         of_patch=np.zeros(patches + 1, np.int64),
@@ -550,16 +557,14 @@ class Lists:
             target=np.empty(beside, np.uint32),
             of_section=np.zeros(SECTIONS + 1, np.int64),
         )
-        self.grid = Grid(*(np.empty(size, np.int64) for size in (c, c, cells, cells)))
+        self.grid = Grid(*(np.empty(size, np.int32) for size in (c, c, cells, cells)))
 
     def renewed(self, world, skin: float) -> tuple[Contacts, Patches, int]:
         """Contacts and Patches for the present positions, and the number of pairs of two patches."""
-        patches, room, columns = len(world.patches.lowest), 0, self.bodies.layout.stride // BLOCK
+        patches, room = len(world.patches.lowest), 0
         while True:
-            contacts, shares = (
-                new_contacts(self.blocks, columns, patches),
-                new_patches(room, patches),
-            )
+            contacts = new_contacts(self.blocks, self.bodies, patches)
+            shares = new_patches(room, patches)
             memory = self.near, self.grid, contacts, shares, np.zeros(4, np.int64)
             count, blocks, shared = RENEW(world, self.bodies, skin, *memory)
             room = count if patches > 1 else 0

@@ -28,7 +28,15 @@ from typing import NamedTuple
 import numpy as np
 
 from dem.contacts.force_law import TINY as LEAST
-from dem.contacts.layout import NUMBERS, PARTNER, TARGET, X, Y
+from dem.contacts.layout import (
+    FRICTION_DASHPOT,
+    FRICTION_STIFFNESS,
+    NUMBERS,
+    PARTNER,
+    TARGET,
+    X,
+    Y,
+)
 from dem.contacts.response import dashpot_along, rolling_stiffness
 from dem.dynamics.constants import fill_constants
 from dem.dynamics.measures import (
@@ -40,7 +48,16 @@ from dem.dynamics.measures import (
     usual_overlap,
 )
 from dem.dynamics.motion import greater
-from dem.dynamics.world import COSINE, INVERSE_MASS, PAIRS, SECTIONS, SINE, SPRING, WALLS
+from dem.dynamics.world import (
+    COSINE,
+    INVERSE_MASS,
+    PAIRS,
+    SECTIONS,
+    SINE,
+    SPRING,
+    WALLS,
+    friction_of,
+)
 from dem.jit.intrinsics import apart
 from dem.laws.protocol import (
     attraction,
@@ -182,9 +199,18 @@ def dashpot_of(layout, table, p, nx, ny, lever, constant):
     return math.sqrt(constant) * dashpot if layout.local else dashpot
 
 
-def add_contact(law, layout, table, p, rows, limits, contact, bodies):
+def friction_ratios(contacts, block, lane):
+    """FRICTION_STIFFNESS and FRICTION_DASHPOT of a contact, zeros without friction."""
+    if contacts.friction.shape[0] == 0:
+        return 0.0, 0.0
+    at = friction_of(contacts, block) + np.uint64(lane)
+    return contacts.friction[at + FRICTION_STIFFNESS], contacts.friction[at + FRICTION_DASHPOT]
+
+
+def add_contact(law, layout, table, p, ratios, rows, limits, contact, bodies):
     """Stiffness and damping of contact p between two bodies.
 
+    ratios: friction_ratios of the contact;
     limits: smallest overlap (m) that a stiffness is computed for, and the bulk of the law; contact:
     overlap (m), normal (nx, ny) and R* (m).
     """
@@ -199,9 +225,9 @@ def add_contact(law, layout, table, p, rows, limits, contact, bodies):
     k = slope(law, constant, measured)
     first, second = (one.size, one.normal_arm * one.spin), (two.size, two.normal_arm * two.spin)
     add_pair(rows, bodies, k, damping, (nx, ny), first, second)
-    if layout.friction_stiffness >= 0:
-        k_t = table[p + layout.friction_stiffness] * constant * measured
-        c_t = table[p + layout.friction_dashpot] * damping
+    if layout.tangential_force >= 0:
+        k_t = ratios[0] * constant * measured
+        c_t = ratios[1] * damping
         first = one.size, one.tangent_arm * one.spin
         second = two.size, two.tangent_arm * two.spin
         add_pair(rows, bodies, k_t, c_t, (-ny, nx), first, second)
@@ -263,7 +289,8 @@ def scan_blocks(world, bed, layout, begin, geometry, bounds, result):
                 b = world.faces.boundary[np.int64(numbers[at + TARGET + k])]
                 two = boundary_of(world, bed, b, normal_arm, tangent_arm)
             contact = overlap, nx, ny, row[CURVED, lane]
-            add_contact(world.law, layout, table, p, bounds, limits, contact, (one, two))
+            ratios = friction_ratios(contacts, block, lane)
+            add_contact(world.law, layout, table, p, ratios, bounds, limits, contact, (one, two))
 
 
 def add_springs(boundaries, granules, rows):
@@ -316,7 +343,7 @@ def add_energies(world, layout, begin, geometry, result):
             result[0] += energy(law, constant, overlap, measured)
             result[0] += attraction_energy(law, gap, second)
             last = value_at(table, p, layout.measure)
-            stiff = value_at(table, p, layout.friction_stiffness) * constant * last
+            stiff = friction_ratios(contacts, begin + k, lane)[0] * constant * last
             spring = value_at(table, p, layout.tangential_force)
             result[1] += 0.5 * spring**2 / max(stiff, LEAST)
             stiff = rolling_stiffness(law, value_at(table, p, layout.arm), constant) * last

@@ -4,6 +4,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from dem.contacts.layout import FRICTIONS
+
 PATCH = 1024  # granules: what a patch needs fits into the second-level cache
 
 # Sections of the list of contacts: with granules, walls, round solids, solids that have the outline
@@ -87,6 +89,11 @@ class Contacts(NamedTuple):
         of Constituents.force for the force on the partner; of others see Faces.
     table : ndarray of float
         The columns, block by block.
+    friction : ndarray of float
+        Constants of friction (dem.contacts.layout), block by block. The first is of all pairs where
+        they are alike; those of other contacts follow.
+    alike : bool
+        Whether all pairs have the same friction: there is one material.
     count : ndarray of shape (blocks,)
         Contacts of each block.
     first : ndarray of shape (SECTIONS + 1,)
@@ -97,6 +104,8 @@ class Contacts(NamedTuple):
 
     numbers: np.ndarray
     table: np.ndarray
+    friction: np.ndarray
+    alike: bool
     count: np.ndarray
     first: np.ndarray
     of_patch: np.ndarray
@@ -303,3 +312,9 @@ def number_of_patches(granules: int) -> int:
 def granules_of(granules, patch):
     """First and last (excluded) granule of a patch."""
     return PATCH * patch, min(PATCH * (patch + 1), granules)
+
+
+def friction_of(contacts, block):
+    """Where the friction of a block begins in Contacts.friction."""
+    own = block - contacts.first[WALLS] if contacts.alike else block
+    return np.uint64(FRICTIONS * max(own + 1, 0))

@@ -1,15 +1,19 @@
-"""The picture at the top of README: beds of three shapes, and the drag in them."""
+"""What stands at the top of pages: a film of beds of three shapes; a picture of them with the drag."""
 
 from pathlib import Path
 
+import numpy as np
 import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from PIL import Image
 
 from dem.figures import bed, style
 from dem.figures.snapshots import frames_of_case, motion_of, scale_bar
 
 NAME, FILES = "beds", ("snapshots", "drag")
+FILM, FILMED, FRAMES = "strokes", ("snapshots",), 17
 CASES = {"c1": "Discs", "d1": "Dumbbells", "e3": "Ellipses 1.375:1"}
 SNAPSHOT = -1  # the end of the stroke
 
@@ -61,3 +65,22 @@ def _bed(axes, motion) -> None:
     x, y = 1e3 * frames.place[SNAPSHOT, 0]
     arrow = {"arrowstyle": "-|>", "linewidth": 2.0, "color": "black"}
     axes.annotate("", (x, y + 1.4e3 * cylinder), (x, y), arrowprops=arrow)
+
+
+@style.styled
+def film(snapshots: Path) -> list[Image.Image]:
+    """Frames of the strokes through the beds of the first seed."""
+    figure, frames = Figure(figsize=(6.6, 2.35), dpi=200), []
+    canvas, beds = FigureCanvasAgg(figure), figure.subplots(1, len(CASES), sharex=True, sharey=True)
+    with xr.open_dataset(snapshots) as dataset:
+        runs = [frames_of_case(motion_of(dataset, case)) for case in CASES]
+        count = dataset.sizes["snapshot"]
+    for shown in np.linspace(0, count - 1, FRAMES).astype(int):
+        for axes, run, title in zip(beds, runs, CASES.values(), strict=True):
+            axes.clear()
+            bed.draw(axes, run, shown, bed.view_of(run), facecolors=run.paints["layer"])
+            axes.set_axis_off()
+            axes.set_title(title, fontsize=9)
+        canvas.draw()
+        frames.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
+    return frames
