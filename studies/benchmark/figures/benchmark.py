@@ -26,8 +26,8 @@ def plot(dataset: xr.Dataset) -> Figure:
     labels = rates["bar"].values.tolist()
     _rows(above, [f"{scene}: {code}" for scene, code in labels], rates.transpose("bar", ...).values)
     for place, ((_, code), values) in enumerate(zip(labels, rates.T.values, strict=True)):
-        look = {"color": DARK if code == OURS else LIGHT, "edgecolor": "black", "zorder": 0}
-        above.barh(place, np.median(values), 0.7, **look)
+        color = DARK if code == OURS else LIGHT
+        above.barh(place, np.median(values), 0.7, color=color, edgecolor="black")
     above.set_xlim(left=0.0)
     above.set_xlabel("Speed (million granule-steps a second)")
     above.set_title("Same bed, material and time step, one core (bars: medians)", loc="left")
@@ -53,5 +53,7 @@ def _rows(axes, labels, table) -> None:
     axes.set_yticks(range(len(labels)), labels)
     axes.tick_params(axis="y", length=0)
     axes.invert_yaxis()
-    axes.grid(axis="x", visible=True)
+    axes.grid(visible=False, axis="y")
+    axes.grid(visible=True, axis="x")
+    axes.set_axisbelow(True)
     axes.margins(x=0.1)
