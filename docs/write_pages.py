@@ -35,10 +35,11 @@ FOLDERS = "*.md.in", "docs/**/*.md.in", "studies/**/*.md.in"
 TEMPLATES = sorted(path for each in FOLDERS for path in ROOT.glob(each))
 FRONT_MATTER = re.compile(r"\A---\n.*?\n---\n+", re.S)  # for tests/pages/test_pages.py
 TUTORIAL = ROOT / "docs/tutorials/results.md"  # whose first Python draws the picture of its name
+PLAIN = TUTORIAL, ROOT / "docs/index.md"  # pages without a template that show pictures
 SHOWN = re.compile(r"!\[[^\]]*\]\(([^)\s]*images/(\w+)\.(?:png|gif))\)")
 NOTE = "<!-- Written by docs/write_pages.py: edit {}. -->\n\n"
 WIDTH, COLORS, LARGEST = 1100, 96, 120_000  # of a picture: pixels, colours, bytes
-FILM_WIDTH, FILM_COLORS, LARGEST_FILM = 560, 8, 300_000
+FILM_WIDTH, FILM_COLORS, LARGEST_FILM = 640, 8, 400_000
 PACE, REST = 120, 1500  # ms: a frame of a film, and its last one
 
 
@@ -57,7 +58,7 @@ def pictures() -> dict[Path, str]:
     """Names of the pictures that the pages show, by path."""
     return {
         (template.parent / path).resolve(): name
-        for template in (*TEMPLATES, TUTORIAL)
+        for template in (*TEMPLATES, *PLAIN)
         for path, name in SHOWN.findall(template.read_text(encoding="utf-8"))
     }
 

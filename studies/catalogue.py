@@ -1,6 +1,6 @@
 """Which figures and which files of results the studies have."""
 
-from dem.base.constants import constants
+from dem.base.declarations import constants
 from dem.figures.catalogue import FIGURES, figures_of
 from studies import FOLDERS, package_of
 

@@ -25,7 +25,7 @@ from sweeps import DRAWN, OBSERVED, VALUES, Killed, contents, made, order, varie
 from dem.base.errors import InputError
 from dem.io.dataset import read
 from dem.report.status import status
-from dem.sweep.batch import make
+from dem.sweep.batch_job import make
 from dem.sweep.combine import combine_block
 from dem.sweep.config import parse
 from dem.sweep.estimate import summary

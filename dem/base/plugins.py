@@ -16,7 +16,7 @@ from pathlib import Path
 from types import ModuleType
 
 from dem.base import source_hash
-from dem.base.constants import constants, definitions
+from dem.base.declarations import constants, definitions
 from dem.base.errors import InputError
 
 OWN = "dem_own_"  # start of the names of such modules

@@ -44,12 +44,12 @@ RUNS = (
     "experiment/bed_description.py",
     "experiment/box.py",
     "experiment/cylinder.py",
-    "experiment/exchange.py",
     "experiment/granule_table.py",
     "experiment/intruders.py",
     "experiment/phases.py",
     "experiment/replicate.py",
     "experiment/scene.py",
+    "experiment/sinks_and_sources.py",
     "experiment/snapshots.py",
 )
 PLUGINS = "experiment/kinds", "experiment/observables"  # a run depends on the files that it uses

@@ -14,7 +14,7 @@ def batch(
     output: argument(Path, "File of the store, results/store/batches/....nc."),
 ):
     """Make the runs of one batch of the store, as the file of its name that ends in .json says."""
-    from dem.sweep.batch import make
+    from dem.sweep.batch_job import make
     from dem.sweep.store import Store
 
     store, name = Store(output.parents[1]), output.stem

@@ -19,12 +19,12 @@ def option(kind, about: str, *names: str, **more):
     return Annotated[kind, typer.Option(*names, help=about, **more)]
 
 
-def writes(suffix: str = ""):
+def writes(*suffixes: str):
     """Callback of a path that a verb writes, checked before any work. suffix: how it must end."""
 
     def check(parameter: typer.CallbackParam, path: Path | None):
         with reported():
-            return path and check_output(parameter.name, path, (suffix,))
+            return path and check_output(parameter.name, path, suffixes or ("",))
 
     return check
 

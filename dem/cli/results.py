@@ -76,7 +76,10 @@ def figure(
 def rft(
     data: argument(Path, "scene.nc of a sweep like config/rft.yaml."),
     output: option(
-        Path | None, "File to write (.json or .nc); the terminal if absent.", *OUTPUT
+        Path | None,
+        "File to write (.json or .nc); the terminal if absent.",
+        *OUTPUT,
+        callback=writes(".json", ".nc"),
     ) = None,
 ):
     """Coefficients of resistive force theory (N/m3), from the forces on a plate by angle and direction.
@@ -85,10 +88,8 @@ def rft(
     """
     from dem.analysis import rft as analysis
     from dem.analysis.tables import TextTable
-    from dem.base.files import check_output
     from dem.io.lazily import open_lazily
 
-    output = output and check_output("output", output, (".json", ".nc"))
     with bar(f"reading {data}"), open_lazily(data) as dataset:
         plates = analysis.measured(dataset)
         result = analysis.dataset_of(plates, analysis.fitted(plates), dataset.attrs)

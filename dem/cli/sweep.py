@@ -175,7 +175,7 @@ def simulate(
     from dem.experiment.bed import make_bed
     from dem.packing.cost import progress
     from dem.sweep.axis import changes_of_words
-    from dem.sweep.batch import write_one
+    from dem.sweep.batch_job import write_one
     from dem.sweep.config import described, load
     from dem.sweep.state import slow_beds
 

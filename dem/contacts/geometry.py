@@ -17,7 +17,6 @@ from dem.contacts.layout import (
     DV_TANGENT,
     EIGHT,
     FOUR,
-    MEAN_ROOT,
     N1,
     N2,
     NUMBERS,
@@ -44,13 +43,14 @@ from dem.contacts.layout import (
     VY2,
     W1,
     W2,
+    WALL_OFFSET,
     X1,
     X2,
     Y1,
     Y2,
     one_size,
 )
-from dem.jit.intrinsics import apart, widest_vectors
+from dem.jit.intrinsics import noinline, widest_vectors
 from dem.shapes.protocol import ContactGeometry, find_contact, refine_normal, support
 
 # What a kernel has: dem.dynamics.kinds
@@ -75,7 +75,7 @@ def gather(motion, orientation, numbers, table, at, base, count, pair, lanes):
     motion, orientation: rows of all bodies, one after the other; at, base: where the block begins
     in numbers and table.
     """
-    apart()
+    noinline()
     widest_vectors()
     for q in range(count):
         k = np.uint64(q)
@@ -123,7 +123,7 @@ def last_normal(table, p):
     return 1.0, 0.0
 
 
-def store(pair, lanes, k, table, p, geometry):
+def write_lane(pair, lanes, k, table, p, geometry):
     """Write contact p to lane k: its geometry, and the velocity and its change at the contact.
 
     Only damping needs the rate, only friction the slip, only rolling resistance the spin.
@@ -175,7 +175,7 @@ def along_tangent(gx, gy, w1, w2, nx, ny, n1, n2):
 
 def find_pairs(shape, table, base, count, pair, lanes):
     """Geometry of contacts with granules and with round solids."""
-    apart()
+    noinline()
     widest_vectors()
     for q in range(count):
         k = np.uint64(q)
@@ -183,7 +183,7 @@ def find_pairs(shape, table, base, count, pair, lanes):
         dx, dy = spacing(pair, k)
         one, two = outline_of_first(lanes, table, k, p), outline_of_second(lanes, table, k, p)
         geometry, converged = find_contact(shape, dx, dy, one, two, last_normal(table, p))
-        store(pair, lanes, k, table, p, geometry)
+        write_lane(pair, lanes, k, table, p, geometry)
         if GUESSES:
             lanes[k + UNCONVERGED] = 0.0 if converged else 1.0
     if GUESSES and is_any_unconverged(lanes, count):
@@ -200,7 +200,7 @@ def is_any_unconverged(lanes, count):
 
 def refine_pairs(shape, table, base, count, pair, lanes):
     """Geometry again, where the last normal was too far off."""
-    apart()
+    noinline()
     for q in range(count):
         k = np.uint64(q)
         if lanes[k + UNCONVERGED] != 0.0:
@@ -209,43 +209,43 @@ def refine_pairs(shape, table, base, count, pair, lanes):
             one, two = outline_of_first(lanes, table, k, p), outline_of_second(lanes, table, k, p)
             guess = refine_normal(shape, dx, dy, one, two, last_normal(table, p))
             geometry, _ = find_contact(shape, dx, dy, one, two, guess)
-            store(pair, lanes, k, table, p, geometry)
+            write_lane(pair, lanes, k, table, p, geometry)
 
 
 def find_walls(shape, planes, numbers, at, table, base, count, pair, lanes):
     """Geometry of contacts with walls; planes (w, 3): normal, and offset (m)."""
-    apart()
+    noinline()
     widest_vectors()
     for q in range(count):
         k = np.uint64(q)
         wall = np.uint64(numbers[at + TARGET + k])
         lanes[k + NX], lanes[k + NY] = planes[wall, 0], planes[wall, 1]
-        lanes[k + MEAN_ROOT] = planes[wall, 2]
+        lanes[k + WALL_OFFSET] = planes[wall, 2]
     for q in range(count):
         k = np.uint64(q)
         p, group = base + k, FOUR * k
         nx, ny = lanes[k + NX], lanes[k + NY]
         reach, t1, radius = support(shape, outline_of_first(lanes, table, k, p), nx, ny)
         height = pair[group + X1] * nx + pair[group + Y1] * ny
-        overlap = reach + height - lanes[k + MEAN_ROOT]
-        middle = reach - 0.5 * overlap  # one type for all, so that `store` is compiled once
+        overlap = reach + height - lanes[k + WALL_OFFSET]
+        middle = reach - 0.5 * overlap  # one type for all, so that `write_lane` is compiled once
         geometry = ContactGeometry(overlap, nx, ny, middle, t1, 0.0, 0.0, radius)
-        store(pair, lanes, k, table, p, geometry)
+        write_lane(pair, lanes, k, table, p, geometry)
 
 
-def turned_solid(orientation, more, numbers, at):
-    """Cosine and sine of the angle of the solid of a contact; more: how many more granules there are
+def turned_solid(orientation, orientation_offset, numbers, at):
+    """Cosine and sine of the angle of the solid of a contact; orientation_offset: how many more granules there are
     than constituents."""
-    row = TWO * np.uint64(more + np.int64(numbers[at + PARTNER]))
+    row = TWO * np.uint64(orientation_offset + np.int64(numbers[at + PARTNER]))
     return orientation[row], orientation[row + ONE]
 
 
-def find_outlines(outlines, orientation, more, contacts, block, pair, lanes):
+def find_outlines(outlines, orientation, orientation_offset, contacts, block, pair, lanes):
     """Geometry of contacts with solids that have the outline of a granule, one by one.
 
     The sizes of the block are in terms of the solid.
     """
-    apart()
+    noinline()
     numbers, table, count = contacts.numbers, contacts.table, contacts.count[block]
     at, base = NUMBERS * np.uint64(block), STRIDE * np.uint64(block)
     for q in range(count):
@@ -254,19 +254,19 @@ def find_outlines(outlines, orientation, more, contacts, block, pair, lanes):
         if ORIENTED:
             c, s = lanes[k + C1], lanes[k + S1]
         one = (c, s) + outline_sizes_at(table, p + SIZES)
-        turned = turned_solid(orientation, more, numbers, at + k)
+        turned = turned_solid(orientation, orientation_offset, numbers, at + k)
         two = turned + outline_sizes_at(table, p + SIZES + SECOND)
         dx, dy = spacing(pair, k)
         geometry, converged = find_outline(outlines, dx, dy, one, two, last_normal(table, p))
         if not converged:
             guess = refine_outline(outlines, dx, dy, one, two, last_normal(table, p))
             geometry, converged = find_outline(outlines, dx, dy, one, two, guess)
-        store(pair, lanes, k, table, p, geometry)
+        write_lane(pair, lanes, k, table, p, geometry)
 
 
-def find_polygons(shape, faces, orientation, more, contacts, block, pair, lanes):
+def find_polygons(shape, faces, orientation, orientation_offset, contacts, block, pair, lanes):
     """Geometry of contacts with polygons, one by one."""
-    apart()
+    noinline()
     numbers, table, count = contacts.numbers, contacts.table, contacts.count[block]
     at, base = NUMBERS * np.uint64(block), STRIDE * np.uint64(block)
     for q in range(count):
@@ -277,11 +277,11 @@ def find_polygons(shape, faces, orientation, more, contacts, block, pair, lanes)
         if ORIENTED:
             corner = (1.0, 0.0) + corner
         dx, dy = spacing(pair, k)
-        turned = turned_solid(orientation, more, numbers, at + k)
+        turned = turned_solid(orientation, orientation_offset, numbers, at + k)
         geometry = polygon_contact(
             shape, faces, t, turned, one, corner, dx, dy, last_normal(table, p)
         )
-        store(pair, lanes, k, table, p, geometry)
+        write_lane(pair, lanes, k, table, p, geometry)
 
 
 def polygon_contact(shape, faces, t, turned, one, corner, dx, dy, guess):

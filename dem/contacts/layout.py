@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 BLOCK = 64  # contacts; what they need fits well into the first-level cache
-LINE = 8  # numbers between rows, so that they do not all fall on the same places of the cache
+LINE = 8  # numbers to a cache line; also between rows, whose places in the cache then differ
 
 ZERO, ONE, TWO, THREE, FOUR, FIVE, EIGHT = map(np.uint64, (0, 1, 2, 3, 4, 5, 8))
 X, Y, VX, VY, W, DVX, DVY, DW = range(8)
@@ -47,6 +47,7 @@ PAIR = 4 * _GROUP  # numbers in all
 )
 # fmt: on
 LANES = 27 * (BLOCK + LINE)
+WALL_OFFSET = MEAN_ROOT  # a wall has it before its root
 SEEN = 10
 
 # numbers[offset + k] of a block: constituent 1, body 2 as a row of motion, and where forces on it go

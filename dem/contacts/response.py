@@ -9,7 +9,6 @@ import math
 
 import numpy as np
 
-from dem.contacts.force_law import capped, spring_after
 from dem.contacts.layout import (
     COEFFICIENT,
     D_SPIN,
@@ -42,7 +41,8 @@ from dem.contacts.layout import (
     V_NORMAL,
     V_TANGENT,
 )
-from dem.jit.intrinsics import add_four, apart, widest_vectors
+from dem.contacts.springs import capped, spring_after
+from dem.jit.intrinsics import add_four, noinline, widest_vectors
 from dem.laws.protocol import attraction, force, mean_root, measure, root, slope, stiffness
 
 # What a kernel has: dem.dynamics.kinds
@@ -64,7 +64,7 @@ def length_of(table, p):
 def average_roots(law, table, base, count, dt, lanes):
     """The mean over the step of the root of the law, for the dashpots of the few contacts that are
     near touch, one by one; NO_MEAN of all others."""
-    apart()
+    noinline()
     widest_vectors()
     near = 0
     for q in range(count):
@@ -97,17 +97,17 @@ def rolling_stiffness(law, arm, constant):
     return 3.0 * arm * arm * slope(law, constant, 1.0)
 
 
-def respond(law, table, base, friction, rough, count, dt, lanes):
+def respond(law, table, base, friction, friction_at, count, dt, lanes):
     """Forces and torques of a block over a step (s), and what its springs remember.
 
-    base, rough: where the block begins in Contacts.table and in Contacts.friction.
+    base, friction_at: where the block begins in Contacts.table and in Contacts.friction.
 
     Bodies that do not touch remember nothing, and feel nothing but the dashpot if they touch within
     half a step: their overlap counts as zero in the law. Springs are capped first, then spring and
     dashpot, so that friction does no positive work. The pushing part of the force
     sets the cap: attraction does not lower it.
     """
-    apart()
+    noinline()
     widest_vectors()
     if DAMPING:
         average_roots(law, table, base, count, dt, lanes)
@@ -143,12 +143,12 @@ def respond(law, table, base, friction, rough, count, dt, lanes):
         if FRICTION:
             last = table[p + MEASURE]
             table[p + MEASURE] = measured
-            limit, slip = friction[rough + k + COEFFICIENT] * normal, lanes[k + V_TANGENT]
+            limit, slip = friction[friction_at + k + COEFFICIENT] * normal, lanes[k + V_TANGENT]
             spring = spring_after(
                 table[p + TANGENTIAL_FORCE],
                 measured,
                 last,
-                friction[rough + k + FRICTION_STIFFNESS] * constant,
+                friction[friction_at + k + FRICTION_STIFFNESS] * constant,
                 slip * dt,
             )
             spring = capped(spring, limit)
@@ -157,7 +157,9 @@ def respond(law, table, base, friction, rough, count, dt, lanes):
                 slip = slip + lanes[k + DV_TANGENT]
             tangential = spring
             if DAMPING:
-                tangential = spring - friction[rough + k + FRICTION_DASHPOT] * dashpot * mean * slip
+                tangential = (
+                    spring - friction[friction_at + k + FRICTION_DASHPOT] * dashpot * mean * slip
+                )
             tangential = capped(tangential, limit)
             if LEDGER:
                 damped = damped - (tangential - spring) * slip
@@ -210,7 +212,7 @@ def accumulate(numbers, at, count, lanes, flat):
     flat: rows of force, one after the other. To keep the sum of one constituent in registers from
     pair to pair takes longer: each pair must choose which sum it adds to.
     """
-    apart()
+    noinline()
     for q in range(count):
         k = np.uint64(q)
         fx, fy = lanes[k + FORCE_X], lanes[k + FORCE_Y]
@@ -227,7 +229,7 @@ def load_boundaries(numbers, at, count, walls, boundary, lanes, flat, on, loads)
     on, loads: Boundaries.force and Boundaries.contact_forces; walls: how many there are; boundary:
     of each target.
     """
-    apart()
+    noinline()
     for q in range(count):
         k = np.uint64(q)
         b = boundary[np.uint64(numbers[at + TARGET + k])]

@@ -6,12 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.contacts.force_law import (
-    damping_from_restitution,
-    effective_modulus,
-    effective_shear_modulus,
-)
+from dem.contacts.effective import effective_modulus, effective_shear_modulus
 from dem.contacts.layout import ACCOUNT, VX, VY, W, X, Y, aligned, layout_of
+from dem.contacts.restitution import damping_from_restitution
 from dem.dynamics.base_plate import base_of
 from dem.dynamics.neighbours import Bodies, Lists, new_contacts, new_patches
 from dem.dynamics.paths import RATES, motion_of
@@ -22,8 +19,8 @@ from dem.dynamics.world import (
     CIRCLES,
     COULOMB,
     DRIVE,
-    LAW,
     OUTLINES,
+    PAIR_CONSTANTS,
     PATCH,
     POLYGONS,
     WALLS,
@@ -66,7 +63,7 @@ class GranuleTable(NamedTuple):
         Of the law (dem.laws.protocol.Law).
     fraction : float
         Time step over the critical one, without unit.
-    laws : ndarray of shape (s + w + k, s, 6)
+    pair_constants : ndarray of shape (s + w + k, s, 6)
         Constants of contacts of a granule of each of s materials (second axis) with one of each
         material, then with each wall and solid: see dem.dynamics.world.MODULUS.
     species : ndarray of shape (n,)
@@ -94,7 +91,7 @@ class GranuleTable(NamedTuple):
     bend: np.ndarray
     bulk: float
     fraction: float
-    laws: np.ndarray
+    pair_constants: np.ndarray
     species: np.ndarray
     solid_radius: np.ndarray
     alpha: float
@@ -108,7 +105,7 @@ class GranuleTable(NamedTuple):
 def granule_table(scene: Scene, fraction: float) -> GranuleTable:
     """GranuleTable of a scene; fraction: time step over the critical one."""
     shape, (inverse_mass, inverse_inertia) = scene.shape, mobilities(scene)
-    laws, count = laws_of(scene), len(scene.materials)
+    constants, count = pair_constants_of(scene), len(scene.materials)
     bounding, owner, arm = shape.constituent_bounding_radius, shape.owner, np.zeros(scene.granules)
     np.maximum.at(arm, owner, shape.bounding_radius[owner] - bounding)
     solid_radius = np.zeros(len(scene.walls) + len(scene.solids))
@@ -124,10 +121,10 @@ def granule_table(scene: Scene, fraction: float) -> GranuleTable:
         bend=scene.law.bulk * shape.normal_bend * inverse_inertia,
         bulk=float(scene.law.bulk),
         fraction=float(fraction),
-        laws=laws,
+        pair_constants=constants,
         species=scene.species.copy(),
         solid_radius=solid_radius,
-        alpha=float(scene.law.margin * laws[:count, :, ALPHA].max()),
+        alpha=float(scene.law.margin * constants[:count, :, ALPHA].max()),
         modulus=max(modulus(scene, material, material) for material in scene.materials),
         mean_radius=float(shape.constituent_radius.mean()),
         mean_mass=float(scene.mass.mean()),
@@ -149,8 +146,8 @@ def modulus(scene: Scene, *materials) -> float:
     return float(scene.law.modulus(effective_modulus(*materials), scene.thickness))
 
 
-def law(scene: Scene, friction: float, material, partner) -> list[float]:
-    """Row of GranuleTable.laws for a granule of a material and its partner, None if it is rigid.
+def pair_constants(scene: Scene, friction: float, material, partner) -> list[float]:
+    """Row of GranuleTable.pair_constants for a granule of a material and its partner, None if it is rigid.
 
     Tangential over normal stiffness is Mindlin's ratio, 4 G*/E*, under every law.
     """
@@ -171,12 +168,12 @@ def law(scene: Scene, friction: float, material, partner) -> list[float]:
     ]
 
 
-def laws_of(scene: Scene) -> np.ndarray:
-    """GranuleTable.laws of a scene."""
+def pair_constants_of(scene: Scene) -> np.ndarray:
+    """GranuleTable.pair_constants of a scene."""
     materials, friction = scene.materials, scene.friction
     table = np.zeros((len(materials), len(materials))) + (friction.granule if friction else 0.0)
-    laws = [
-        [law(scene, float(table[a, b]), one, other) for b, one in enumerate(materials)]
+    rows = [
+        [pair_constants(scene, float(table[a, b]), one, other) for b, one in enumerate(materials)]
         for a, other in enumerate(materials)
     ]
     for bodies, name in ((scene.walls, "wall"), (scene.solids, "solid")):
@@ -184,24 +181,24 @@ def laws_of(scene: Scene) -> np.ndarray:
             coefficient, partner = body.friction, body.material or scene.boundary
             if coefficient is None:
                 coefficient = getattr(friction, name) if friction else 0.0
-            laws.append([law(scene, coefficient, one, partner) for one in materials])
-    return np.array(laws).reshape(-1, len(materials), LAW)
+            rows.append([pair_constants(scene, coefficient, one, partner) for one in materials])
+    return np.array(rows).reshape(-1, len(materials), PAIR_CONSTANTS)
 
 
-def has_friction(laws: np.ndarray) -> bool:
+def has_friction(constants: np.ndarray) -> bool:
     """Whether any contact has friction. If so, all have it, if need be with a coefficient of zero:
     all lists share the lanes of a block."""
-    return bool((laws[..., COULOMB] > 0.0).any())
+    return bool((constants[..., COULOMB] > 0.0).any())
 
 
-def can_turn(scene: Scene, laws: np.ndarray) -> bool:
+def can_turn(scene: Scene, constants: np.ndarray) -> bool:
     """Whether a contact or the base plate turns a granule, or a solid that is not round."""
     return bool(
         scene.rolling
         or scene.base_plate
         or not all(solid.is_round for solid in scene.solids)
         or np.any(scene.shape.normal_lever > 0.0)
-        or has_friction(laws)
+        or has_friction(constants)
     )
 
 
@@ -316,13 +313,13 @@ def outlines_of(scene: Scene, sections: np.ndarray, faces: Faces):
 
 def flags_of(scene: Scene, table: GranuleTable, moving: Boundaries, sections, solids) -> dict:
     """What a scene has: see dem.dynamics.kinds."""
-    shape, rolls, rough = scene.shape, scene.rolling is not None, has_friction(table.laws)
-    damps = rolls or bool(table.laws[..., ALPHA].any())
+    shape, rolls, rough = scene.shape, scene.rolling is not None, has_friction(table.pair_constants)
+    damps = rolls or bool(table.pair_constants[..., ALPHA].any())
     others = bool((sections == OUTLINES).any()), bool((sections == POLYGONS).any())
     return {
         "FRICTION": rolls or rough,
         "DAMPING": damps,
-        "TURNS": can_turn(scene, table.laws) or shape.needs_angle,
+        "TURNS": can_turn(scene, table.pair_constants) or shape.needs_angle,
         "ROTATES": shape.needs_angle,
         "LEVERS": shape.oriented or any(others),
         "ORIENTED": shape.oriented,
@@ -388,14 +385,14 @@ def assemble(
     world = World(
         shape=scene.shape,
         outlines=solids,
-        # values that are None would be another type: these constants follow from `laws`
+        # values that are None would be another type: these follow from `pair_constants`
         law=scene.law._replace(**{k: 0.0 for k, v in scene.law._asdict().items() if v is None}),
         granules=Granules(
             motion=bodies,
             angle=state.angle,
             inverse_mass=inverse_mass,
             # zeros let round ellipses keep their angles
-            inverse_inertia=inverse_inertia * can_turn(whole, table.laws),
+            inverse_inertia=inverse_inertia * can_turn(whole, table.pair_constants),
             force=pushed,
             previous_acceleration=aligned(n, 4),
         ),

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dem.contacts.layout import ACCOUNTS, FX, FY, POWER_SPRINGS, TAU, VX, VY, W, X, Y
-from dem.dynamics.measures import stable_step
+from dem.dynamics.critical_step import stable_step
 from dem.dynamics.motion import collect
 from dem.dynamics.world import INVERSE_MASS, Base
-from dem.jit.intrinsics import apart
+from dem.jit.intrinsics import noinline
 
 if TYPE_CHECKING:
     from dem.scene import Scene
@@ -100,7 +100,7 @@ def sliding(shares, x, y, turned):
 def rub(base, row, motion, i, angle, moves, kick):
     """Kick body i, row `row` of the Base, at an angle (rad) by friction over a time (s), along the axes x,
     y and angle that forces move. Returns the changes of velocity (m/s) and spin (rad/s)."""
-    apart()
+    noinline()
     anchor, radius, grip, slip = base.anchor, base.radius[row], base.grip[row], base.slip[0]
     x, y = motion[i, X] - anchor[row, 0], motion[i, Y] - anchor[row, 1]
     turned = radius * (angle - anchor[row, 2])

@@ -9,7 +9,16 @@ import numpy as np
 
 from dem.contacts.layout import BLOCK
 from dem.dynamics.forces import RESPOND
-from dem.dynamics.scan import ALONG_X, ALONG_Y, ARM_N1, ARM_T1, ELASTIC, GAP, PUSH_X, PUSH_Y
+from dem.dynamics.scan import (
+    ROW_ELASTIC,
+    ROW_FORCE_X,
+    ROW_FORCE_Y,
+    ROW_N1,
+    ROW_NX,
+    ROW_NY,
+    ROW_OVERLAP,
+    ROW_T1,
+)
 from dem.dynamics.world import PAIRS, WALLS
 
 
@@ -85,7 +94,7 @@ def _columns(system, names, begin, end, rows):
     world, layout = system.world, system.kernels.layout
     contacts, owner, motion = world.contacts, world.constituents.owner, world.constituents.motion
     touching = np.arange(BLOCK) < contacts.count[begin:end, None]
-    touching &= rows[:, GAP] > -world.law.range
+    touching &= rows[:, ROW_OVERLAP] > -world.law.range
     numbers = contacts.numbers.reshape(-1, 3, BLOCK)[begin:end].astype(np.int64)
     constituent, body = (numbers[:, k][touching] for k in range(2))
     section = np.searchsorted(contacts.first[1:], np.arange(begin, end), side="right")
@@ -103,7 +112,16 @@ def _columns(system, names, begin, end, rows):
     boundary += np.where(section == WALLS, -solids, walls)
     overlap, nx, ny, n1, t1, fx, fy, elastic = (
         rows[:, row][touching]
-        for row in (GAP, ALONG_X, ALONG_Y, ARM_N1, ARM_T1, PUSH_X, PUSH_Y, ELASTIC)
+        for row in (
+            ROW_OVERLAP,
+            ROW_NX,
+            ROW_NY,
+            ROW_N1,
+            ROW_T1,
+            ROW_FORCE_X,
+            ROW_FORCE_Y,
+            ROW_ELASTIC,
+        )
     )
     normal, tangent = np.column_stack([nx, ny]), np.column_stack([-ny, nx])
     point = centre + n1[:, None] * normal + t1[:, None] * tangent

@@ -35,9 +35,9 @@ from dem.contacts.layout import (
 from dem.dynamics.base_plate import step_with
 from dem.dynamics.checkpoint import copied
 from dem.dynamics.contact_output import list_contacts, partner_words
+from dem.dynamics.critical_step import steps_alone
 from dem.dynamics.energy import balance, fallen
 from dem.dynamics.forces import integrate_account
-from dem.dynamics.measures import steps_alone
 from dem.dynamics.neighbours import without
 from dem.dynamics.paths import is_driven, places, shown, with_motion
 from dem.dynamics.scan import (
@@ -58,7 +58,7 @@ from dem.dynamics.world import REMOVED, World, number_of_patches
 from dem.jit.interrupts import signals_deferred
 from dem.motion import Drive, Turn
 
-FINE, LOST, TOO_DEEP, OUTSIDE, TOO_LONG, UNSTABLE = range(6)
+LOST, TOO_DEEP, OUTSIDE, TOO_LONG, UNSTABLE = range(5)
 MOST_STEPS = 1e11  # an hour or more for two granules, weeks for a bed of hundreds
 COLLAPSE = 1e-3  # of the first step: a shorter one has collapsed
 MOST_WORK = 4e8  # steps times granules, once the step has collapsed: less than a minute
@@ -156,20 +156,12 @@ class Progress(NamedTuple):
 
     Attributes
     ----------
-    outcome : int
-        FINE, or why the run stopped.
-    value : float
-        What says so: moved distance (m), overlap or time step (s).
-    granule : int
-        Granule that says so.
     seen : float
         The requested time (s), or the time of the last step if it is not reached.
     time : float
         Time (s) of the last whole step, which is not later than `seen`.
     steps : int
         Whole steps since the start.
-    shortest : float
-        Shortest time step (s) of the last call.
     speed_bound : float
         Of the last scan (m/s).
     dt : float
@@ -197,13 +189,9 @@ class Progress(NamedTuple):
         Lists without a break before it for which a wider skin was best.
     """
 
-    outcome: int = FINE
-    value: float = 0.0
-    granule: int = -1
     seen: float = 0.0
     time: float = 0.0
     steps: int = 0
-    shortest: float = math.inf
     speed_bound: float = 0.0
     dt: float = 0.0
     first_dt: float = 0.0
@@ -271,11 +259,6 @@ class Engine:
     def world(self) -> World:
         """The arrays at the last whole step."""
         return self.system.world
-
-    @property
-    def full(self) -> bool:
-        """Whether rows have velocities of full steps."""
-        return self.system.kernels.flags["FULL"]
 
     def __getstate__(self) -> dict[str, Any]:
         """For pickle and copy: no two arrays that share memory."""
@@ -439,11 +422,9 @@ class Engine:
             self.stop(UNSTABLE, critical)
 
     def stop(self, outcome: int, value: float = 0.0, granule: int = -1) -> None:
-        """Raise the error of a run that cannot go on."""
-        self.progress = self.progress._replace(
-            outcome=outcome, value=value, granule=granule, seen=self.progress.time
-        )
-        raise failure(self.progress, self.rules, self.system, self.order)
+        """Raise the error of a run that cannot go on, see `failure`."""
+        self.progress = self.progress._replace(seen=self.progress.time)
+        raise failure(self, outcome, value, granule)
 
     def check_work(self, end: float) -> None:
         """Stop a run that would take too many steps up to its end (s)."""
@@ -467,7 +448,6 @@ class Engine:
         interrupt.
         """
         begin, shortest = self.progress.seen, math.inf
-        self.progress = self.progress._replace(outcome=FINE)
         size = min(self.threads, number_of_patches(len(self.order)))
         with (
             nullcontext() if size == 1 else Threads(size) as threads,
@@ -483,7 +463,6 @@ class Engine:
                     self.measure(record[n], end - begin)
                     record[n, STEP] = shortest_here
                 begin = end
-        self.progress = self.progress._replace(shortest=shortest)
         return shortest
 
     def advance_to(self, end: float, threads, answer) -> float:
@@ -599,9 +578,13 @@ class Engine:
 
 
 @np.errstate(all="ignore")
-def failure(report: Progress, rules: StepControl, system: System, order: np.ndarray) -> RunError:
-    """The error of a run that a Progress says has stopped; order (n,): numbers of the granules."""
-    world, outcome, granule, what = system.world, report.outcome, report.granule, "a boundary"
+def failure(engine: Engine, outcome: int, value: float, granule: int) -> RunError:
+    """The error of a run that stops.
+
+    outcome: why, one of SENTENCES; value: what says so, a moved distance (m), an overlap or a time
+    step (s); granule: which says so.
+    """
+    world, order, now, what = engine.world, engine.order, engine.progress, "a boundary"
     beyond = np.zeros(1)
     if not is_finite(world.bodies):
         outcome, granule = NOT_A_NUMBER, np.isfinite(world.bodies).all(axis=1).argmin()
@@ -609,20 +592,22 @@ def failure(report: Progress, rules: StepControl, system: System, order: np.ndar
         constituents = world.constituents
         moved = constituents.motion[: len(constituents.owner), :2] - constituents.reference
         moved = np.linalg.norm(moved, axis=1)
-        if moved.max() >= report.value:
+        if moved.max() >= value:
             what = f"granule {order[constituents.owner[moved.argmax()]]}"
     elif outcome == OUTSIDE:
         planes = world.boundaries.planes
         beyond = planes[:, :2] @ world.bodies[granule, :2] - planes[:, 2]
     elif outcome == TOO_DEEP:
-        what = partner_words(world, list_contacts(system, order), order[granule])
+        what = partner_words(world, list_contacts(engine.system, order), order[granule])
     words = SENTENCES[outcome].format(
-        **rules._asdict(),
-        **report._replace(granule=order[granule])._asdict(),
-        reach=report.reach,
+        **engine.rules._asdict(),
+        **now._asdict(),
+        value=value,
+        granule=order[granule],
+        reach=now.reach,
         what=what,
         far=beyond.max(),
         wall=beyond.argmax(),
-        remedy=LESS if report.steps else "place the granules farther apart",
+        remedy=LESS if now.steps else "place the granules farther apart",
     )
     return (OverlapError if outcome == TOO_DEEP else StateError)(words)

@@ -28,7 +28,7 @@ from dem.contacts.layout import (
 from dem.contacts.response import accumulate, add_losses, load_boundaries, respond
 from dem.dynamics.motion import greater
 from dem.dynamics.world import OUTLINES, PAIRS, POLYGONS, WALLS, friction_of, granules_of
-from dem.jit.intrinsics import apart, prefetch
+from dem.jit.intrinsics import noinline, prefetch
 
 FORCES, SHOW, RESPOND = range(3)  # what is asked of blocks of contacts
 
@@ -44,14 +44,14 @@ def find_block(world, section, block, pair, lanes):
     at, base = NUMBERS * np.uint64(block), STRIDE * np.uint64(block)
     motion, turned = constituents.motion.reshape(-1), constituents.orientation.reshape(-1)
     shape, planes = world.shape, world.boundaries.planes
-    more = constituents.first.shape[0] - 1 - constituents.reference.shape[0]
+    orientation_offset = constituents.first.shape[0] - 1 - constituents.reference.shape[0]
     gather(motion, turned, numbers, table, at, base, count, pair, lanes)
     if section == WALLS:
         find_walls(shape, planes, numbers, at, table, base, count, pair, lanes)
     elif WITH_OUTLINES and section == OUTLINES:
-        find_outlines(world.outlines, turned, more, contacts, block, pair, lanes)
+        find_outlines(world.outlines, turned, orientation_offset, contacts, block, pair, lanes)
     elif WITH_POLYGONS and section == POLYGONS:
-        find_polygons(shape, world.faces, turned, more, contacts, block, pair, lanes)
+        find_polygons(shape, world.faces, turned, orientation_offset, contacts, block, pair, lanes)
     else:
         find_pairs(shape, table, base, count, pair, lanes)
 
@@ -75,10 +75,10 @@ def contact_forces(world, task, begin, end, dt, pair, lanes, rows):
 
     FORCES: add their forces to boundaries and constituents; constituents of other patches have rows
     of Patches.
-    SHOW: copy their geometry, the first SEEN rows of the lanes, to rows (blocks, SEEN or more, BLOCK);
+    SHOW: copy their geometry, the first SEEN rows of the lanes, to rows (blocks, SEEN or orientation_offset, BLOCK);
     RESPOND: with the forces that follow from it.
     """
-    apart()
+    noinline()
     contacts, constituents, boundaries = world.contacts, world.constituents, world.boundaries
     numbers, force, walls = contacts.numbers, constituents.force, boundaries.planes.shape[0]
     flat, motion = force.reshape(-1), constituents.motion.reshape(-1)
@@ -92,8 +92,10 @@ def contact_forces(world, task, begin, end, dt, pair, lanes, rows):
             ask_for_partners(contacts, motion, block + 1)
         at, count = NUMBERS * np.uint64(block), contacts.count[block]
         if task != SHOW:
-            base, rough = STRIDE * np.uint64(block), friction_of(contacts, block)
-            respond(world.law, contacts.table, base, contacts.friction, rough, count, dt, lanes)
+            base, friction_at = STRIDE * np.uint64(block), friction_of(contacts, block)
+            respond(
+                world.law, contacts.table, base, contacts.friction, friction_at, count, dt, lanes
+            )
         if task == FORCES:
             if LEDGER:
                 add_losses(world.account, count, lanes)

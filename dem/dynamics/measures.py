@@ -10,8 +10,8 @@ import numpy as np
 from dem.contacts.layout import DVX, FX, FY, TAU, VX, VY, W
 from dem.dynamics.motion import greater, restoring_load
 from dem.dynamics.world import INVERSE_MASS, LOAD
-from dem.jit.intrinsics import apart
-from dem.laws.protocol import impact_overlap, length, measure, root, slope, stiffest
+from dem.jit.intrinsics import noinline
+from dem.laws.protocol import impact_overlap
 
 
 def velocity_later(world, full, i, c, later):
@@ -31,7 +31,7 @@ def kinetic(world, full, later, frame):
     later (s): kicks that velocities lack; frame: velocity (m/s) that is added to all for the
     energy.
     """
-    apart()
+    noinline()
     total, fastest, granules = 0.0, 0.0, world.granules
     for i in range(granules.angle.shape[0]):
         vx = velocity_later(world, full, i, 0, later)
@@ -49,7 +49,7 @@ def kinetic(world, full, later, frame):
 
 def fastest(boundaries):
     """Square of the greatest speed (m/s) that a surface has now, or will have on its path."""
-    apart()
+    noinline()
     motion, waypoints, squared = boundaries.motion, boundaries.waypoints, 0.0
     for b in range(motion.shape[0]):
         along, spin = motion[b, VX] ** 2 + motion[b, VY] ** 2, abs(motion[b, W])
@@ -116,30 +116,6 @@ def usual_overlap(law, bed, speed):
     """Overlap (m) of a collision of two mean granules at a speed (m/s), which is not too small."""
     radius, mass = 0.5 * bed.mean_radius, 0.5 * bed.mean_mass
     return max(impact_overlap(law, bed.modulus, radius, mass, speed), 1e-8 * radius)
-
-
-def stable_step(stiffness, damping, fraction):
-    """Time step (s) for greatest eigenvalues of stiffness (1/s2) and damping (1/s): the critical
-    one for a fraction of 1, and stable up to there.
-
-    A contact is resolved by its stiffness, and damping only has to be stable, so that the fraction
-    f up to 1 is of the step without damping: k dt^2 / (4 f^2) + 2 c dt = 1. Beyond 1 it multiplies
-    the critical one.
-    """
-    part, rate = min(fraction, 1.0), 2.0 * damping
-    root = math.sqrt(rate * rate + stiffness / (part * part))
-    return max(fraction, 1.0) * 2.0 / max(rate + root, 1e-300)
-
-
-def steps_alone(law, bed, least: float) -> tuple[float, float]:
-    """Critical time step (s), and that for the fraction of a bed, of a granule that collides with
-    one of its own size, up to an overlap (m)."""
-    r = bed.radius[0]
-    stiff = 2.0 * stiffest(law, bed.modulus, bed.radius, least) * bed.mobility
-    measured = measure(law, least, length(law, 1.0, r, r, r))
-    ratio = 0.5 * bed.alpha * root(law, least, measured) / math.sqrt(slope(law, 1.0, measured))
-    damping = 2.0 * ratio * math.sqrt(2.0 * stiff)
-    return stable_step(stiff, damping, 1.0), stable_step(stiff, damping, bed.fraction)
 
 
 def over(values, inverse):

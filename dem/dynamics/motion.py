@@ -29,7 +29,7 @@ from dem.contacts.layout import (
 )
 from dem.dynamics.world import COSINE, INVERSE_MASS, LOAD, SINE, SPRING, STRETCH
 from dem.dynamics.world import DAMPING as DAMPED
-from dem.jit.intrinsics import apart, widest_vectors
+from dem.jit.intrinsics import noinline, widest_vectors
 from dem.shapes.rotation import rotated
 
 # What a kernel has: dem.dynamics.kinds. FULL: rows have velocities of full steps.
@@ -57,7 +57,7 @@ def drift(granules, constituents, held, boundary_motion, gravity, account, kick,
 
     With dt = 0 velocities are then at a full step.
     """
-    apart()
+    noinline()
     widest_vectors()
     if COMPOSED:
         collect(granules.force, constituents, low, high)
@@ -102,7 +102,7 @@ def rotate(orientation, i, angle, step):
 
 def collect(force, constituents, low, high):
     """Forces (N) and torques (N m) on granules low to high from those on their constituents."""
-    apart()
+    noinline()
     orientation, first, centre, parts = (
         constituents.orientation,
         constituents.first,
@@ -123,7 +123,7 @@ def collect(force, constituents, low, high):
 
 def place(motion, constituents, low, high):
     """Motion of the constituents of granules low to high."""
-    apart()
+    noinline()
     orientation, first, centre, parts = (
         constituents.orientation,
         constituents.first,
@@ -147,7 +147,7 @@ def place(motion, constituents, low, high):
 
 def move_held(granules, held, boundary_motion, account, kick, low, high):
     """Move the held among granules low to high along with their groups, after a kick (s)."""
-    apart()
+    noinline()
     motion, member, start = granules.motion, held.member, held.start
     q, end = 0, member.shape[0]
     while q < end:  # the first member of these granules
@@ -179,7 +179,7 @@ def move_boundaries(boundaries, constituents, account, kick, dt):
     Velocities are at half steps, as for granules. `move_held` then moves held granules.
     Impulses take up what kicks: with the momentum of the granules, they are exact.
     """
-    apart()
+    noinline()
     motion, planes = boundaries.motion, boundaries.planes
     loads, impulses, force = boundaries.contact_forces, boundaries.impulses, boundaries.force
     rows, orientation = constituents.motion, constituents.orientation
@@ -307,7 +307,7 @@ def farthest_of(motion, reference, low, high, limit):
 
     Nearly always none is: to ask that is fast, because no granule waits for the one before.
     """
-    apart()
+    noinline()
     widest_vectors()
     beyond, farthest = 0, 0.0
     for number in range(low, high):

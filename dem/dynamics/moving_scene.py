@@ -91,8 +91,7 @@ class MovingScene:
         engine, diagnostics = self.engine, self.engine.observe()[1]
         value, granule = diagnostics.max_overlap, diagnostics.deepest
         if not value <= engine.rules.max_overlap:
-            report = engine.progress._replace(outcome=TOO_DEEP, value=value, granule=granule)
-            raise failure(report, engine.rules, engine.system, engine.order)
+            raise failure(engine, TOO_DEEP, value, granule)
         return diagnostics._replace(deepest=int(engine.order[granule]))
 
     def contacts(self) -> ContactList:

@@ -38,7 +38,7 @@ from dem.dynamics.world import (
     Contacts,
     Patches,
 )
-from dem.jit.intrinsics import apart
+from dem.jit.intrinsics import noinline
 from dem.jit.kernel import kernel
 
 ROOM = 8  # pairs a constituent that the first list has room for
@@ -127,7 +127,7 @@ def sort_into_cells(motion, grid, size, period):
 
     Cells never outnumber the constituents fourfold. Along a periodic side they make one period.
     """
-    apart()
+    noinline()
     n, where, start = grid.where.shape[0], grid.where, grid.start
     left, bottom = motion[0, X], motion[0, Y]
     right, top = left, bottom
@@ -171,7 +171,7 @@ def find_near_pairs(motion, owner, bodies, skin, grid, near):
     Each pair is listed once, under its lower index. No two held ones make a pair. Stops where
     `near` has too little room, and returns more than it has.
     """
-    apart()
+    noinline()
     radius, held, period = bodies.radius, bodies.held, bodies.period
     columns, rows = sort_into_cells(motion, grid, 2.0 * bodies.largest + skin, period)
     n, partner, count = radius.shape[0], near.partner, 0
@@ -221,7 +221,7 @@ def distance_from(faces, t, c, s, x, y):
 
 def find_near_boundaries(world, bodies, skin, near):
     """Constituents closer than skin (m) to boundaries."""
-    apart()
+    noinline()
     boundaries, motion, faces = world.boundaries, world.constituents.motion, world.faces
     sections, sizes, radius, period = boundaries.section, bodies.sizes, bodies.radius, bodies.period
     moving, planes, count = boundaries.motion, boundaries.planes, 0
@@ -259,7 +259,7 @@ def add_contact(world, bodies, contacts, cursor, section, i, row, target):
     cursor: block and lane of the last contact that was found in the old list, and of the next of the
     new one.
     """
-    apart()
+    noinline()
     layout, motion, block, lane = bodies.layout, world.constituents.motion, cursor[2], cursor[3]
     at = NUMBERS * np.uint64(block) + np.uint64(lane)
     contacts.numbers[at + CONSTITUENT] = i
@@ -309,7 +309,7 @@ def find_old(old, stride, cursor, section, i, row, target):
     stride: numbers of a block. It looks from where the cursor is, because both lists are in
     ascending order.
     """
-    apart()
+    noinline()
     block, lane = cursor[0], cursor[1]
     column, sought = (PARTNER, row) if section == PAIRS else (TARGET, target)
     while block < old.first[section + 1]:
@@ -330,7 +330,7 @@ def find_old(old, stride, cursor, section, i, row, target):
 
 def fill(world, bodies, near, contacts, patches, cursor):
     """Fill the blocks of a list. Returns the number of pairs of two patches."""
-    apart()
+    noinline()
     owner, rows, lowest = (
         world.constituents.owner,
         world.constituents.motion.shape[0],
@@ -388,7 +388,7 @@ def blocks_needed(near, owner):
 def sort_incoming(patches, owner, shared):
     """Fill Patches.incoming and Patches.first: the rows of pairs of two patches, by the patch that
     they are for."""
-    apart()
+    noinline()
     first = patches.first
     for c in range(first.shape[0]):
         first[c] = 0
@@ -407,7 +407,7 @@ def sort_incoming(patches, owner, shared):
 
 def set_reference(world, bodies):
     """Note the present places of all bodies; angles are turned exactly, and constituents follow."""
-    apart()
+    noinline()
     granules, constituents, boundaries = world.granules, world.constituents, world.boundaries
     motion, reference, orientation = (
         constituents.motion,

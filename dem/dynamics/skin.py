@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from dem.contacts.layout import VX, VY
-from dem.dynamics.measures import fastest, steps_alone, usual_overlap
+from dem.dynamics.critical_step import steps_alone
+from dem.dynamics.measures import fastest, usual_overlap
 from dem.scene import Scene, reach
 
 # Skins of neighbour lists over the mean bounding radius. They change the speed of a run, and at which

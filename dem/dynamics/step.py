@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.contacts.layout import LANES, PAIR, aligned
+from dem.contacts.layout import LANES, LINE, PAIR, aligned
 from dem.dynamics.base_plate import rub_boundaries, rub_granules
 from dem.dynamics.forces import (
     FORCES,
@@ -34,7 +34,6 @@ from dem.dynamics.world import SECTIONS, WALLS, granules_of
 from dem.jit.intrinsics import barrier
 
 LEDGER = COMPOSED = True
-LINE = 8  # numbers to a cache line: each thread writes into its own
 
 
 class Place(NamedTuple):

@@ -8,11 +8,11 @@ import numpy as np
 
 from dem.contacts.layout import BLOCK, aligned, layout_of
 from dem.dynamics.checkpoint import copied
+from dem.dynamics.critical_step import BOUNDS
 from dem.dynamics.forces import FORCES, RESPOND, SHOW
 from dem.dynamics.kinds import kernels
 from dem.dynamics.neighbours import Lists
 from dem.dynamics.scan import (
-    BOUNDS,
     CONSTANTS,
     ENERGIES,
     LEAST_OVERLAP,

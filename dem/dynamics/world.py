@@ -13,9 +13,9 @@ PATCH = 1024  # granules: what a patch needs fits into the second-level cache
 PAIRS, WALLS, CIRCLES, OUTLINES, POLYGONS, SECTIONS = range(6)
 REMOVED = -1  # the section of a solid that no list holds any more
 
-# Columns of GranuleTable.laws: modulus of the law (Pa or N/m); dashpot constant without unit; share
+# Columns of GranuleTable.pair_constants: modulus of the law (Pa or N/m); dashpot constant without unit; share
 # of the granule in 1/E*; from there on COEFFICIENT and the next two columns of dem.contacts.layout
-MODULUS, ALPHA, SHARE, COULOMB, LAW = 0, 1, 2, 3, 6
+MODULUS, ALPHA, SHARE, COULOMB, PAIR_CONSTANTS = 0, 1, 2, 3, 6
 
 # Columns of Boundaries.drive, each of x, y and the angle
 INVERSE_MASS, DAMPING, SPRING, STRETCH, COSINE, SINE, DRIVE = range(0, 21, 3)

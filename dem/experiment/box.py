@@ -34,10 +34,9 @@ def check_room(replicate) -> None:
         _check_box(replicate, bed.height(diameters), diameters.max())
 
 
-def _check_scene(replicate, height: float, largest: float, where: str) -> None:
+def _check_scene(replicate, height: float, largest: float, where: str, solids, periods) -> None:
     """Raise InputError where solids, by their names, or rows of granules cannot be."""
     c, bed = replicate.configuration, replicate.bed_description
-    periods = periods_of(bed.width, height, bed.periodic)
     known = KINDS.get(bed.kind)  # a file of a user's own does not run yet
     sizes = [min(largest, part.diameter * (1.0 + bed.size_spread)) for part in bed.parts]
     if bed.table is not None:  # has sizes of its own
@@ -49,19 +48,14 @@ def _check_scene(replicate, height: float, largest: float, where: str) -> None:
     ]
     try:
         for shape in shapes or [Disc([0.5 * largest])]:
-            Scene(
-                shape,
-                walls=walls_of(bed.width, height, periods),
-                solids=[solid.solid(height) for solid in bed.solids],
-                periodic=periods,
-            )
+            walls = walls_of(bed.width, height, periods)
+            Scene(shape, walls=walls, solids=solids, periodic=periods)
     except InputError as error:
         raise InputError(c.names_in(str(error))) from None
     left, bottom, right, top = region = bed.region or (0.0, 0.0, bed.width, height)
     _check_within("packing.region", region, bed.width, height, where)
     if bed.preparation == "lattice" and shapes:
         radius = max(shape.bounding_radius.max() for shape in shapes)
-        solids = [solid.solid(height) for solid in bed.solids]
         found = places(radius, region, solids, periods)
         if len(found) < bed.count:
             raise InputError(
@@ -97,17 +91,18 @@ def _check_box(replicate, height: float, largest: float) -> None:
                 f"periodic is {c.periodic}: {where}; along {key} it must be at least "
                 f"{least:.4g} m, {ROOM:g} times the greatest distance at which two bodies touch."
             )
-    if bed.solids:
-        _check_scene(replicate, height, largest, where)
+    solids = [solid.solid(height) for solid in bed.solids]
+    room = solids, periods_of(width, height, bed.periodic)
+    if solids:
+        _check_scene(replicate, height, largest, where, *room)
     for name, source in c.sources.items():
-        _check_source(replicate, f"sources.{name}.region", source.region, (height, length), where)
+        key, region = f"sources.{name}.region", source.region
+        _check_within(key, region, width, height, where)
+        _check_source(key, region, length, *room)
 
 
-def _check_source(replicate, key: str, region, sizes, where: str) -> None:
-    """Raise InputError where a source has no room; sizes: height of the box, length of the largest
-    granule (m)."""
-    bed, (height, length) = replicate.bed_description, sizes
-    _check_within(key, region, bed.width, height, where)
+def _check_source(key: str, region, length: float, solids, periods) -> None:
+    """Raise InputError where a source has no room; length: of the largest granule (m)."""
     (left, bottom, right, top), words = region, f"{key} is {list(region)}"
     edge = 0.5 * length
     if min(right - left, top - bottom) < length:
@@ -116,8 +111,6 @@ def _check_source(replicate, key: str, region, sizes, where: str) -> None:
         )
     sides = (np.linspace(left + edge, right - edge, 33), np.linspace(bottom + edge, top - edge, 33))
     tried = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
-    solids = [solid.solid(height) for solid in bed.solids]
-    periods = periods_of(bed.width, height, bed.periodic)
     for solid in solids:
         tried = tried[solid.depth(tried, periods) < -edge]
     if not len(tried):

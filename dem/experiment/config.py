@@ -234,7 +234,7 @@ class Configuration(Section):
                 f"packing.preparation is {preparation}; such granules have still to fall, in a phase of "
                 "a scene, let it be relaxed, grown or settled"
             )
-        self.module.check_values()
+        self.module.answer("check", self)
         return self
 
     @property

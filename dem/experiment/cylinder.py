@@ -2,7 +2,7 @@
 
 import math
 
-from dem.base.constants import definitions
+from dem.base.declarations import definitions
 from dem.experiment.observables import file_of
 from dem.experiment.scene_sections import PhaseSection, SolidSection
 

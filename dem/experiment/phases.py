@@ -14,11 +14,11 @@ from dem.dynamics.simulation import Simulation
 from dem.experiment.bed import make_bed
 from dem.experiment.box import check_stroke
 from dem.experiment.config import Configuration
-from dem.experiment.exchange import Exchange
 from dem.experiment.intruders import towards
 from dem.experiment.replicate import Replicate
 from dem.experiment.run_checkpoint import PartialRun, resumed
 from dem.experiment.scene import motion_of, start
+from dem.experiment.sinks_and_sources import Exchange
 from dem.experiment.snapshots import Snapshots, snapshots_of, variables_of
 from dem.packing.random import Bed
 from dem.packing.settling import come_to_rest

@@ -14,7 +14,7 @@ from dem.base.errors import InputError
 from dem.base.provenance import compilers
 from dem.base.source_hash import digest, run_hash
 from dem.base.types import SEEDS
-from dem.contacts.force_law import effective_modulus
+from dem.contacts.effective import effective_modulus
 from dem.experiment.bed_description import BedDescription, Part
 from dem.experiment.intruders import intruder_of
 from dem.experiment.sections import RollingSection, ShapeSection

@@ -38,6 +38,7 @@ Opening = Annotated[
     ),
 ]
 Angle = Annotated[Number, Unit("rad")]
+Drift = Annotated[Number, Unit("m s-1")]
 
 
 def _rise(rows) -> bool:
@@ -70,7 +71,7 @@ Spin = Annotated[
 class MovingSection(Section):
     """How a solid moves: along a direction, and about a point."""
 
-    velocity: Annotated[Number, Unit("m s-1")] | None = None
+    velocity: Drift | None = None
     """velocity along direction; none: as before, 0 at the start"""
     direction: Angle | None = None
     """direction of the motion, anticlockwise from the right; none: as before, upwards at the start"""
@@ -332,9 +333,9 @@ class SourceSection(Section):
     """number of granules that wait in it at the start; none: only granules of sinks come"""
     rate: Annotated[Positive, Unit("s-1")] | None = None
     """granules in a second; those without room are owed, and come as soon as they have it; none: as many as have room"""
-    velocity_x: Annotated[Number, Unit("m s-1")] = 0.0
+    velocity_x: Drift = 0.0
     """velocity along x of granules that come"""
-    velocity_y: Annotated[Number, Unit("m s-1")] = 0.0
+    velocity_y: Drift = 0.0
     """velocity along y of granules that come"""
 
 

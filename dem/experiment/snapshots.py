@@ -88,10 +88,9 @@ def snapshots_of(replicate: Replicate, values: dict) -> Snapshots:
         time = displacement / c.cylinder.velocity
         start = solids(replicate, float(values["box_height"]))
         place = [solid.position + displacement[:, None] * ahead for solid in start]
-        turns = (values.get(name) for name in ORIENTATIONS)
         turn = [
-            np.full(len(time), solid.angle) if angle is None else angle
-            for solid, angle in zip(start, turns, strict=False)
+            values.get(name, np.full(len(time), solid.angle))
+            for solid, name in zip(start, ORIENTATIONS, strict=False)
         ]
         place, turn = np.stack(place, axis=1), np.stack(turn, axis=1)
         force = values["drag"][None] if "drag" in values else None

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.base.constants import described
+from dem.base.declarations import described
 from dem.base.errors import InputError
 from dem.base.messages import check_known
 from dem.io.dataset import BY_CASE, CHECK, LABELS

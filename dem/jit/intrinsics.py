@@ -56,7 +56,7 @@ def widest_vectors():
     processors of Intel that have both. A step of discs takes a tenth less."""
 
 
-def apart():
+def noinline():
     """Compile the function that has this line once for a kernel, and have others call it: it is long, or
     has several callers. All others become part of their callers.
 
@@ -66,7 +66,7 @@ def apart():
 
 # llvmlite's own `add` knows attributes of one word only
 INTRINSICS[widest_vectors] = attribute(lambda have: set.add(have, '"prefer-vector-width"="512"'))
-INTRINSICS[apart] = attribute(lambda have: have.discard("alwaysinline"))
+INTRINSICS[noinline] = attribute(lambda have: have.discard("alwaysinline"))
 
 
 @intrinsic

@@ -7,7 +7,7 @@ dem.base.plugins.
 
 from pathlib import Path
 
-from dem.base.constants import definitions, described
+from dem.base.declarations import definitions, described
 from dem.base.errors import InputError
 from dem.base.plugins import find, load
 

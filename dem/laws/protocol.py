@@ -3,7 +3,7 @@
 A law is an elastic energy U = K u(delta) of the overlap delta (m); the normal force is F = K f(delta),
 f = du/d delta. K is the constant of a pair. All else follows: in y = sqrt(2 u) a collision with
 the dashpot 2 zeta sqrt(m* K) y' d(delta)/dt, y' = dy/d delta, is a linear oscillator of
-damping ratio zeta, for any law and at any speed (dem.contacts.force_law). Mindlin's spring,
+damping ratio zeta, for any law and at any speed (dem.contacts.restitution). Mindlin's spring,
 Coulomb's cap, the bound of the time step and the energy ledger are written once, for all laws.
 
 A law is a NamedTuple. Its class selects, at compile time, the answers to the questions of the

@@ -39,7 +39,7 @@ from dem.dynamics.step import STEPS, Place, Threads, share_of
 from dem.dynamics.system import System
 from dem.dynamics.world import PATCH, SECTIONS, WALLS, World, granules_of, number_of_patches
 from dem.jit.interrupts import signals_deferred
-from dem.jit.intrinsics import apart, barrier, widest_vectors
+from dem.jit.intrinsics import barrier, noinline, widest_vectors
 from dem.laws.protocol import stiffest
 from dem.packing.job import Job
 from dem.scene import State
@@ -74,7 +74,7 @@ def kick(granules, dt, patch, sums):
 
     The velocities before are kept in the columns of which only dashpots take notice.
     """
-    apart()
+    noinline()
     widest_vectors()
     force, motion = granules.force, granules.motion
     inverse_mass, inverse_inertia = granules.inverse_mass, granules.inverse_inertia
@@ -105,7 +105,7 @@ def kick(granules, dt, patch, sums):
 
 def halt(granules, orientation, back, patch):
     """Move a patch over `back` (s) with its velocities before the kick, and take all off it."""
-    apart()
+    noinline()
     motion, angle = granules.motion, granules.angle
     low, high = granules_of(angle.shape[0], patch)
     for i in range(low, high):
@@ -122,7 +122,7 @@ def halt(granules, orientation, back, patch):
 def move(granules, constituents, alpha, factor, dt, patch):
     """Turn the velocities of a patch towards the forces, v = (1 - alpha) v + factor F, and move it
     over dt (s)."""
-    apart()
+    noinline()
     widest_vectors()
     force, motion, angle = granules.force, granules.motion, granules.angle
     orientation = constituents.orientation

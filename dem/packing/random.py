@@ -16,7 +16,7 @@ from pydantic import Field
 
 from dem.base.errors import InputError, PackingError
 from dem.base.types import Count, Length, checked
-from dem.contacts.force_law import effective_modulus
+from dem.contacts.effective import effective_modulus
 from dem.contacts.layout import X, Y
 from dem.dynamics.contact_output import list_contacts
 from dem.dynamics.numerics import OneOrMore

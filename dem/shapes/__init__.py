@@ -11,7 +11,7 @@ import math
 from pathlib import Path
 from typing import NamedTuple
 
-from dem.base.constants import definitions, described
+from dem.base.declarations import definitions, described
 from dem.base.errors import InputError
 from dem.base.plugins import find, load
 

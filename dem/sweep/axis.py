@@ -97,15 +97,16 @@ def _design(name: str, spec: dict, sweep: Configuration, key: str) -> Axis:
     return Axis(name_of(name), Entry(name, "1", POINT), list(range(len(points))), points)
 
 
+TAKEN = {"run", "bound", "snapshot", "granule", "shear_strain", *OBSERVABLES}.union(
+    *(header["VARIABLES"] for header in OBSERVABLES.values()),
+    *(EXPERIMENTS["drag"]["AXIS"], LABELS, OF_RUN, OF_STORE, OF_SWEEP),
+)
+
+
 def name_of(path: str) -> str:
     """The name of a value in files of results, with a suffix if what runs record has that name."""
     name = path.replace(".", "_")
-    taken = {"run", "bound", "snapshot", "granule", "shear_strain", *OBSERVABLES}
-    measured = (header["VARIABLES"] for header in OBSERVABLES.values())
-    axes = EXPERIMENTS["drag"]["AXIS"]
-    for table in (axes, LABELS, OF_RUN, OF_STORE, OF_SWEEP, *measured):
-        taken |= set(table)
-    return f"{name}_swept" if name in taken else name
+    return f"{name}_swept" if name in TAKEN else name
 
 
 def text_of(value) -> str:

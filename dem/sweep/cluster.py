@@ -49,20 +49,15 @@ class Cluster(Workers):
         files = {file for run in runs for file in run.files if not file.is_relative_to(PACKAGE)}
         files -= self.uploaded
         if files and set(self.client.run(is_seen, task, on_error="ignore").values()) != {True}:
-            self._upload(files)
-        return self.executor.submit(_make_batch, task)
-
-    def _upload(self, files: set[Path]) -> None:
-        """Send files of a user, and what they import from their folder, to all workers."""
-        self.uploaded |= files
-        for file in files:
-            for path in with_imports(file):
+            self.uploaded |= files
+            for file, path in [(own, path) for own in files for path in with_imports(own)]:
                 if path.parent != file.parent:
                     raise InputError(
                         f"{path}: only files of the folder {file.parent} itself are sent to "
                         "workers; move it there."
                     )
                 self.client.upload_file(str(path), load=False)
+        return self.executor.submit(_make_batch, task)
 
 
 def _make_batch(task) -> bytes | None:

@@ -36,7 +36,6 @@ from dem.sweep.axis import RUN_KEYS
 from dem.sweep.config import Sweep
 from dem.sweep.expand import Block
 from dem.sweep.precision import short_of
-from dem.sweep.store import Batch, Store
 
 PROVENANCE = ("versions", "git_revision", "source_hash", "processor", "history")
 BLOCK = 64  # runs along the last axis that are compressed and read together, at most
@@ -287,25 +286,19 @@ def combine_block(
     files = [state.store.file_of(batch.id) for batch in batches]
     with TemporaryDirectory() as folder:
         if partial:
-            files = list(_existing(state.store, block, batches, Path(folder)))
+            from dem.sweep.batch_job import write_batch  # with the kernels
+
+            runs, files = {run.id: run for run in block.unique()}, []
+            for batch in batches:
+                path, kept = state.store.file_of(batch.id), state.store.kept
+                if not path.is_file():  # what its runs have so far
+                    rows = {run: row for run in batch.runs if run in runs and (row := kept(run))}
+                    path = Path(folder, path.name)
+                    if rows:
+                        write_batch(path, [runs[run] for run in rows], [*rows.values()])
+                files += [path] * path.is_file()
             if not files:
                 raise InputError(
                     f"no run of {name} is finished yet; dem status shows how far the sweep is."
                 )
         combine(files, state.sweep, block, observable, output, progress, partial)
-
-
-def _existing(store: Store, block: Block, batches: list[Batch], folder: Path) -> Iterator[Path]:
-    """Files of the runs of a block that exist: finished batches, and in a folder the runs of
-    others."""
-    from dem.sweep.batch import write_batch  # with the kernels
-
-    runs = {run.id: run for run in block.unique()}
-    for batch in batches:
-        path = store.file_of(batch.id)
-        if path.is_file():
-            yield path
-        elif rows := {run: row for run in batch.runs if run in runs and (row := store.kept(run))}:
-            path = folder / path.name
-            write_batch(path, [runs[run] for run in rows], list(rows.values()))
-            yield path

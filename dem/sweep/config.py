@@ -13,13 +13,12 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from dem.base.errors import InputError
-from dem.base.files import write_bytes
 from dem.base.messages import check_known
 from dem.base.plugins import refresh, with_folder
 from dem.base.refusals import parsed
 from dem.base.source_hash import ROOT
 from dem.base.types import Coefficient, Count, Density, Label, Section, must
-from dem.base.yaml_file import DEEPEST, read, text_of
+from dem.base.yaml_file import DEEPEST, read
 from dem.experiment.config import Configuration, model_of
 from dem.experiment.replicate import Replicate
 from dem.sweep.expand import Block, expand
@@ -222,8 +221,3 @@ def described(run: Replicate) -> dict:
     values.pop("beside", None)  # the folder of the file, wherever it is put
     varied = {name: [values.pop(name)] for name in run.coordinates}
     return {"title": run.words(), "results": "results/described"} | values | {"sweep": varied}
-
-
-def save(sweep: Sweep, path: Path) -> None:
-    """Write the resolved configuration, which `load` reads again."""
-    write_bytes(path, text_of(sweep.dump()).encode())

@@ -68,7 +68,13 @@ def summary(state: SweepState, jobs: int, retry: bool = False) -> str:
 
 def time_of(store: Store, runs: list[Replicate], processes: int) -> tuple[float, str]:
     """Time (s) in which some processes make some runs and their beds, and how that is known."""
-    speeds = speeds_of(store)
+    ratios = {}  # processor time over that guessed, by kind, in the newest batches of the store
+    for made, values, _ in newest(store):
+        of_runs = zip(made, values["spent"], values["failure"], guessed(made, set()), strict=True)
+        for run, spent, failure, guess in of_runs:
+            if not failure:
+                ratios.setdefault(_kind(run), []).append(spent / guess)
+    speeds = {kind: float(np.median(some)) for kind, some in ratios.items()}
     new = sorted({kind for run in runs if (kind := _kind(run)) not in speeds})
     how = f"a guess: no {' and '.join(new)} was made here yet" if new else "as such runs took"
     packed = {run.bed_description.text for run in runs if store.file_of_bed(run).is_file()}
@@ -88,17 +94,6 @@ def guessed(runs: list[Replicate], packed: set[str]) -> Iterator[float]:
             seconds += time * speed / GUESS["disc"]  # as if its granules were discs
             packed.add(bed)
         yield seconds
-
-
-def speeds_of(store: Store) -> dict[str, float]:
-    """Processor time over that guessed, by kind of run, in the newest batches of the store."""
-    times = {}
-    for runs, values, _ in newest(store):
-        of_runs = zip(runs, values["spent"], values["failure"], guessed(runs, set()), strict=True)
-        for run, spent, failure, guess in of_runs:
-            if not failure:
-                times.setdefault(_kind(run), []).append(spent / guess)
-    return {kind: float(np.median(some)) for kind, some in times.items()}
 
 
 def newest(store: Store) -> Iterator[tuple[list[Replicate], dict, dict]]:
@@ -133,7 +128,7 @@ def _kind(run: Replicate) -> str:
 def effort(run: Replicate) -> float:
     """How much there is to do, but for a factor: granules times steps, without the bed."""
     configuration, shape = run.configuration, run.shape
-    if (duration := configuration.module.duration(run)) is None:
+    if (duration := configuration.module.answer("duration", run)) is None:
         return 1e5 * shape.granules
     speed = np.sqrt(configuration.material.young_modulus / run.density)
     decay = -np.log(configuration.material.restitution)
@@ -156,7 +151,7 @@ def outcome(state: SweepState, new: int | None = None, draws: str = "dem figure 
     a file of drag.
     """
     counts = f"{state.counts()[1]} runs{'' if new is None else f', {new} of them new'}"
-    first = state.combined(next(iter(state.sweep.blocks)))[0]
+    first = state.combined()[0]
     file = shlex.quote(str(first))
     draw = f" or {draws.format(file)}" if first.stem == "drag" else ""
     return f"{state.results} holds {counts}. Next: dem info {file}{draw}"

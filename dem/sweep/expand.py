@@ -10,7 +10,6 @@ from math import prod
 import numpy as np
 
 from dem.base.errors import InputError
-from dem.experiment.config import Configuration
 from dem.experiment.entries import Entry
 from dem.experiment.replicate import Replicate
 from dem.sweep.axis import RUN_KEYS, Axis, axis_of, changes, name_of, text_of
@@ -231,21 +230,15 @@ def _runs(sweep, where, fixed, axes, find, counts) -> dict[GridPoint, Replicate]
         density = density or sweep.density_of(shape)
         key = shape, density, repr(values)
         if key not in configurations:
-            configurations[key] = _resolved(sweep, shape, density, values, find)
+            wanted = {path: value for path, value in values.items() if isinstance(value, Derive)}
+            plain = {path: value for path, value in values.items() if path not in wanted}
+            configurations[key] = sweep.changed(plain, shape)
+            if wanted:  # what is derived from another result comes last
+                run = Replicate(configurations[key], shape, density, 0)
+                found = {path: find(value, path, run) for path, value in wanted.items()}
+                configurations[key] = sweep.changed(plain | found, shape)
         try:
             runs[point] = configurations[key].replicate(shape, density, seed)
         except InputError as error:
             raise InputError(f"{where} asks for an impossible run: {error}") from None
     return runs
-
-
-def _resolved(sweep, shape: str, density: float, values: dict, find) -> Configuration:
-    """The configuration of a run; what is derived from another result comes last."""
-    wanted = {path: value for path, value in values.items() if isinstance(value, Derive)}
-    plain = {path: value for path, value in values.items() if path not in wanted}
-    configuration = sweep.changed(plain, shape)
-    if not wanted:
-        return configuration
-    run = Replicate(configuration, shape, density, 0)
-    found = {path: find(value, path, run) for path, value in wanted.items()}
-    return sweep.changed(plain | found, shape)

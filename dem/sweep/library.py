@@ -89,7 +89,7 @@ def run_sweep(path: str | Path, executor=None, block: str | None = None) -> xr.D
     """
     state = SweepState.of(Path(path))
     state.check()
-    output = state.combined(block or next(iter(state.sweep.blocks)))[0]
+    output = state.combined(block)[0]
     workers = workers_of(executor)
     if executor is None:
         for file in {file for run in state.replicates() for file in run.files}:
@@ -134,7 +134,14 @@ def run_experiment(values: dict) -> xr.Dataset:
     (('displacement',), 'N')
     """
     plugins.refresh()
-    replicate = of_values(_whole(values))
+    values = with_files(values, "values", Path())
+    if (file := values.pop("extends", None)) is not None:
+        if "shape" not in values:
+            raise InputError("values: shape is missing.")
+        base = load(Path(file))
+        usual = {"density": base.density_of(values["shape"]), "seed": 1}
+        values = merged(base.values(), usual | values)
+    replicate = of_values(values)
     configuration = replicate.configuration
     configuration.check_files()
     experiment = configuration.module
@@ -150,15 +157,3 @@ def run_experiment(values: dict) -> xr.Dataset:
     title = f"{configuration.experiment}: {replicate.words()}"
     attrs = global_attributes(title, "dem.run_experiment", run_id=replicate.id)
     return xr.Dataset(variables, attrs=attrs).set_coords(coordinates.keys() & variables.keys())
-
-
-def _whole(values: dict) -> dict:
-    """Values merged over the file that they extend."""
-    values = with_files(values, "values", Path())
-    if "extends" not in values:
-        return values
-    if "shape" not in values:
-        raise InputError("values: shape is missing.")
-    base = load(Path(values["extends"]))
-    usual = {"density": base.density_of(values["shape"]), "seed": 1}
-    return merged(base.values(), usual | {k: values[k] for k in values if k != "extends"})

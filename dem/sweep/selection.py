@@ -29,13 +29,7 @@ def values_of_runs(dataset: xr.Dataset) -> pd.DataFrame:
 
 def run_of(dataset: xr.Dataset, select: list[str]) -> xr.Dataset:
     """What a file has of the run with the values of some words."""
-    runs = dataset["run_id"]
-    place = np.argwhere(runs.values == selected(values_of_runs(dataset), select))[0]
-    return dataset.isel(dict(zip(runs.dims, place.tolist(), strict=True)))
-
-
-def selected(runs: pd.DataFrame, select: list[str]) -> str:
-    """The identity of the run that has the values of some words."""
+    runs = values_of_runs(dataset)
     columns, rest = {name.replace(".", "_"): name for name in runs}, runs
     for word in select:
         key, equal, text = word.partition("=")
@@ -52,7 +46,9 @@ def selected(runs: pd.DataFrame, select: list[str]) -> str:
         if rest.empty:
             raise InputError(f"there is no run with {word}; {name} is {listed}.")
     if (count := rest.index.nunique()) == 1:
-        return rest.index[0]
+        ids = dataset["run_id"]
+        place = np.argwhere(ids.values == rest.index[0])[0]
+        return dataset.isel(dict(zip(ids.dims, place.tolist(), strict=True)))
     example, words = [], rest.map(_word)
     for name in words:
         if words[name].nunique() > 1:

@@ -12,15 +12,16 @@ from pathlib import Path
 import numpy as np
 
 from dem.base.errors import InputError, RunError
-from dem.base.yaml_file import read
+from dem.base.files import write_bytes
+from dem.base.yaml_file import read, text_of
 from dem.experiment.replicate import Replicate
 from dem.io.dataset import BY_CASE
 from dem.io.lazily import open_lazily
 from dem.packing.cost import near_jamming
+from dem.sweep.batches import plan_batches
 from dem.sweep.combine import combine_block, combined_runs
-from dem.sweep.config import CONFIG, Sweep, load, parse, save
+from dem.sweep.config import CONFIG, Sweep, load, parse
 from dem.sweep.expand import Block, expand
-from dem.sweep.grouping import plan_batches
 from dem.sweep.precision import GridPoint, counts, run_mean, short_of
 from dem.sweep.store import FOLDER, Batch, Store
 from dem.sweep.workers import Workers, make_batches
@@ -97,8 +98,9 @@ class SweepState:
         recorded = block.first.configuration.recorded
         return tuple(o for o in recorded if o != "snapshots" or {*block.dims} in BY_CASE)
 
-    def combined(self, name: str) -> list[Path]:
-        """The combined files of a block; the runs of the first one are compared."""
+    def combined(self, name: str | None = None) -> list[Path]:
+        """The combined files of a block, the first if absent; the runs of the first one are compared."""
+        name = name or next(iter(self.sweep.blocks))
         folder = self.root / self.folder_of(name)
         return [folder / f"{observable}.nc" for observable in self.observables(name)]
 
@@ -225,7 +227,9 @@ class SweepState:
         """Write what jobs read: the resolved configuration, whose path is returned, and what the
         batches of some blocks are to make."""
         path = self.results / CONFIG
-        save(self.sweep, path)  # first, so that pruning knows what is needed
+        write_bytes(
+            path, text_of(self.sweep.dump()).encode()
+        )  # first, so that pruning knows what is needed
         for name in names:
             self.batches(name)
         for batch, runs in self._new.items():
@@ -305,7 +309,7 @@ class SweepState:
 
     def retry(self) -> int:
         """Let the failed runs be made again; returns how many there are."""
-        from dem.sweep.batch import retry  # with the kernels
+        from dem.sweep.batch_job import retry  # with the kernels
 
         known = [name for name in self.sweep.blocks if self.is_known(name)]
         self.begin(*known)

@@ -43,13 +43,13 @@ def is_seen(task: tuple) -> bool:
 def make_batch(task, progress=lambda done, failed: None, **values: str) -> bytes | None:
     """Make a batch on a worker; returns its file, None where it is in the client's store.
 
-    progress: as in dem.sweep.batch.make.
+    progress: as in dem.sweep.batch_job.make.
     values: of configurations, where this machine does not see the plan.
     """
     if not BUSY.acquire(blocking=False):
         raise InputError(ONE_RUN)
     try:
-        from dem.sweep.batch import make  # not for those who only ask what there is
+        from dem.sweep.batch_job import make  # not for those who only ask what there is
 
         plan, text, _ = task
         if is_seen(task):
@@ -175,7 +175,7 @@ def make_batches(store: Store, batches: list[Batch], workers: Workers, progress)
 
 def _make_runs(store: Store, batch: Batch, workers: Workers) -> None:
     """Make and keep the runs of a batch, one at a time; one whose workers die is a failed one."""
-    from dem.sweep.batch import failed_row  # with the kernels
+    from dem.sweep.batch_job import failed_row  # with the kernels
 
     for run in store.replicates(batch.id):
         alone = Batch(batch_id("", run.id), (run.id,))

@@ -13,7 +13,7 @@ from dem.figures import bed, style
 from dem.figures.snapshots import frames_of_case, motion_of, scale_bar
 
 NAME, FILES = "beds", ("snapshots", "drag")
-FILM, FILMED, FRAMES = "strokes", ("snapshots",), 17
+FILM, FILMED, FRAMES = "strokes", ("snapshots", "precise"), 17
 CASES = {"c1": "Discs", "d1": "Dumbbells", "e3": "Ellipses 1.375:1"}
 SNAPSHOT = -1  # the end of the stroke
 
@@ -26,7 +26,7 @@ def draw(snapshots: Path, drag: Path, folder: Path) -> list[Path]:
     beds, curves = above.subplots(1, len(CASES), sharex=True, sharey=True), below.subplots()
     with xr.open_dataset(snapshots) as dataset:
         for axes, (case, title) in zip(beds, CASES.items(), strict=True):
-            _bed(axes, motion_of(dataset, case))
+            _bed(axes, frames_of_case(motion_of(dataset, case)), SNAPSHOT)
             axes.set_title(title)
         stroke = 1e3 * float(dataset["snapshot_displacement"].max())
     scale_bar(beds[0])
@@ -57,30 +57,31 @@ def draw(snapshots: Path, drag: Path, folder: Path) -> list[Path]:
     return style.save(figure, folder / NAME)
 
 
-def _bed(axes, motion) -> None:
-    frames, cylinder = frames_of_case(motion), motion.replicate.configuration.cylinder.diameter
-    view = bed.view_of(frames)
-    bed.draw(axes, frames, SNAPSHOT, view, facecolors=frames.paints["layer"])
+def _bed(axes, frames, snapshot: int) -> None:
+    bed.draw(axes, frames, snapshot, bed.view_of(frames), facecolors=frames.paints["layer"])
     axes.set_axis_off()
-    x, y = 1e3 * frames.place[SNAPSHOT, 0]
+    x, y = 1e3 * frames.place[snapshot, 0]
     arrow = {"arrowstyle": "-|>", "linewidth": 2.0, "color": "black"}
-    axes.annotate("", (x, y + 1.4e3 * cylinder), (x, y), arrowprops=arrow)
+    axes.annotate("", (x, y + 2.8e3 * frames.solids[0].radius), (x, y), arrowprops=arrow)
 
 
 @style.styled
-def film(snapshots: Path) -> list[Image.Image]:
-    """Frames of the strokes through the beds of the first seed."""
-    figure, frames = Figure(figsize=(6.6, 2.35), dpi=200), []
+def film(snapshots: Path, precise: Path) -> list[Image.Image]:
+    """Frames of the strokes through the beds of the first seed, with the drag of all beds."""
+    figure, frames = Figure(figsize=(6.6, 2.5), dpi=200), []
     canvas, beds = FigureCanvasAgg(figure), figure.subplots(1, len(CASES), sharex=True, sharey=True)
     with xr.open_dataset(snapshots) as dataset:
         runs = [frames_of_case(motion_of(dataset, case)) for case in CASES]
         count = dataset.sizes["snapshot"]
+    with xr.open_dataset(precise) as dataset:
+        window = slice(dataset.attrs["window_start"], dataset.attrs["window_stop"])
+        drag = dataset["drag"].sel(displacement=window).mean("displacement").mean("seed")
+        times = (drag / drag.sel(case="c1")).sel(case=[*CASES]).values
     for shown in np.linspace(0, count - 1, FRAMES).astype(int):
-        for axes, run, title in zip(beds, runs, CASES.values(), strict=True):
+        for axes, run, title, ratio in zip(beds, runs, CASES.values(), times, strict=True):
             axes.clear()
-            bed.draw(axes, run, shown, bed.view_of(run), facecolors=run.paints["layer"])
-            axes.set_axis_off()
-            axes.set_title(title, fontsize=9)
+            _bed(axes, run, shown)
+            axes.set_title(f"{title}\ndrag {ratio:.2g}", fontsize=9)
         canvas.draw()
         frames.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
     return frames

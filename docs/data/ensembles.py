@@ -16,7 +16,7 @@ from measurements import arguments, report
 from nightly.faults import Checkout
 
 from dem.experiment import phases
-from dem.sweep.batch import write_batch
+from dem.sweep.batch_job import write_batch
 from dem.sweep.config import load
 from dem.sweep.state import SweepState
 

@@ -14,14 +14,15 @@ from pathlib import Path
 
 import netCDF4
 from measurements import arguments, processor_time, report
-from nightly.faults import Checkout, varied
+from nightly.faults import Checkout
+from sweeps import varied
 
 from dem.base.errors import RunError
 from dem.experiment import phases
 from dem.experiment.bed import make_bed
-from dem.sweep import store as stores
-from dem.sweep.batch import write_batch
+from dem.sweep.batch_job import write_batch
 from dem.sweep.config import load
+from dem.sweep.store import Store
 
 CASES = ("c1", "d1", "e0", "e3", "c12")
 LAYOUT = {
@@ -60,7 +61,7 @@ def kernels(config: Path) -> tuple[float, float, float]:
     with tempfile.TemporaryDirectory() as folder:
         began = time.process_time()
         for number in range(50):
-            stores._save(Path(folder) / f"{number}.npz", row)
+            Store(Path(folder)).keep(f"{number:08}", row)
         write_batch(Path(folder) / "chunk.nc", [replicate] * 50, [row] * 50)
         return packing, running, (time.process_time() - began) / 50
 
@@ -79,11 +80,11 @@ def main() -> None:
         seeds={"nargs": "?", "default": 200, "help": "seeds of each of the five cases"},
         batch={"nargs": "?", "default": 100, "help": "runs a job"},
     )
-    many = varied(f"1 to {options.seeds}", CASES)
+    many = varied(*CASES, seed=f"1 to {options.seeds}")
     with tempfile.TemporaryDirectory() as name:
         checkout = Checkout(Path(name))
         config = checkout.sweep("many", sweep=many, batch=options.batch, failures=0.05)
-        first = checkout.sweep("first", sweep=varied([1, 2], CASES))
+        first = checkout.sweep("first", sweep=varied(*CASES, seed=[1, 2]))
         for path in (first, config):  # the first loads what is compiled
             packing, running, writing = kernels(checkout.folder / path)
         target = ["results/many/drag.nc", "--configfile", config]

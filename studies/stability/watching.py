@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from dem.contacts.force_law import effective_modulus
+from dem.contacts.effective import effective_modulus
 from dem.dynamics.contact_output import listed_pairs
 from dem.dynamics.simulation import Simulation
 from dem.dynamics.world import World

@@ -34,8 +34,10 @@ CASES = (
     "spinning",
     "off_centre",
 )
-LAW, RESPONSE, WALL = "contacts/force_law.py", "contacts/response.py", "contacts/geometry.py"
-LIST, SCENE, DISC = "dynamics/constants.py", "dynamics/assembly.py", "shapes/disc.py"
+SPRING, RADII = "contacts/springs.py", "contacts/effective.py"
+RESTITUTION = "contacts/restitution.py"
+RESPONSE, WALL = "contacts/response.py", "contacts/geometry.py"
+LIST, SCENE, DISC = "dynamics/contact_constants.py", "dynamics/assembly.py", "shapes/disc.py"
 
 
 class Law(NamedTuple):
@@ -49,18 +51,18 @@ class Law(NamedTuple):
 
 
 LAWS = (
-    Law(LAW, "friction of the wrong sign",
+    Law(SPRING, "friction of the wrong sign",
         "spring * kept - stiffness", "spring * kept + stiffness", "rolling"),
     Law(RESPONSE, "half of friction",
-        "friction[rough + k + COEFFICIENT] * normal",
-        "0.5 * friction[rough + k + COEFFICIENT] * normal", "rolling"),
-    Law(LAW, "tangential spring not rescaled on unloading",
+        "friction[friction_at + k + COEFFICIENT] * normal",
+        "0.5 * friction[friction_at + k + COEFFICIENT] * normal", "rolling"),
+    Law(SPRING, "tangential spring not rescaled on unloading",
         "spring * kept -", "spring -", "oblique"),
-    Law(LAW, "damping by the formula of a contact that pulls",
+    Law(RESTITUTION, "damping by the formula of a contact that pulls",
         "(math.pi - 2.0 * psi) *", "math.pi *", "restitution"),
     Law(RESPONSE, "a contact that pulls at its end",
         "mean * -rate, 0.0)", "mean * -rate, -math.inf)", "restitution"),
-    Law(LAW, "mean of the radii for R*",
+    Law(RADII, "mean of the radii for R*",
         "one * two / (one + two)", "0.5 * (one + two)", "normal_impact"),
     Law(LIST, "radius of the granule for R* at the cylinder",
         "bed.solid_radius[b]", "0.0", "spinning"),

@@ -19,7 +19,7 @@ from dem.sweep.config import load
 LINE = "\nEDITED = True\n"
 USED = "experiment/kinds/drag.py", "experiment/observables/drag.py"  # by the run
 EDITS = {  # file: what is added, or what is put in place of what
-    "contacts/force_law.py": LINE,
+    "contacts/springs.py": LINE,
     "experiment/observables/drag.py": LINE,
     "experiment/phases.py": ("BINS_A_CALL = 20", "BINS_A_CALL = 21"),
 }
@@ -50,7 +50,7 @@ def test_a_run_is_made_again_only_where_its_numbers_may_change(tmp_path, name, e
 
 
 BASE = (
-    "constants",
+    "declarations",
     "errors",
     "files",
     "plugins",

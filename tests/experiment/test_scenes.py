@@ -21,7 +21,7 @@ from dem.figures.bed import view_of
 from dem.figures.export import export
 from dem.figures.frames import of_motion
 from dem.figures.scene import plot
-from dem.sweep.batch import write_one
+from dem.sweep.batch_job import write_one
 from dem.sweep.config import described, load
 
 pytestmark = pytest.mark.quick

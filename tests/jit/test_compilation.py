@@ -220,11 +220,11 @@ def test_a_run_is_the_same_from_disk_and_as_plain_python(desk, monkeypatch):
 SHIFTED = f"""
 {IMPORT}
 import math
-from dem.jit.intrinsics import apart
+from dem.jit.intrinsics import noinline
 SHIFT = 1.0
 
 def part(x):
-    apart()
+    noinline()
 {60 * f"    x = math.cos(x) + SHIFT{chr(10)}"}
     return x
 

@@ -151,5 +151,11 @@ def test_the_messages_of_the_page_of_faults_are_those_of_the_package():
 def test_the_ways_of_two_numbers_lead_from_a_file_to_the_kernel_and_back(tmp_path):
     there, back = run(DOCS / "data/ways.py", cwd=tmp_path).split("force of a bin")
     assert "base/yaml_file.py: read\n" in there
-    assert "dynamics/assembly.py: law\n" in there
+    assert "dynamics/assembly.py: pair_constants\n" in there
     assert "observables/drag.py: measure\n" in back
+
+
+@pytest.mark.parametrize("name", ["ensembles", "large_beds", "overhead"])
+def test_scripts_that_take_too_long_to_be_run_begin(name, tmp_path):
+    """All that they import is there."""
+    assert "--help" in run(DOCS / f"data/{name}.py", "--help", cwd=tmp_path)

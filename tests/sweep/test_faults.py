@@ -14,7 +14,7 @@ from project import posix, quick
 from sweeps import SMOKE, VALUES, contents, drawn, made, of_file, order, varied
 
 from dem.base.errors import RunError
-from dem.sweep.batch import make
+from dem.sweep.batch_job import make
 from dem.sweep.combine import combine
 from dem.sweep.restart import prepare
 from dem.sweep.state import SweepState

@@ -12,7 +12,7 @@ from sweeps import drawn, interrupted, made, of_file, order, smoke, varied
 import dem
 from dem.base.statistics import mean_interval, ratio_interval
 from dem.sweep import precision
-from dem.sweep.batch import make
+from dem.sweep.batch_job import make
 from dem.sweep.state import SweepState
 
 pytestmark = pytest.mark.usefixtures("folder")

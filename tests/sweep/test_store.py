@@ -26,7 +26,7 @@ from sweeps import (
 
 import dem
 from dem.experiment.bed import make_bed
-from dem.sweep.batch import make
+from dem.sweep.batch_job import make
 from dem.sweep.combine import combine_block
 from dem.sweep.state import SweepState
 

@@ -24,9 +24,9 @@ from dem.experiment.kinds.jamming import Jamming
 from dem.figures.catalogue import draw
 from dem.report.info import drag_table
 from dem.report.status import status
+from dem.sweep.batches import plan_batches
 from dem.sweep.combine import combine, combine_block
 from dem.sweep.config import load, merged, parse
-from dem.sweep.grouping import plan_batches
 from dem.sweep.prune import prune, sweeps, usage
 from dem.sweep.state import SweepState
 from dem.sweep.workers import Workers

@@ -34,7 +34,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, create_model
 
-from dem.base.constants import constants, definitions, described
+from dem.base.declarations import constants, definitions, described
 from dem.base.errors import InputError, RunError
 from dem.base.plugins import find_module, load
 from dem.base.refusals import BOUNDS, shown
@@ -213,16 +213,11 @@ class Experiment:
         values = reduce(or_, (load(file).axes(self.configuration) for file in files), {})
         return {name: row for name, row in values.items() if name in self.along}
 
-    def duration(self, replicate) -> float | None:
-        """Time (s) that a run simulates; None where it prepares beds, or is a file that would run here."""
-        if self.name not in EXPERIMENTS or "duration" not in definitions(self.file):
-            return None
-        return load(self.file).duration(replicate)
-
-    def check_values(self) -> None:
-        """Raise ValueError where the values of the configuration do not go together."""
-        if self.name in EXPERIMENTS and "check" in definitions(self.file):
-            load(self.file).check(self.configuration)
+    def answer(self, function: str, of: Any) -> Any:
+        """What duration(replicate) or check(configuration) says; None without it, or of a user's file."""
+        if self.name in EXPERIMENTS and function in definitions(self.file):
+            return getattr(load(self.file), function)(of)
+        return None
 
     def check(self) -> None:
         """Raise InputError where its file or one of an observable cannot be used."""

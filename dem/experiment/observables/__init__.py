@@ -11,7 +11,7 @@ there only where the configuration has a value at a path, and SECTIONS of the co
 
 from pathlib import Path
 
-from dem.base.constants import described
+from dem.base.declarations import described
 from dem.base.plugins import find_module
 
 # Found and not listed, so that a new one does not change the code of runs without it.

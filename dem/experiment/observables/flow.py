@@ -45,12 +45,8 @@ def lag_of(displacement: np.ndarray) -> int:
 
 
 def measure(run) -> dict:
-    """Values of VARIABLES by name."""
-    return measures(run.snapshots)
-
-
-def measures(snapshots) -> dict:
-    """Measures (snapshots,) by name; NaN where the lag reaches back beyond the start."""
+    """Values of VARIABLES by name; NaN where the lag reaches back beyond the start."""
+    snapshots = run.snapshots
     count, lag = len(snapshots.displacement), lag_of(snapshots.displacement)
     diameter, periodic = snapshots.replicate.shape.diameter, snapshots.periodic
     layers = layers_of(snapshots.position[0], snapshots.height[0])

@@ -5,8 +5,8 @@ from itertools import pairwise
 import numpy as np
 
 from dem.dynamics.paths import shown
-from dem.experiment.exchange import inside
 from dem.experiment.scene import make_scene
+from dem.experiment.sinks_and_sources import inside
 from dem.motion import Drive
 from dem.periodic import Periods, wrapped
 

@@ -6,7 +6,7 @@ import pandas as pd
 import yaml
 from rich.table import Table
 
-from dem.contacts.force_law import damping_from_restitution, restitution_from_damping
+from dem.contacts.restitution import damping_from_restitution, restitution_from_damping
 from dem.packing.cost import packing_time
 from studies.common.findings import Findings, numbers
 

@@ -8,8 +8,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from dem.base.errors import InputError
-from dem.contacts.force_law import damping_from_restitution
-from dem.dynamics.assembly import laws_of
+from dem.contacts.restitution import damping_from_restitution
+from dem.dynamics.assembly import pair_constants_of
 from dem.laws.hertz import FOUR_THIRDS
 from dem.scene import Scene
 
@@ -41,7 +41,7 @@ def hertz(scene: Scene, kind: str) -> Hertz:
     our ratio.
     """
     row = {"granule": 0, "wall": 1, "solid": 1 + len(scene.walls)}[kind]
-    modulus, *_, friction, stiffness, ratio = laws_of(scene)[row, 0].tolist()
+    modulus, *_, friction, stiffness, ratio = pair_constants_of(scene)[row, 0].tolist()
     normal = FOUR_THIRDS * modulus
     share = 0.5 if kind == "granule" else 1.0
     radius, mass = share * scene.shape.constituent_radius.mean(), share * scene.mass.mean()

@@ -9,10 +9,6 @@ from functools import cache
 from pathlib import Path
 
 
-def _body(path: Path) -> list[ast.stmt]:
-    return ast.parse(Path(path).read_bytes(), str(path)).body
-
-
 @cache
 def constants(path: Path) -> dict:
     """The constants of a file by name: capitals that are set to plain values."""
@@ -24,7 +20,7 @@ def constants(path: Path) -> dict:
         def visit_Name(self, node):
             return ast.Constant(table[node.id]) if node.id in table else node
 
-    for node in _body(path):
+    for node in ast.parse(path.read_bytes(), str(path)).body:
         if isinstance(node, ast.Assign) and isinstance(name := node.targets[0], ast.Name):
             with suppress(ValueError):  # computed
                 table[name.id] = ast.literal_eval(Filled().visit(node.value))
@@ -36,7 +32,7 @@ def definitions(path: Path) -> dict[str, list[str]]:
     """Classes and functions at the top of a file by name, each class with its functions."""
     return {
         node.name: [inner.name for inner in node.body if isinstance(inner, ast.FunctionDef)]
-        for node in _body(path)
+        for node in ast.parse(path.read_bytes(), str(path)).body
         if isinstance(node, ast.ClassDef | ast.FunctionDef)
     }
 

@@ -8,7 +8,7 @@ from dem.analysis.one_run import read_snapshots
 from dem.experiment.bed import make_bed
 from dem.experiment.scene import make_scene
 from dem.figures.frames import of_motion
-from dem.sweep.batch import write_one
+from dem.sweep.batch_job import write_one
 from dem.sweep.config import load
 
 pytestmark = pytest.mark.quick

@@ -4,22 +4,22 @@ import math
 
 import numpy as np
 
-from dem.contacts.force_law import effective_radius
+from dem.contacts.effective import effective_radius
 from dem.contacts.layout import BLOCK, NUMBERS, PARTNER, TARGET
 from dem.contacts.response import rolling_stiffness
 from dem.dynamics.world import (
     ALPHA,
     COULOMB,
     INVERSE_MASS,
-    LAW,
     MODULUS,
+    PAIR_CONSTANTS,
     PAIRS,
     SECTIONS,
     SHARE,
     WALLS,
     friction_of,
 )
-from dem.jit.intrinsics import apart
+from dem.jit.intrinsics import noinline
 from dem.laws.protocol import length, stiffness
 
 
@@ -57,13 +57,13 @@ def effective_mass(held, mass, i, j):
 
 
 def set_friction(friction, at, row):
-    """Constants of friction of a contact from its row of GranuleTable.laws."""
-    for c in range(LAW - COULOMB):
+    """Constants of friction of a contact from its row of GranuleTable.pair_constants."""
+    for c in range(PAIR_CONSTANTS - COULOMB):
         friction[at + c * BLOCK] = row[COULOMB + c]
 
 
 def set_constants(law, layout, table, p, row, radii, mass, inverse_masses):
-    """Constants of contact p from its row of GranuleTable.laws, the radii of both bodies (m; zero of
+    """Constants of contact p from its row of GranuleTable.pair_constants, the radii of both bodies (m; zero of
     a flat one) and its effective mass m* (kg).
 
     inverse_masses: of both bodies, along x and y (1/kg), and inverse inertia (1/(kg m2)).
@@ -99,18 +99,18 @@ def set_rolling(law, layout, table, p, coefficient, ratio, radii, square):
 
 def fill_constants(world, bed, layout):
     """Constants of all contacts of the list of a bed (dem.dynamics.assembly.GranuleTable)."""
-    apart()
+    noinline()
     contacts, owner, law = world.contacts, world.constituents.owner, world.law
     numbers, table, radius, mass = contacts.numbers, contacts.table, bed.radius, bed.mass
     friction = contacts.friction
     inverse_mass = world.granules.inverse_mass
     if friction.shape[0] > 0 and contacts.alike:
         for lane in range(BLOCK):
-            set_friction(friction, lane, bed.laws[0, 0])
+            set_friction(friction, lane, bed.pair_constants[0, 0])
     for section in range(PAIRS, SECTIONS):
         for block in range(contacts.first[section], contacts.first[section + 1]):
             at, base = NUMBERS * np.uint64(block), layout.stride * block
-            rough = np.int64(friction_of(contacts, block))
+            friction_at = np.int64(friction_of(contacts, block))
             for lane in range(contacts.count[block]):
                 k = np.uint64(lane)
                 p, i = base + lane, np.int64(numbers[at + k])
@@ -121,19 +121,19 @@ def fill_constants(world, bed, layout):
                     h = owner[j]
                     second, radii = inverse_masses_of(world, h), (radius[i], radius[j])
                     m = effective_mass(bed.held, mass, i, j)
-                    row = bed.laws[bed.species[h], bed.species[g]]
+                    row = bed.pair_constants[bed.species[h], bed.species[g]]
                     turned = inverse_mass[g] / radius[i] ** 2 + inverse_mass[h] / radius[j] ** 2
                     square, kind = 1.0 / turned if turned > 0.0 else 0.0, 0
                 else:
                     b = world.faces.boundary[np.int64(numbers[at + TARGET + k])]
                     second, m = inverse_masses_driven(world.boundaries, b), mass[i]
                     radii, kind = (radius[i], bed.solid_radius[b]), 1 if section == WALLS else 2
-                    row = bed.laws[bed.laws.shape[1] + b, bed.species[g]]
+                    row = bed.pair_constants[bed.pair_constants.shape[1] + b, bed.species[g]]
                     square = mass[i] * radius[i] ** 2
                 inverse_masses = first, second
                 set_constants(law, layout, table, p, row, radii, m, inverse_masses)
-                if friction.shape[0] > 0 and rough > 0:
-                    set_friction(friction, rough + lane, row)
+                if friction.shape[0] > 0 and friction_at > 0:
+                    set_friction(friction, friction_at + lane, row)
                 if layout.arm >= 0:
                     coefficient, ratio = bed.rolling[kind], bed.rolling[3]
                     set_rolling(law, layout, table, p, coefficient, ratio, radii, square)

@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+from llvmlite.binding import get_host_cpu_name
 
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
@@ -54,13 +55,11 @@ def make(store: Store, batch: str, progress=lambda done, failed: None) -> Path:
 
 def _stored(store: Store, replicate: Replicate) -> dict | None:
     """The values of a run that is finished, or that is in another batch and did not fail there."""
-    if (row := store.kept(replicate.id, aside=True)) is None:
-        with suppress(InputError):  # of a damaged batch of another sweep
-            row = store.rows([replicate.id], *replicate.configuration.module.layout).get(
-                replicate.id
-            )
-            return None if row is None or row["failure"] else row
-    return row
+    if row := store.kept(run := replicate.id, aside=True):
+        return row
+    with suppress(InputError, KeyError):  # of a damaged batch of another sweep; it is in none
+        row = store.rows([run], *replicate.configuration.module.layout)[run]
+    return row and (None if row["failure"] else row)
 
 
 def _rows_of(store: Store, batch: str, *names: str) -> dict[str, dict]:
@@ -151,7 +150,7 @@ def write_batch(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
         source_hash=first.source_hash,
         code=json.dumps(run_codes(*first.files)),
         versions=provenance.versions(),
-        processor=provenance.processor(),
+        processor=get_host_cpu_name(),
         git_revision=provenance.git_revision(),
     )
     write(path, values, attrs, experiment.along | layout)

@@ -179,13 +179,8 @@ class Exchange:
 def inside(position: np.ndarray, region: tuple, periodic: Periods = None) -> np.ndarray:
     """Which centres (n, 2) in m are in a region: left, bottom, right, top (m) of the box, None for a
     side that is open."""
-    x, y = wrapped(position, periodic).T
-    left, bottom, right, top = region
-    within = np.isfinite(x)
-    for values, low, high in ((x, left, right), (y, bottom, top)):
-        within &= (values >= low) if low is not None else True
-        within &= (values <= high) if high is not None else True
-    return within
+    places, (low, high) = wrapped(position, periodic), np.array(region, float).reshape(2, 2)
+    return np.isfinite(places[:, 0]) & ~((places < low) | (places > high)).any(axis=1)
 
 
 def _joined(lengths: tuple[float, ...], pieces: tuple[Record, ...]) -> Record:
