@@ -25,6 +25,7 @@ TOLERANCE = 0.01  # of the mean drag
 KINKS = 200  # steps that are tried as the end of the level
 DRAWS = 2000  # of the beds
 SEED = 1
+SAMPLED = 10  # steps from one look at the force in LAMMPS to the next
 
 
 def our_drag(case: Case, time_step: float, window) -> tuple[float, float]:
@@ -40,13 +41,12 @@ def our_drag(case: Case, time_step: float, window) -> tuple[float, float]:
 
 
 def lammps_drag(case: Case, time_step: float, window, same: bool = False) -> tuple[float, float]:
-    """The same; see studies.common.peers.lammps.Run."""
+    """The same; see studies.common.peers.lammps.run."""
     start, stop = (round(x / case.scene.solids[0].velocity[1] / time_step) for x in window)
-    with lammps.Run(case.scene, case.state, time_step, True, same) as run:
-        began = time.process_time()
-        run.advance(start)
-        drag = -float(run.mean_force(stop - start)[1])
-        return drag, time.process_time() - began
+    legs = lammps.run(case.scene, case.state, time_step, (start, stop - start), same, SAMPLED)
+    before, up_to = (leg.force[1] for leg in legs)
+    spent = sum(leg.processor_time for leg in legs)
+    return -float(stop * up_to - start * before) / (stop - start), spent
 
 
 # By code, and the time steps over the bound on the critical one, at rest: about where its drag falls

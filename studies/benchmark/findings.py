@@ -9,16 +9,19 @@ from studies.benchmark.drag import at_equal_error
 from studies.benchmark.scenes import FULL
 from studies.common.findings import Findings, estimate, numbers, span
 
-__all__ = ["processors", "speed"]
-
-SMALL, MILLION = 400, 1_000_000  # discs
-SMOOTH = "discs, no friction, no rotation"
+__all__ = ["speed"]
 
 
 def times_faster(dataset: xr.Dataset) -> xr.DataArray:
-    """Speed of this code over that of each, of every turn; NaN where a code did not run."""
-    rates = dataset["granule_steps_per_second"]
+    """Median speed of this code over that of each; NaN where a code did not run."""
+    rates = dataset["granule_steps_per_second"].median("repeat", skipna=False)
     return rates.isel(code=0, drop=True) / rates
+
+
+def middle(values, digits: int = 1) -> tuple[str, str]:
+    """Median, and the range of the middle half of the turns."""
+    low, median, high = np.percentile(values, (25, 50, 75))
+    return f"{median:.{digits}f}", span(low, high, digits=digits)
 
 
 class Speed(Findings):
@@ -31,51 +34,33 @@ class Speed(Findings):
         self.name = name
 
     def codes(self) -> Table:
-        """By bed and code that ran; the damping of LAMMPS has another form, with the same
-        restitution at one speed."""
-        heads = "bed", "code", "10⁶ granule-steps/s", "lowest to highest", "ns a contact"
+        """By bed and code that ran: speed, with the middle half of the turns, and processor time of a
+        step over the contacts."""
+        heads = "bed", "code", "10⁶ granule-steps/s", "middle half", "ns a contact"
         table = numbers(*heads, words=2)
         every = 1e-6 * self.dataset["granule_steps_per_second"].stack(bed=("scene", "code"))
         for scene, code in every.dropna("bed")["bed"].values:
-            rates = every.sel(bed=(scene, code)).values
             contact = 1e9 * float(self.dataset["time_per_contact"].sel(scene=scene, code=code))
-            spread = span(rates.min(), rates.max(), digits=1)
-            table.add_row(scene, code, f"{np.median(rates):.1f}", spread, f"{contact:.0f}")
+            rates = every.sel(bed=(scene, code)).values
+            table.add_row(scene, code, *middle(rates, 2), f"{contact:.0f}")
         return table
 
-    def ran(self, code: str) -> bool:
-        """Whether a code was there when the file was made."""
-        return self.dataset["code_status"].sel(code=code).item() == "run"
-
     def faster(self, scene: str, code: str) -> str:
-        """How many times as fast this code is as another: the median of what each turn gave."""
-        ratios = times_faster(self.dataset).sel(scene=scene, code=code)
-        return f"{float(ratios.median()):.1f}"
+        """How many times as fast this code is as the fastest of those whose names begin so: the ratio
+        of the medians."""
+        ratios = times_faster(self.dataset).sel(scene=scene)
+        every = [name for name in ratios["code"].values if name.startswith(code)]
+        return f"{float(ratios.sel(code=every).min()):.1f}"
 
-    def ratios(self) -> dict[str, xr.DataArray]:
-        """What the table of processors compares, of every turn; NaN where a code was missing."""
-        dataset = self.dataset
-        over = times_faster(dataset).sel(code="LAMMPS")
-        pairs = dataset["scene_granules"] / dataset["granule_steps_per_second"].isel(code=0)
-        pairs = pairs / dataset["scene_pairs"]
-        scenes = dataset["variant_step_time"]
-        sizes, apart = (
-            dataset[f"{name}_step_time"].sel(size=MILLION) for name in ("size", "apart")
-        )
-        small = dataset["size_step_time"].sel(size=SMALL, threads=1)
-        return {
-            "speed relative to LAMMPS, discs": over.sel(scene="discs"),
-            "the same, dumbbells": over.sel(scene="dumbbells"),
-            "time of a listed pair, ellipses / discs": pairs.sel(scene="ellipses")
-            / pairs.sel(scene="discs"),
-            "time of a step, without friction and rotation / full": scenes.sel(variant=SMOOTH)
-            / scenes.sel(variant=FULL),
-            "time of a granule-step, a million discs / 400": sizes.sel(threads=1) / small,
-            "speed of a million discs, two threads / one": sizes.sel(threads=1)
-            / sizes.sel(threads=2),
-            "speed of two separate beds of a million / one": apart.sel(threads=1)
-            / apart.sel(threads=2),
-        }
+    def over(self, code: str, other: str) -> str:
+        """How many times as fast a code is as another on the bed of discs."""
+        ratios = times_faster(self.dataset).sel(scene="discs")
+        return f"{float(ratios.sel(code=other) / ratios.sel(code=code)):.2f}"
+
+    @property
+    def lammps_script(self) -> str:
+        """The input of LAMMPS for the bed of discs, with our law."""
+        return self.dataset.attrs["lammps_script"]
 
     def strokes(self) -> Table:
         """By code: the largest fixed time step that keeps the mean drag within 1 %, over the bound
@@ -105,105 +90,42 @@ class Speed(Findings):
         cost = at_equal_error(self.dataset).cost
         return f"{cost[code] / cost.iloc[0]:.1f}"
 
-    def stages(self) -> Table:
-        """By bed and part of a step, contacts held as they are: each part runs many times by itself,
-        stages of a pair by leaving out the later ones."""
-        heads = "bed", "part of a step", "µs a step", "lowest, highest", "ns a pair", "ns a granule"
-        table = numbers(*heads, words=2)
-        for scene in self.dataset["scene"].values:
-            bed = self.dataset.sel(scene=scene)
-            pairs, granules = float(bed["scene_pairs"]), float(bed["scene_granules"])
-            for stage in self.dataset["stage"].values:
-                times = 1e6 * bed["stage_time"].sel(stage=stage).values
-                middle, ends = np.median(times), f"{times.min():.2f}, {times.max():.2f}"
-                ratios = f"{1e3 * middle / pairs:.2f}", f"{1e3 * middle / granules:.1f}"
-                table.add_row(str(scene), str(stage), f"{middle:.2f}", ends, *ratios)
-        return table
-
     def scenes(self) -> Table:
-        """By scene, contacts held as they are by short time steps; against full: median of what each
-        turn gave; code: machine code of one step."""
-        heads = "scene", "ns a granule-step", "lowest, highest", "relative to full", "code, bytes"
+        """By scene, contacts held as they are by short time steps; against full: of what each turn
+        gave; middle half of the turns; code: machine code of one step."""
+        heads = "scene", "ns a granule-step", "relative to full", "middle half", "code, bytes"
         table = numbers(*heads)
         every = 1e9 * self.dataset["variant_step_time"]
-        full = every.sel(variant=FULL)
+        ratios = every / every.sel(variant=FULL)
         for variant, size in self.dataset["variant_code_size"].to_series().items():
-            times = every.sel(variant=variant)
-            ends = f"{float(times.min()):.1f}, {float(times.max()):.1f}"
-            against = f"{float((times / full).median()):.2f}"
-            table.add_row(variant, f"{float(times.median()):.1f}", ends, against, f"{size:.0f}")
+            time, _ = middle(every.sel(variant=variant))
+            table.add_row(variant, time, *middle(ratios.sel(variant=variant), 2), f"{size:.0f}")
         return table
 
     def sizes(self) -> Table:
-        """By size of bed and number of threads: discs in motion in a box without a cylinder, while
-        one list holds.
-
-        Ratios are medians of what each repeat gave; memory is that of all arrays.
-        """
-        table = numbers(
-            "discs",
-            "threads",
-            "ns a granule-step",
-            "lowest, highest",
-            "relative to\nsmallest",
-            "relative to\none thread",
-            "separate beds,\nrelative to one",
-            "LAMMPS on ranks,\nrelative to one",
-            "bytes a granule",
-        )
-        every = [self.dataset[f"{name}_step_time"] for name in ("size", "apart", "ranks")]
-        ratios = [
-            every[0] / every[0].isel(size=0),
-            *(times / times.isel(threads=0) for times in every),
-        ]
+        """By size of bed and number of threads, or of ranks of MPI: discs in motion in a box without a
+        cylinder, while one list holds; time, not processor time, with the middle half of the turns."""
+        heads = "discs", "threads", "ns a granule-step", "middle half"
+        table = numbers(*heads, "LAMMPS on ranks", "middle half", "bytes a granule")
+        every = [1e9 * self.dataset[f"{name}_step_time"] for name in ("size", "ranks")]
         for size, memory in self.dataset["size_memory"].to_series().items():
             for threads in self.dataset["threads"].values:
-                point = {"size": size, "threads": threads}
-                times = 1e9 * every[0].sel(point).values
-                medians = [float(ratio.sel(point).median()) for ratio in ratios]
-                table.add_row(
-                    f"{size:,}",
-                    str(threads),
-                    f"{np.median(times):.1f}",
-                    f"{times.min():.1f}, {times.max():.1f}",
-                    *("" if np.isnan(ratio) else f"{ratio:.2f}" for ratio in medians),
-                    f"{memory:.0f}",
-                )
+                ours, ranks = (times.sel(size=size, threads=threads).values for times in every)
+                theirs = ("", "") if np.isnan(ranks).any() else middle(ranks)
+                table.add_row(f"{size:,}", str(threads), *middle(ours), *theirs, f"{memory:.0f}")
         return table
 
     def motion(self) -> Table:
-        """How far this code and LAMMPS part: greatest distance of a granule over the mean radius,
-        undamped, from the same start; with friction the arm and the unloading of the tangential
-        spring differ."""
-        steps = self.dataset["comparison_steps"].values
-        apart = self.dataset["trajectory_difference"].to_series().unstack(sort=False)
-        rows = ((name, *(f"{value:.1e}" for value in row)) for name, *row in apart.itertuples())
-        return numbers("undamped bed", *(f"after {count} steps" for count in steps), rows=rows)
-
-
-def processors() -> Table:
-    """One column per processor on which the benchmark ran: its ratios."""
-    files = speed, *elsewhere
-    ratios = [findings.ratios() for findings in files]
-    rows = [(name, *(_with_range(values[name].values) for values in ratios)) for name in ratios[0]]
-    for name, cell in {
-        "turns": lambda findings: findings.dataset.sizes["repeat"],
-        "bits of vectors": lambda findings: int(findings.dataset["variant_vector_bits"][0]),
-        "load average before": lambda findings: f"{float(findings.dataset['load_average']):.1f}",
-        "revision": lambda findings: f"`{findings.revision}`",
-    }.items():
-        rows.append((name, *(str(cell(findings)) for findings in files)))
-    heads = (findings.dataset.attrs["processor"] for findings in files)
-    return numbers("", *heads, rows=rows)
-
-
-def _with_range(values) -> str:
-    """Median, lowest and highest; nothing where the values are not known."""
-    if np.isnan(values).any():
-        return ""
-    return f"{np.median(values):.2f} ({span(values.min(), values.max())})"
+        """How far this code and LAMMPS part, from rest, while the cylinder moves: greatest distance of a
+        granule over the mean radius, and difference of the impulses on the cylinder over ours."""
+        stroke = 1e3 * self.dataset["comparison_stroke"].values
+        heads = "bed", "what", *(f"after {length:.2g} mm" for length in stroke)
+        table = numbers(*heads, words=2)
+        for name in self.dataset["comparison"].values:
+            for what, key in ("distance", "trajectory"), ("impulse", "impulse"):
+                values = self.dataset[f"{key}_difference"].sel(comparison=name).values
+                table.add_row(name, what, *(f"{value:.0e}" for value in values))
+        return table
 
 
 speed = Speed("benchmark")
-# Each an earlier benchmark.nc, renamed by its processor: one of today's revision can be made only there.
-elsewhere = [Speed("benchmark_family25_model17"), Speed("benchmark_family26_model2")]

@@ -12,15 +12,13 @@ from typing import NamedTuple
 import numpy as np
 import psutil
 
-from dem.dynamics.contact_output import listed_pairs
 from dem.dynamics.simulation import Simulation
 from studies.benchmark import this_code
 from studies.benchmark.drag import compare_drag
 from studies.benchmark.motion import checks, differences
 from studies.benchmark.scenes import Case, beds, variants
 from studies.benchmark.sizes import TILES, compare_sizes
-from studies.benchmark.stages import STILL, slow_operations, stage_times
-from studies.common.peers import lammps, liggghts, yade
+from studies.common.peers import lammps, yade
 from studies.common.results import is_smoke
 from studies.common.timing import one_core
 
@@ -33,29 +31,20 @@ VARIABLES = {
     "granule_steps_per_second": (
         ("scene", "code", "repeat"),
         "s-1",
-        "granules times time steps over the time taken, on one core",
+        "granules times time steps over the processor time, on one core",
     ),
     "time_per_contact": (
         ("scene", "code"),
         "s",
-        "median time of a step over the number of touching pairs of parts",
+        "median processor time of a step over the number of touching pairs of parts",
     ),
     "scene_granules": (("scene",), "1", "number of granules"),
-    "scene_pairs": (("scene",), "1", "number of pairs in our neighbour list at the start"),
     "load_average": ((), "1", "load average of the computer before anything was timed"),
-    "stage": (("stage",), None, "part of a step"),
-    "stage_time": (
-        ("scene", "stage", "repeat"),
-        "s",
-        "time of that part in one step, contacts held as they are",
-    ),
-    "root_time": (("repeat",), "s", "time of a square root, many side by side"),
-    "division_time": (("repeat",), "s", "time of a division, many side by side"),
     "variant": (("variant",), None, "what the scene holds"),
     "variant_step_time": (
         ("variant", "repeat"),
         "s",
-        "time of one step of one granule, contacts held as they are",
+        "processor time of one step of one granule, contacts held as they are",
     ),
     "variant_code_size": (
         ("variant",),
@@ -74,14 +63,9 @@ VARIABLES = {
     ),
     "threads": (("threads",), "1", "number of threads"),
     "size_step_time": (
-        ("size", "threads", "repeat"),
+        ("size", "threads", "turn"),
         "s",
         "time of one step of one granule, contacts listed again as needed",
-    ),
-    "apart_step_time": (
-        ("size", "threads", "repeat"),
-        "s",
-        "the same of as many separate beds as threads, all at once",
     ),
     "size_memory": (
         ("size",),
@@ -89,7 +73,7 @@ VARIABLES = {
         "memory of all arrays of the kernels over the number of granules",
     ),
     "ranks_step_time": (
-        ("size", "threads", "repeat"),
+        ("size", "threads", "turn"),
         "s",
         "the same of LAMMPS, on as many ranks of MPI as threads; of one bed",
     ),
@@ -111,7 +95,7 @@ VARIABLES = {
     "comparison": (
         ("comparison",),
         None,
-        "undamped bed that two programs move from the same start",
+        "bed that two programs move from the same start",
     ),
     "comparison_steps": (("comparison_steps",), "1", "time steps from the start"),
     "trajectory_difference": (
@@ -119,14 +103,21 @@ VARIABLES = {
         "1",
         "greatest distance of a granule between LAMMPS and ours over the mean radius",
     ),
+    "impulse_difference": (
+        ("comparison", "comparison_steps"),
+        "1",
+        "difference of the impulses that the cylinder received over that in ours",
+    ),
+    "comparison_stroke": (("comparison_steps",), "m", "displacement of the cylinder among discs"),
 }
-CODES = (this_code, lammps, liggghts, yade)  # one that is not installed is named and skipped
+STILL = 1e-3  # of the time step: nothing moves to speak of, and no list is rebuilt
+CODES = (this_code, *lammps.BUILDS, yade)  # one that is not installed is named and skipped
 
 
 class Plan(NamedTuple):
     """How often and how long something is timed.
 
-    repeats: Number of turns.
+    repeats, turns: Number of turns; of large beds.
     warm: Steps before those that are timed.
     steps: Steps that are timed.
     compared: Steps after which motions are compared.
@@ -136,16 +127,17 @@ class Plan(NamedTuple):
     """
 
     repeats: int = 15  # medians of five can differ by a tenth where the computer is shared
+    turns: int = 6
     warm: int = 100
     steps: int = 5000
-    compared: tuple[int, ...] = (100, 1000, 10_000)
+    compared: tuple[int, ...] = (100, 1000, 10_000, 30_000)
     beds: int = 12
     tiles: tuple[int, ...] = TILES
     threads: tuple[int, ...] = (1, 2)
     scenes: int | None = None
 
 
-SMOKE = Plan(2, 2, 20, compared=(10,), beds=2, tiles=(1,), scenes=1)
+SMOKE = Plan(2, 2, 2, 200, compared=(10,), beds=2, tiles=(1,), scenes=1)
 
 
 def make(state, jobs: int, progress) -> tuple[dict, dict]:
@@ -158,18 +150,18 @@ def make(state, jobs: int, progress) -> tuple[dict, dict]:
     with one_core():
         values |= compare_codes(cases, plan)
         progress(0.3)
-        values |= compare_stages(cases, plan)
-        progress(0.4)
         values |= compare_scenes(dict(islice(variants(cases).items(), plan.scenes)), plan)
         progress(0.5)
         values |= compare_motion(cases, plan)
         progress(0.6)
         values |= compare_drag(sweep, plan.beds)
     progress(0.8)
-    values |= compare_sizes(sweep, plan.repeats, plan.threads, plan.tiles)
+    values |= compare_sizes(sweep, plan.turns, plan.threads, plan.tiles)
     ran = [code for code in CODES if code.available() is None]
     versions = ", ".join(f"{code.NAME} {code.version()}" for code in ran)
-    return values, {"codes": versions, "processor": processor()}
+    scene, _, time_step = cases["disc"]
+    given = lammps.script(scene, time_step, same=True)
+    return values, {"codes": versions, "processor": processor(), "lammps_script": given}
 
 
 def compare_codes(cases: dict[str, Case], plan: Plan) -> dict:
@@ -194,21 +186,6 @@ def compare_codes(cases: dict[str, Case], plan: Plan) -> dict:
         "granule_steps_per_second": rates,
         "time_per_contact": step_times / np.where(contacts > 0, contacts, np.nan)[:, None],
         "scene_granules": granules,
-        "scene_pairs": np.array([len(listed_pairs(simulation.world)) for simulation in at_start]),
-    }
-
-
-def compare_stages(cases: dict[str, Case], plan: Plan) -> dict:
-    """Time of each part of a step, and of the two operations that vector units are slowest at."""
-    turns = range(plan.repeats + 1)  # the first compiles
-    stages = [[stage_times(case, plan.steps) for case in cases.values()] for _ in turns]
-    times = np.array([[[*one.values()] for one in turn] for turn in stages[1:]])
-    slow = np.array([slow_operations(plan.steps) for _ in turns])[1:]
-    return {
-        "stage": np.array(list(stages[0][0])),
-        "stage_time": times.transpose(1, 2, 0),
-        "root_time": slow[:, 0],
-        "division_time": slow[:, 1],
     }
 
 
@@ -233,13 +210,18 @@ def compare_scenes(cases: dict[str, Case], plan: Plan) -> dict:
 def compare_motion(cases: dict[str, Case], plan: Plan) -> dict:
     """Differences between ours and LAMMPS; NaN without LAMMPS."""
     variants = checks(cases)
-    apart = np.full((len(variants), len(plan.compared)), np.nan)
+    apart, missed = np.full((2, len(variants), len(plan.compared)), np.nan)
     if lammps.available() is None:
-        apart = np.array([differences(case, plan.compared) for case in variants.values()])
+        for row, check in enumerate(variants.values()):
+            apart[row], missed[row] = differences(check, plan.compared)
+    scene, _, time_step = next(iter(cases.values()))
+    speed = np.hypot(*scene.solids[0].velocity)
     return {
         "comparison": np.array(list(variants)),
         "comparison_steps": np.array(plan.compared),
+        "comparison_stroke": speed * time_step * np.array(plan.compared),
         "trajectory_difference": apart,
+        "impulse_difference": missed,
     }
 
 

@@ -9,9 +9,7 @@ from dem.experiment.bed import make_bed
 from dem.experiment.bed_description import NOMINAL
 from dem.experiment.replicate import Replicate
 from dem.experiment.scene import make_scene
-from dem.motion import Drive, Held, PrescribedMotion
 from dem.scene import Scene, State
-from dem.solids import Wall
 from dem.sweep.config import Sweep
 from studies.common.results import first_seed
 
@@ -62,25 +60,12 @@ def variants(cases: dict[str, Case]) -> dict[str, Case]:
     """By what each has: scenes on the beds of `beds`, full ones first."""
     disc, dumbbell, ellipse = (cases[kind] for kind in ("disc", "dumbbell", "ellipse"))
     elastic = replace(disc.scene.material, restitution=1.0)
-    planes, (cylinder,) = disc.scene.planes, disc.scene.solids
-    sides = {"walls": planes[2:], "periodic": (float(planes[1, 2]), None)}
     chord = ellipse.scene.shape._replace(contact="geometric_potential")
-    steady = PrescribedMotion([0.0], [cylinder.velocity])
-    lid = Drive((None, -1.0), float(disc.scene.mass.sum()))
     return {
         FULL: disc,
         "dumbbells, full": dumbbell,
         "ellipses, full": ellipse,
         "ellipses by geometric potential, full": _changed(ellipse, shape=chord),
-        "discs, gravity too": _changed(disc, gravity=(0.0, -9.81)),
-        "discs, no cylinder": _changed(disc, solids=None),
-        "discs, no walls": _changed(disc, walls=None),
-        "discs, periodic sides": _changed(disc, **sides),
-        "discs, cylinder on a path": _changed(disc, solids=replace(cylinder, velocity=steady)),
-        "discs, a wall that holds a pressure": _changed(
-            disc, walls=[*planes[:3], Wall(planes[3], lid)]
-        ),
-        "discs, ten of them held": _changed(disc, held=[Held(range(10))]),
         "discs, no damping": _changed(disc, material=elastic),
         "discs, no friction, no rotation": _changed(disc, friction=None),
         "discs, Hertz's force alone": _changed(

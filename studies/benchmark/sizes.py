@@ -1,7 +1,6 @@
 """Small and large beds: the time of one step of one granule, on one thread and on several."""
 
 import time
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +13,7 @@ from dem.shapes.disc import Disc
 from dem.solids import box
 from dem.sweep.config import Sweep
 from studies.common.peers import lammps
+from studies.common.peers.program import absent
 
 TILES = (1, 4, 16, 50)  # along each side of a bed: of 400 granules, to a million
 RANKED = 102_400  # discs of the bed that LAMMPS runs too
@@ -67,27 +67,14 @@ def bytes_a_granule(world) -> float:
     return sum(arrays.values()) / len(world.bodies)
 
 
-def time_apart(scene: Scene, state, number: int, steps: int, step: float) -> float:
-    """Time (s) of one step of one granule while `number` copies of a bed run, each on one thread.
-
-    What processors give that share caches, memory and at times one core: no bed waits for another.
-    """
-    runs = [Simulation(scene, state) for _ in range(number)]
-    with ThreadPoolExecutor(number) as pool:
-        started = time.perf_counter()
-        list(pool.map(lambda run: run.advance(steps * step), runs))
-        spent = time.perf_counter() - started
-    return spent / sum(run.steps * scene.granules for run in runs)
-
-
-def compare_sizes(sweep: Sweep, repeats: int, threads=(1, 2), tiles=TILES) -> dict:
-    """Variables: seconds per granule and step by size and threads or beds, and memory per
-    granule."""
-    ranked = lammps.available() is None and lammps.mpiexec() is not None
+def compare_sizes(sweep: Sweep, turns: int, threads=(1, 2), tiles=TILES) -> dict:
+    """Variables: seconds per granule and step by size and threads, of LAMMPS on as many ranks, and
+    memory per granule."""
+    ranked = not (lammps.available() or absent(lammps.MPIEXEC))
     beds = [large_scene(sweep, side) for side in tiles]
-    times, apart, ranks = np.full((3, len(beds), len(threads), repeats), np.nan)
+    times, ranks = np.full((2, len(beds), len(threads), turns), np.nan)
     memory = np.empty(len(beds))
-    for repeat in range(-1, repeats):  # the first compiles and does not count
+    for turn in range(-1, turns):  # the first compiles and does not count
         for place, (scene, state) in enumerate(beds):
             runs = max(1, 50_000 // scene.granules)
             for column, number in enumerate(threads):
@@ -99,19 +86,15 @@ def compare_sizes(sweep: Sweep, repeats: int, threads=(1, 2), tiles=TILES) -> di
                     run.advance(STEPS * step)
                     spent += (time.perf_counter() - started) / run.steps
                 memory[place] = bytes_a_granule(run.world)
-                if repeat >= 0:
-                    times[place, column, repeat] = spent / runs / scene.granules
-                    apart[place, column, repeat] = time_apart(
-                        scene, state, number, runs * STEPS, step
-                    )
-                if repeat >= 0 and ranked and scene.granules == RANKED:
-                    spent = lammps.seconds(scene, state, step, 0, STEPS, ranks=number)
-                    ranks[place, column, repeat] = spent / STEPS / RANKED
+                if turn >= 0:
+                    times[place, column, turn] = spent / runs / scene.granules
+                if turn >= 0 and ranked and scene.granules == RANKED:
+                    (leg,) = lammps.run(scene, state, step, (STEPS,), ranks=number)
+                    ranks[place, column, turn] = leg.time / STEPS / RANKED
     return {
         "size": np.array([scene.granules for scene, _ in beds]),
         "threads": np.array(threads),
         "size_step_time": times,
-        "apart_step_time": apart,
         "ranks_step_time": ranks,
         "size_memory": memory,
     }

@@ -29,12 +29,12 @@ def version() -> str:
 
 
 def seconds(scene: Scene, state: State, time_step: float, warm: int, steps: int) -> float:
-    """Time (s) that a number of steps takes after `warm` others."""
+    """Processor time (s) that a number of steps takes after `warm` others."""
     simulation = Simulation(scene, state, time_step)
     simulation.advance(warm * time_step)
-    before, started = simulation.steps, time.perf_counter()
+    before, started = simulation.steps, time.process_time()
     simulation.advance(steps * time_step)
-    spent = time.perf_counter() - started
+    spent = time.process_time() - started
     return spent * steps / (simulation.steps - before)  # rounding may make it one step more
 
 

@@ -129,14 +129,11 @@ if "benchmark" in NAMES:
     from studies.common.peers import lammps
 
     def lent(shape, **changes):
-        return lambda: lammps.Run(
-            dem.Scene(shape, **changes), dem.State([[0.0, 0.0]]), 1e-9, same=True
-        )
+        return lambda: lammps.script(dem.Scene(shape, **changes), 1e-9, same=True)
 
-    if lammps.available() is None:
-        CALLS |= {
-            "ellipse": lent(dem.Ellipse([1e-3], [5e-4])),
-            "restitution is 0.1; it must be above exp(-2)": lent(
-                dem.Disc([1e-3]), material=dem.Material(restitution=0.1)
-            ),
-        }
+    CALLS |= {
+        "ellipse": lent(dem.Ellipse([1e-3], [5e-4])),
+        "restitution is 0.1; it must be above exp(-2)": lent(
+            dem.Disc([1e-3]), material=dem.Material(restitution=0.1)
+        ),
+    }

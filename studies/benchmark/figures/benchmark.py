@@ -1,6 +1,6 @@
 """Speed on one core: beside other codes on the same beds, and of scenes that lack this or that.
 
-Bars and lines are medians, dots the single repeats.
+Bars and lines are medians, dots the single turns.
 """
 
 import numpy as np
@@ -14,66 +14,46 @@ FILE = "benchmark"
 CAPTION = "Speed beside other codes"
 VARIABLES = ("granule_steps_per_second", "variant_step_time")
 OURS = "dem"
-# By code: fill, edge, hatch
-BARS = {
-    OURS: ("#2f6db5", "#17457d", ""),
-    "LAMMPS": ("#f5c49a", "#b34700", "///"),
-    "LIGGGHTS": ("#d5eedd", "#0f5a30", "..."),
-    "YADE": ("#f3d9e5", "#8a2f5b", "xx"),
-}
+DARK, LIGHT = "#2f6db5", "#f5c49a"  # of this code and of others; dots and ends are black
 
 
 @style.styled
 def plot(dataset: xr.Dataset) -> Figure:
     """Granule-steps per second by bed and code above, time of a granule-step by scene below."""
     figure = Figure(figsize=(style.WIDTH, 8.2))
-    above, below = figure.subfigures(2, 1, height_ratios=(1.0, 1.15))  # margins of their own
-    _codes(above.subplots(), 1e-6 * dataset["granule_steps_per_second"])
-    _scenes(below.subplots(), 1e9 * dataset["variant_step_time"])
-    others = times_faster(dataset).drop_sel(code=OURS).median("repeat", skipna=False).min("code")
-    ratios = others.dropna("scene").to_series().items()
-    words = ", ".join(f"{share:.1f} times for {scene}" for scene, share in ratios)
-    figure.suptitle(f"Speed against the fastest other code: {words or 'none is installed'}")
+    above, below = figure.subplots(2, 1, height_ratios=(1.2, 1.0))
+    rates = 1e-6 * dataset["granule_steps_per_second"].stack(bar=("scene", "code")).dropna("bar")
+    labels = rates["bar"].values.tolist()
+    _rows(above, [f"{scene}: {code}" for scene, code in labels], rates.transpose("bar", ...).values)
+    for place, ((_, code), values) in enumerate(zip(labels, rates.T.values, strict=True)):
+        color = DARK if code == OURS else LIGHT
+        above.barh(place, np.median(values), 0.7, color=color, edgecolor="black")
+    above.set_xlim(left=0.0)
+    above.set_xlabel("Speed (million granule-steps a second)")
+    above.set_title("Same bed, material and time step, one core (bars: medians)", loc="left")
+    times = 1e9 * dataset["variant_step_time"]
+    _rows(below, times["variant"].values.tolist(), times.transpose("variant", ...).values)
+    style.logarithmic(below, "x")
+    below.set_xlabel("Time of one step of one granule (ns)")
+    below.set_title("This code, with more and with less in the scene (lines: medians)", loc="left")
+    others = times_faster(dataset).drop_sel(code=OURS).min("code").dropna("scene")
+    words = (f"{share:.1f} times for {scene}" for scene, share in others.to_series().items())
+    figure.suptitle(f"Speed against the fastest other code: {', '.join(words) or 'none is there'}")
     return figure
 
 
-def _codes(axes, rates) -> None:
-    """One group of bars per bed, one bar per code that ran on it."""
-    scenes = rates["scene"].values.tolist()
-    for place, scene in enumerate(scenes):
-        bars = rates.sel(scene=scene).dropna("code", how="all")
-        width = 0.8 / max(3, bars.sizes["code"])
-        for number, code in enumerate(bars["code"].values.tolist()):
-            x = place + width * (number - 0.5 * (bars.sizes["code"] - 1))
-            values, (fill, edge, hatch) = bars.sel(code=code).values, BARS[code]
-            look = {"color": fill, "edgecolor": edge, "hatch": hatch, "linewidth": 1.2}
-            axes.bar(x, np.median(values), width, label=code, **look)
-            style.show_runs(axes, x, values, 0.5 * width)
-            style.write_above(axes, x, values.max(), f"{np.median(values):.1f}")
-    axes.set_xticks(range(len(scenes)), scenes)
-    axes.tick_params(axis="x", length=0)
-    axes.set_ylim(0.0, 1.12 * axes.dataLim.ymax)
-    axes.set_ylabel("Million granule-steps\na second")
-    axes.set_title("Same bed, material and time step, one core", loc="left")
-    handles, labels = axes.get_legend_handles_labels()
-    unique = dict(zip(labels, handles, strict=True))
-    axes.legend(unique.values(), unique, loc="upper right")
-
-
-def _scenes(axes, times) -> None:
-    """One row per scene, the full ones on top: single repeats and their median."""
-    variants = times["variant"].values.tolist()
-    for place, values in enumerate(times.transpose("variant", "repeat").values):
+def _rows(axes, labels, table) -> None:
+    """One row per label, the first on top: single turns, their median and its number."""
+    for place, values in enumerate(table):
         middle = np.median(values)
         axes.plot(values, place + np.linspace(-0.2, 0.2, len(values)), **style.RUN)
-        axes.plot(middle, place, "|", color=BARS[OURS][1], markersize=15, markeredgewidth=2.5)
+        axes.plot(middle, place, "|", color="black", markersize=15, markeredgewidth=2.5)
         at = {"xytext": (7, 0), "textcoords": "offset points", "va": "center"}
         axes.annotate(f"{middle:.1f}", (values.max(), place), **at)
-    style.logarithmic(axes, "x")
-    axes.set_yticks(range(len(variants)), variants)
+    axes.set_yticks(range(len(labels)), labels)
     axes.tick_params(axis="y", length=0)
     axes.invert_yaxis()
-    axes.grid(axis="x", visible=True)
+    axes.grid(visible=False, axis="y")
+    axes.grid(visible=True, axis="x")
+    axes.set_axisbelow(True)
     axes.margins(x=0.1)
-    axes.set_xlabel("Time of one step of one granule (ns)")
-    axes.set_title("This code, with more and with less in the scene (lines: medians)", loc="left")

@@ -5,10 +5,12 @@ import pytest
 from beds import small_bed
 
 import dem
+from dem.base.errors import RunError
 from studies.benchmark.drag import largest_step
 from studies.common.peers import lammps
+from studies.common.peers.program import absent
 
-pytestmark = pytest.mark.skipif(lammps.available() is not None, reason=str(lammps.available()))
+pytestmark = pytest.mark.skipif(lammps.available() is not None, reason="LAMMPS is missing")
 ELASTIC = dem.Material(restitution=1.0)
 
 
@@ -20,9 +22,8 @@ def moved(small, same=False, **changes):
     step = 0.3 * dem.Simulation(scene, state).diagnose().critical_time_step
     ours = dem.Simulation(scene, state, time_step=step)
     ours.advance(100 * step)
-    with lammps.Run(scene, state, step, same=same) as lammps_run:
-        lammps_run.advance(100)
-        places = state.position, lammps_run.position
+    (leg,) = lammps.run(scene, state, step, (100,), same)
+    places = state.position, leg.position
     return [(ours.state.position - place) / scene.shape.bounding_radius.mean() for place in places]
 
 
@@ -65,25 +66,34 @@ def test_a_collision_returns_the_coefficient_of_restitution(same, e):
     size = 1e-3
     scene = dem.Scene(dem.Disc(np.full(2, size)), dem.Material(restitution=e), thickness=size)
     state = dem.State([[0.0, 0.0], [2.001 * size, 0.0]], [[0.5, 0.0], [-0.5, 0.0]])
-    with lammps.Run(scene, state, 1e-9, same=same) as run:
-        run.advance(20_000)
-        assert run.velocity[:, 0] == pytest.approx([-0.5 * e, 0.5 * e], rel=1e-3)
+    (leg,) = lammps.run(scene, state, 1e-9, (20_000,), same)
+    assert leg.velocity[:, 0] == pytest.approx([-0.5 * e, 0.5 * e], rel=1e-3)
 
 
-def test_the_force_on_the_cylinder_is_the_same():
-    """Without friction and damping, before chaos: mean over the same steps."""
+def test_the_cylinder_receives_the_same_impulse():
+    """Without friction and damping, before chaos, of a cylinder that moves; also in a part of the run."""
     small = small_bed("disc")
     scene, step = small.scene(friction=None, material=ELASTIC), 5e-8
-    record = dem.Simulation(scene, small.state, time_step=step).record(200 * step, 1)
-    with lammps.Run(scene, small.state, step, force=True) as run:
-        assert run.mean_force(200, every=1) == pytest.approx(record.normal_force[0, 0], rel=1e-2)
+    ours = dem.Simulation(scene, small.state, time_step=step)
+    records = [ours.record(100 * step, 1).normal_force[0, 0] for _ in range(2)]
+    legs = lammps.run(scene, small.state, step, (100, 100), every=1)
+    assert legs[0].force == pytest.approx(records[0], rel=1e-6)
+    assert legs[1].force == pytest.approx(np.mean(records, axis=0), rel=1e-6)
 
 
-@pytest.mark.skipif(lammps.mpiexec() is None, reason="there is no mpiexec beside Python")
+@pytest.mark.skipif(absent(lammps.MPIEXEC) is not None, reason="there is no mpiexec beside Python")
 def test_two_ranks_share_a_bed():
-    """A run whose ranks do not know of each other is refused; this one is not."""
+    """A run whose ranks do not know of each other is refused; this one is not, and moves alike."""
     small = small_bed("disc")
-    assert lammps.seconds(small.scene(), small.state, 1e-9, 1, 10, ranks=2) > 0.0
+    one, two = (lammps.run(small.scene(), small.state, 1e-9, (10,), ranks=n)[0] for n in (1, 2))
+    assert two.position == pytest.approx(one.position, abs=1e-12)
+
+
+def test_a_run_that_lammps_ends_says_what_it_said():
+    """A granule is outside of the box."""
+    scene = dem.Scene(dem.Disc(np.full(1, 1e-3)), walls=dem.box(4e-3, 4e-3), thickness=1e-3)
+    with pytest.raises(RunError, match="stopped: ERROR: Did not assign all atoms"):
+        lammps.run(scene, dem.State([[9e-3, 2e-3]]), 1e-9, (10,))
 
 
 def test_the_largest_step_is_where_the_drag_leaves_its_level():

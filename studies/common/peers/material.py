@@ -50,7 +50,7 @@ def hertz(scene: Scene, kind: str) -> Hertz:
 
 
 def restitution_if_pulling(restitution: float) -> float:
-    """The e from which LAMMPS's style granular, LIGGGHTS and YADE find the constant of our dashpot.
+    """The e from which LAMMPS's style granular and YADE find the constant of our dashpot.
 
     They take alpha = -sqrt(5) ln e / sqrt(pi^2 + ln^2 e), which returns e if the contact may pull
     until the overlap ends. Their contacts do not pull, nor do ours, so alpha returns more than that e
@@ -60,7 +60,7 @@ def restitution_if_pulling(restitution: float) -> float:
     if ratio >= 1.0:
         raise InputError(
             f"material.restitution is {restitution:g}; it must be above exp(-2) = 0.135: below, no "
-            "coefficient of restitution gives LAMMPS, LIGGGHTS or YADE our dashpot."
+            "coefficient of restitution gives LAMMPS or YADE our dashpot."
         )
     return math.exp(-math.pi * ratio / math.sqrt(1.0 - ratio**2))
 
