@@ -1,10 +1,12 @@
 """Coefficients of resistive force theory from grains, and forces on outlines that they predict."""
 
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 import xarray as xr
 from rich.table import Table
+from scipy.special import fdtri
 
 from dem.analysis.rft import GENERIC, NAMES, Plates, Resistance, fitted, linearity, measured
 from dem.base.statistics import Estimate, mean_interval, ratio_interval, student
@@ -12,44 +14,27 @@ from studies.common.findings import Findings, estimate, interval, numbers, perce
 
 __all__ = ["half_speed", "kinds", "lengths", "proof", "rft", "twice_speed", "usual_speed"]
 
+WAY = {"down": 90.0, "down ahead": 45.0, "ahead": 0.0, "up ahead": -45.0, "up": -90.0}  # degrees
 CLOSE = 0.1  # of a force: a prediction within that share of it is good
+SUMS = {
+    "short": "plates of 8 mm",
+    "long": "plates of 16 mm",
+    "theory": "nine coefficients of plates of 16 mm",
+    "sides": "plates of both lengths, without their ends",
+    "plates": "plates of both lengths, with their ends",
+}
 
 
-def about(value: float, variance: float) -> Estimate:
-    """With its 95 % interval, by many resamples."""
-    half = float(student(np.sqrt(variance), np.inf))
-    return Estimate(value, value - half, value + half)
-
-
-def factor(one: Resistance, other: Resistance | None = None) -> Estimate:
-    """By which another profile, the generic one if absent, is nearest to the first."""
-    base = GENERIC if other is None else other.coefficients
-    ratio, square = float(base @ one.coefficients / (base @ base)), base @ base
-    variance = base @ one.covariance @ base / square**2
-    if other is not None:
+def factor(one: Resistance, base: np.ndarray, of: np.ndarray | None = None) -> Estimate:
+    """By which a profile, the base, is nearest to the first, with its interval; of: covariance of the base."""
+    square = base @ base
+    ratio, weight = float(base @ one.coefficients / square), base / square
+    variance = weight @ one.covariance @ weight
+    if of is not None:
         slope = (one.coefficients - 2.0 * ratio * base) / square
-        variance += slope @ other.covariance @ slope
-    return about(ratio, variance)
-
-
-def alpha_of(plates: Plates, angle: float, direction: float) -> np.ndarray:
-    """Stress over depth (s, 2) of each run at an angle and in a direction (degrees)."""
-    at = np.degrees(plates.angle) - angle, np.degrees(plates.direction) - direction
-    return plates.alpha[np.hypot(*at).argmin()]
-
-
-def remains(plates: Plates, resistance: Resistance) -> float:
-    """Root mean square of measured stress over depth less that of coefficients, over that of measured."""
-    seen = np.nanmean(plates.alpha, axis=1)
-    off = seen - resistance.alpha(plates.angle, plates.direction)
-    return float(np.sqrt(np.mean(off**2) / np.mean(seen**2)))
-
-
-def scatter(plates: Plates) -> float:
-    """What the scatter of beds alone would leave of the means of all cells, in the same measure."""
-    seen = np.nanmean(plates.alpha, axis=1)
-    error = np.nanvar(plates.alpha, axis=1, ddof=1) / plates.alpha.shape[1]
-    return float(np.sqrt(np.mean(error) / np.mean(seen**2)))
+        variance += slope @ of @ slope
+    half = float(student(np.sqrt(variance), np.inf))
+    return Estimate(ratio, ratio - half, ratio + half)
 
 
 class Maps(Findings):
@@ -68,167 +53,59 @@ class Maps(Findings):
         """The coefficients."""
         return fitted(self.plates)
 
+    @cached_property
+    def means(self) -> np.ndarray:
+        """Stress over depth (c, 2) in N/m3 of each angle and direction."""
+        return np.nanmean(self.plates.alpha, axis=1)
+
+    @property
     def scale(self) -> Estimate:
         """On the generic profile."""
-        return factor(self.resistance)
+        return factor(self.resistance, GENERIC)
 
+    def left(self, profile: np.ndarray) -> float:
+        """Share of the stress that a profile leaves: root mean square."""
+        form = Resistance(profile, np.zeros((9, 9))).alpha(self.plates.angle, self.plates.direction)
+        return float(np.sqrt(np.mean((self.means - form) ** 2) / np.mean(self.means**2)))
+
+    @property
     def generic(self) -> float:
         """Share that the generic profile leaves, once scaled."""
-        return remains(self.plates, Resistance(self.scale().value * GENERIC, np.zeros((9, 9))))
+        return self.left(self.scale.value * GENERIC)
 
+    @property
     def scatter(self) -> float:
-        """Share that beds alone would leave."""
-        return scatter(self.plates)
-
-    def alpha(self, angle: float, direction: float) -> np.ndarray:
-        """Stress over depth (s, 2) in N/cm3 of each run at an angle and in a direction (degrees)."""
-        return 1e-6 * alpha_of(self.plates, angle, direction)
-
-    def sliding(self) -> Estimate:
-        """Stress against a flat plate that moves along itself, over that against an upright one."""
-        return ratio_interval(self.alpha(0.0, 0.0)[:, 0], self.alpha(90.0, 0.0)[:, 0])
-
-    def lift(self) -> Estimate:
-        """Stress upwards over depth (N/cm3) on a flat plate that moves along itself."""
-        return mean_interval(self.alpha(0.0, 0.0)[:, 1])
-
-    def lift_fitted(self) -> float:
-        """The same by the coefficients."""
-        return float(1e-6 * self.resistance.alpha(0.0, 0.0)[1])
+        """Share that the scatter of beds alone would leave."""
+        alpha = self.plates.alpha
+        error = np.nanvar(alpha, axis=1, ddof=1) / alpha.shape[1]
+        return float(np.sqrt(np.mean(error) / np.mean(self.means**2)))
 
     def table(self) -> Table:
         """One row per coefficient."""
-        heads = "ours, N/cm3", "generic profile, scaled", "over A00, ours", "over A00, generic"
-        table, ours = numbers("coefficient", *heads), 1e-6 * self.resistance.coefficients
-        for name, value, half, sand in zip(
-            NAMES,
-            ours,
-            1e-6 * self.resistance.error,
-            self.scale().value * GENERIC * 1e-6,
-            strict=True,
-        ):
-            over = (
-                f"{value / ours[0]:.2f}",
-                f"{sand / (self.scale().value * GENERIC[0] * 1e-6):.2f}",
-            )
-            table.add_row(
-                name, estimate((value, value - half, value + half), "", 3), f"{sand:.3f}", *over
-            )
+        table = numbers("coefficient", "ours, N/cm3", "generic profile, scaled")
+        sand, ours, half = (
+            self.scale.value * GENERIC,
+            self.resistance.coefficients,
+            self.resistance.error,
+        )
+        for name, c, h, s in zip(NAMES, 1e-6 * ours, 1e-6 * half, 1e-6 * sand, strict=True):
+            table.add_row(name, estimate((c, c - h, c + h), "", 3), f"{s:.3f}")
         return table
 
-    def depths(self) -> Table:
-        """One row per range of depth."""
-        edges, shares = linearity(self.plates)
-        table = numbers("depth, mm", "stress over depth, relative to that of the run", words=1)
-        for low, high, share in zip(1e3 * edges[:-1], 1e3 * edges[1:], shares, strict=True):
-            table.add_row(f"{low:.1f} to {high:.1f}", estimate(share))
-        return table
-
-
-class Proof(Findings):
-    """Outlines that no coefficient was fitted to, proof.nc. by: theory, which is by coefficients, or plates."""
-
-    name = "proof"
-    command = "python -m studies rft proof results/rft/scene.nc -o results/rft/proof.nc"
-    source = "rft/proof.nc"
-
-    def at(self, **labels) -> xr.DataArray:
-        """Forces (N) of cells at some labels: outline, direction."""
-        force = self.dataset["force"]
-        for name, label in labels.items():
-            force = force.isel(cell=np.flatnonzero(force[name] == label))
-        return force.transpose("by", "end", "axis", "cell")
-
-    def good(self, by: str, **at) -> np.ndarray:
-        """Whether components are predicted within a tenth, or differ by less than the intervals of both."""
-        seen, guess = (self.at(**at).sel(by=name).values for name in ("measured", by))
-        off, half = np.abs(guess[0] - seen[0]), np.hypot(guess[2] - guess[0], seen[2] - seen[0])
-        return (off <= CLOSE * np.abs(seen[0])) | (off <= half)
-
-    def lifts(self, by: str) -> str:
-        """How many forces upwards on outlines that move ahead are good, in words."""
-        _, good = self.good(by, direction="ahead")
-        return f"{good.sum()} of {good.size}"
-
-    def drags(self, by: str) -> str:
-        """The same of their forces along x."""
-        good, _ = self.good(by, direction="ahead")
-        return f"{good.sum()} of {good.size}"
-
-    def count(self, by: str, **at) -> str:
-        """How many are good, in words."""
-        good = self.good(by, **at)
-        return f"{good.sum()} of {good.size}"
-
-    def share(self, by: str, **at) -> float:
-        """Of good components."""
-        return float(self.good(by, **at).mean())
-
-    def over(self, by: str, **at) -> float:
-        """Length of predicted over that of measured forces, by the mean of its logarithm."""
-        seen, guess = (np.hypot(*self.at(**at).sel(by=name).values[0]) for name in ("measured", by))
-        return float(np.exp(np.log(guess / seen).mean()))
-
-    def turned(self, by: str, **at) -> float:
-        """Median angle (degrees) between predicted and measured forces."""
-        x, y = self.at(**at).isel(end=0).transpose("axis", "by", "cell").values
-        angle = dict(zip(self.dataset["by"].values.tolist(), np.arctan2(y, x), strict=True))
-        off = np.angle(np.exp(1j * (angle[by] - angle["measured"])), deg=True)
-        return float(np.median(np.abs(off)))
-
-    def exponent(self, direction: str) -> Estimate:
-        """Of the power of depth by which forces grow between the two depths, over outlines."""
-        force = np.hypot(*self.at(direction=direction).sel(by="measured").values[0])
-        depth = self.dataset["depth"].values[self.dataset["direction"].values == direction]
-        pairs = np.log([force, depth]).reshape(2, -1, 2)
-        return mean_interval((pairs[0, :, 1] - pairs[0, :, 0]) / (pairs[1, :, 1] - pairs[1, :, 0]))
-
-    def table(self) -> Table:
-        """One row per outline, and one per direction."""
-        heads = []
-        for words in ("coefficients", "measured plates"):
-            heads += [f"{words}: good", "over measured", "turned, degrees"]
-        table = numbers("outline", "direction", *heads, words=2)
-        for name in ("outline", "direction"):
-            for label in dict.fromkeys(self.dataset[name].values.tolist()):
-                at, cells = {name: label}, []
-                for by in ("theory", "plates"):
-                    cells += [
-                        self.count(by, **at),
-                        f"{self.over(by, **at):.2f}",
-                        f"{self.turned(by, **at):.0f}",
-                    ]
-                table.add_row(*((label, "all") if name == "outline" else ("all", label)), *cells)
-        return table
-
-    def forces(self) -> Table:
-        """One row per cell: forces along x and y in mN; bold what is not good."""
-        kinds = "measured", "theory", "plates"
-        heads = [
-            f"{axis}, {words}" for axis in "xy" for words in ("measured", "coefficients", "plates")
-        ]
-        table = numbers("outline", "direction", "depth, mm", *heads, words=2)
-        good = {"measured": np.ones((2, self.dataset.sizes["cell"]), bool)}
-        good |= {by: self.good(by) for by in kinds[1:]}
-        forces = 1e3 * self.at().sel(by=list(kinds)).transpose("cell", "axis", "by", "end").values
-        for cell, depth in enumerate(1e3 * self.dataset["depth"].values):
-            labels = (str(self.dataset[name].values[cell]) for name in ("outline", "direction"))
-            row = []
-            for axis, by in np.ndindex(2, len(kinds)):
-                value, _, high = forces[cell, axis, by]
-                text = interval(value, high - value, "", 1)
-                row.append(text if good[kinds[by]][axis, cell] else f"**{text}**")
-            table.add_row(*labels, f"{depth:.0f}", *row)
-        return table
+    @property
+    def linear(self) -> bool:
+        """Whether stress over depth is the same in all ranges of depth, within intervals."""
+        _, shares = linearity(self.plates)
+        return bool(((shares[:, 1] < 1.0) & (shares[:, 2] > 1.0)).all())
 
 
 class Speed(Maps):
     """A few plates at another velocity."""
 
-    def __init__(self, name: str, block: str):
-        self.name, self.block = name, block
-
     command = "snakemake -j2 --configfile studies/rft/speeds.yaml"
+
+    def __init__(self, block: str):
+        self.name, self.block = f"{block}_speed", block
 
     @property
     def source(self) -> str:
@@ -239,28 +116,10 @@ class Speed(Maps):
         """Factor on the stress at another velocity, over beds: of an angle and a seed, with all directions."""
         ours, theirs = (each.plates.alpha for each in (self, other))
         base = np.nanmean(theirs, axis=1, keepdims=True)
-        parts, angle = (
-            np.array([(ours - theirs) * base, base**2 + 0.0 * ours]),
-            np.abs(self.plates.angle),
-        )
-        groups = [np.abs(angle - each) < 1e-3 for each in np.unique(angle.round(3))]
-        sums = [parts[:, group].sum(axis=(1, 3)) for group in groups]
+        parts = np.array([(ours - theirs) * base, base**2 + 0.0 * ours])
+        angle = np.abs(self.plates.angle).round(3)
+        sums = [parts[:, angle == each].sum(axis=(1, 3)) for each in np.unique(angle)]
         return mean_interval(np.concatenate([1.0 + off / square for off, square in sums]))
-
-    def table(self) -> Table:
-        """One row per plate and velocity."""
-        heads = "direction, degrees", "velocity, m/s", "against x, N/cm3", "upwards, N/cm3"
-        table = numbers("angle, degrees", *heads, words=0)
-        for cell in np.lexsort([self.plates.direction.round(3), self.plates.angle.round(3)]):
-            for speed, value in ((half_speed, 0.05), (usual_speed, 0.1), (twice_speed, 0.2)):
-                plates = speed.plates
-                row = (
-                    f"{np.degrees(plates.angle[cell]):.0f}",
-                    f"{np.degrees(plates.direction[cell]):.0f}",
-                )
-                means = [estimate(mean_interval(1e-6 * x), "", 3) for x in plates.alpha[cell].T]
-                table.add_row(*row, f"{value:g}", *means)
-        return table
 
 
 class Lengths(Findings):
@@ -269,89 +128,210 @@ class Lengths(Findings):
     name, command = "lengths", "snakemake -j2 --configfile studies/rft/lengths.yaml"
     source = "rft/lengths/scene.nc"
 
-    def over(self) -> Estimate:
-        """Stress against plates that lie or stand and move along x or down, of twice the length over that of
-        the other."""
-        plates = [measured(self.dataset.isel(solids_plate_diameter=[at])) for at in (0, 1)]
-        ways = (0.0, 0.0, 0), (0.0, 90.0, 1), (90.0, 0.0, 0), (90.0, 90.0, 1)
-        short, long = (
-            np.array([alpha_of(each, angle, way)[:, axis] for angle, way, axis in ways])
-            for each in plates
+    @cached_property
+    def plates(self) -> list[Plates]:
+        """What runs measured, by the length."""
+        return [measured(self.dataset.isel(solids_plate_diameter=[at])) for at in (0, 1)]
+
+    def _alpha(self, way: str) -> np.ndarray:
+        """Stress over depth (2, c, s, 2) in N/m3 on plates of both lengths in a direction."""
+        at = [np.abs(np.degrees(each.direction) - WAY[way]) < 0.1 for each in self.plates]
+        return np.array([each.alpha[here] for each, here in zip(self.plates, at, strict=True)])
+
+    def over(self, way: str) -> Estimate:
+        """Stress on the longer plates over that on the shorter ones in a direction, over plates."""
+        alpha = self._alpha(way)
+        base = alpha[0].mean(axis=1, keepdims=True)
+        share = (alpha * base).sum(axis=3) / (base**2).sum(axis=2)
+        return ratio_interval(share[1].ravel(), share[0].ravel())
+
+    def ends(self, way: str) -> tuple[np.ndarray, np.ndarray, int]:
+        """Force over depth and thickness (c, 2) in N/m2 on the ends of plates, against x and upwards; its variance (2,)
+        by beds, with degrees of freedom."""
+        short, long = self.dataset["solids_plate_diameter"].values
+        alpha, lever = self._alpha(way), 1.0 / (1.0 / short - 1.0 / long)
+        seeds, freedom = alpha.shape[2], alpha[..., 0].size - alpha[..., 0, 0].size
+        beds = 2.0 * lever**2 * alpha.var(axis=2, ddof=1).mean(axis=(0, 1)) / seeds
+        return lever * np.subtract(*alpha.mean(axis=2)), beds, freedom
+
+    def unequal(self, way: str) -> np.ndarray:
+        """Variance (2,) of the force on ends over angles, over that by beds."""
+        ends, beds, _ = self.ends(way)
+        return ends.var(axis=0, ddof=1) / beds
+
+    @property
+    def limit(self) -> float:
+        """Of that ratio where ends feel the same at all angles: it is higher in one case of twenty."""
+        ends, _, freedom = self.ends("ahead")
+        return float(fdtri(len(ends) - 1, freedom, 0.95))
+
+    def claims(self, way: str) -> str:
+        """Axes along which theory claims forces in a direction: ends feel the same at all angles."""
+        return "".join(np.array(["x", "y"])[self.unequal(way) < self.limit])
+
+    def table(self) -> Table:
+        """One row per direction."""
+        heads = "stress on longer plates", "ends, N/cm2, x", "y", "unequal, x", "y", "theory claims"
+        table = numbers("direction", *heads)
+        for way in WAY:
+            ends, beds, freedom = self.ends(way)
+            half = 1e-4 * student(np.sqrt(beds / len(ends)), freedom)
+            row = [
+                interval(e, h, "", 3) for e, h in zip(1e-4 * ends.mean(axis=0), half, strict=True)
+            ]
+            row += [f"{ratio:.1f}" for ratio in self.unequal(way)]
+            table.add_row(way, estimate(self.over(way)), *row, self.claims(way) or "none")
+        return table
+
+
+class Forces(Findings):
+    """Outlines that no coefficient was fitted to; sums as in SUMS."""
+
+    def __init__(self, name: str, *sweeps: str):
+        self.name, self.sweeps = name, " ".join(sweeps)
+
+    @property
+    def source(self) -> str:
+        """Where the command writes it."""
+        return f"rft/{self.name}.nc"
+
+    @property
+    def command(self) -> str:
+        """After the sweeps."""
+        data = "results/rft/lengths/scene.nc"
+        return f"python -m studies rft proof {data} {self.sweeps} -o results/{self.source}"
+
+    @cached_property
+    def force(self) -> xr.DataArray:
+        """In N, with its ends: measured, and by each sum."""
+        return self.dataset["force"].transpose("by", "end", "axis", "cell")
+
+    @cached_property
+    def good(self) -> xr.DataArray:
+        """Whether components are predicted within a tenth, or differ by less than the intervals of both."""
+        off = np.abs(self.force - self.force.sel(by="measured"))[:, 0]
+        half = (self.force[:, 2] - self.force[:, 0]).reset_coords(drop=True)
+        return (off <= CLOSE * np.abs(self.force.sel(by="measured")[0])) | (
+            off <= np.hypot(half, half.sel(by="measured"))
         )
-        mean = short.mean(axis=1, keepdims=True)
-        return ratio_interval((long / mean).ravel(), (short / mean).ravel())
+
+    def at(self, **labels: str) -> np.ndarray:
+        """Numbers of cells with some labels: outline, direction."""
+        here = [self.dataset[name].values == label for name, label in labels.items()]
+        return np.flatnonzero(np.all([np.ones(self.dataset.sizes["cell"], bool), *here], axis=0))
+
+    def count(self, by: str = "plates", axes: str = "xy", **labels: str) -> np.ndarray:
+        """How many components are good, and of how many."""
+        good = self.good.sel(by=by, axis=list(axes))[:, self.at(**labels)]
+        return np.array([good.sum(), good.size])
+
+    def claimed(self, **labels: str) -> np.ndarray:
+        """The same of those that theory claims."""
+        ways = dict.fromkeys(self.dataset["direction"].values.tolist())
+        return sum(self.count(axes=lengths.claims(way), direction=way, **labels) for way in ways)
+
+    def over(self, by: str = "plates", **labels: str) -> float:
+        """Length of predicted over that of measured forces, by the mean of its logarithm."""
+        size = np.hypot(*self.force[:, 0, :, self.at(**labels)].transpose("axis", "by", "cell"))
+        return float(np.exp(np.log(size.sel(by=by) / size.sel(by="measured")).mean()))
+
+    def lacks(self, axis: str, **labels: str) -> float:
+        """Mean of measured less predicted forces (mN)."""
+        value = self.force[:, 0, :, self.at(**labels)].sel(axis=axis).mean("cell")
+        return float(1e3 * (value.sel(by="measured") - value.sel(by="plates")))
+
+    def exponent(self, direction: str) -> Estimate:
+        """Of the power of depth by which forces grow between the two depths, over outlines."""
+        cells = self.at(direction=direction)
+        force = np.hypot(*self.force.sel(by="measured")[0, :, cells].values)
+        steps = np.diff(np.log([force, self.dataset["depth"].values[cells]]).reshape(2, -1, 2))[
+            ..., 0
+        ]
+        return mean_interval(steps[0] / steps[1])
+
+    def table(self, name: str) -> Table:
+        """Good forces by direction and axis, a row per sum or per outline."""
+        places = list(product(dict.fromkeys(self.dataset["direction"].values.tolist()), "xy"))
+        table = numbers(name, *(f"{way}, {axis}" for way, axis in places), "all", "over measured")
+        outlines = dict.fromkeys(self.dataset["outline"].values.tolist())
+        rows = (
+            {by: {"by": by} for by in SUMS}
+            if name == "sum over"
+            else {x: {"outline": x} for x in outlines}
+        )
+        for row, at in rows.items():
+            counts = [self.count(axes=axis, direction=way, **at) for way, axis in places]
+            words = ["{} of {}".format(*count) for count in (*counts, self.count(**at))]
+            table.add_row(SUMS.get(row, row), *words, f"{self.over(**at):.2f}")
+        return table
+
+    def forces(self) -> Table:
+        """One row per cell: forces along x and y in mN; bold what is not good."""
+        heads = [f"{axis}, {words}" for axis in "xy" for words in ("measured", "predicted")]
+        table = numbers("outline", "direction", "depth, mm", *heads, words=2)
+        for cell in self.at():
+            here, good, row = self.dataset.isel(cell=cell), self.good[..., cell], []
+            for axis, by in product("xy", ("measured", "plates")):
+                value, _, high = 1e3 * self.force[..., cell].sel(axis=axis, by=by).values
+                text = interval(value, high - value, "", 1)
+                row.append(text if good.sel(axis=axis, by=by) else f"**{text}**")
+            table.add_row(
+                here["outline"].item(), here["direction"].item(), f"{1e3 * here['depth']:.0f}", *row
+            )
+        return table
 
 
 class Kinds(Findings):
-    """The plate in several kinds of grains, kinds.nc."""
+    """The plate of eight diameters in several kinds of grains, kinds.nc."""
 
     name, command = "kinds", "snakemake -j2 --configfile studies/rft/sweep.yaml"
     source = "rft/kinds/scene.nc"
 
     @cached_property
-    def plates(self) -> dict[str, Plates]:
-        """What runs measured, by grains."""
-        names = self.dataset["grains"].values.tolist()
-        return {name: measured(self.dataset.sel(grains=name)) for name in names}
-
-    @cached_property
-    def resistance(self) -> dict[str, Resistance]:
-        """The coefficients, by grains."""
-        return {name: fitted(plates) for name, plates in self.plates.items()}
-
-    def scale(self, grains: str) -> Estimate:
-        """On the generic profile."""
-        return factor(self.resistance[grains])
+    def grains(self) -> dict[str, Maps]:
+        """Maps by kind."""
+        return {
+            name: rft.of(self.dataset.sel(grains=name))
+            for name in self.dataset["grains"].values.tolist()
+        }
 
     def over(self, grains: str) -> Estimate:
         """Factor on the coefficients of discs."""
-        return factor(self.resistance[grains], self.resistance["discs"])
+        discs = self.grains["discs"].resistance
+        return factor(self.grains[grains].resistance, discs.coefficients, discs.covariance)
 
-    def left(self, grains: str, profile: str) -> float:
-        """Share that a profile leaves: nine coefficients of these grains, those of discs or the generic ones, scaled."""
-        mine = self.resistance[grains]
-        shapes = {
-            "own": mine.coefficients,
-            "discs": self.over(grains).value * self.resistance["discs"].coefficients,
-        }
-        shapes["generic"] = self.scale(grains).value * GENERIC
-        return remains(self.plates[grains], Resistance(shapes[profile], mine.covariance))
+    def left(self, grains: str) -> float:
+        """Share that the profile of discs leaves, once scaled."""
+        discs = self.grains["discs"].resistance.coefficients
+        return self.grains[grains].left(self.over(grains).value * discs)
 
-    def scatter(self, grains: str) -> float:
-        """Share that beds alone would leave."""
-        return scatter(self.plates[grains])
+    def own(self, grains: str) -> float:
+        """Share that nine coefficients of their own leave."""
+        return self.grains[grains].resistance.left
 
     @property
     def generic_leaves_more(self) -> bool:
         """Whether the generic profile leaves more than that of discs, both scaled, of all grains."""
-        return all(self.left(x, "generic") > self.left(x, "discs") for x in self.plates)
+        return all(maps.generic > self.left(name) for name, maps in self.grains.items())
 
     def suffices(self, share: float, *grains: str) -> bool:
         """Whether the profile of discs, scaled, leaves at most so much more than nine coefficients of their own do."""
-        return all(self.left(x, "discs") < self.left(x, "own") + share for x in grains)
+        return all(self.left(name) < self.own(name) + share for name in grains)
 
     def table(self) -> Table:
         """One row per kind of grains."""
         heads = "factor on the generic profile", "it leaves", "factor on that of discs", "it leaves"
         table = numbers("grains", *heads, "nine coefficients leave", "scatter of beds")
-        for name in self.plates:
-            other = (
-                ("", "")
-                if name == "discs"
-                else (estimate(self.over(name)), percent(self.left(name, "discs")))
-            )
-            own = percent(self.left(name, "own")), percent(self.scatter(name))
-            table.add_row(
-                name,
-                estimate(self.scale(name), "", 3),
-                percent(self.left(name, "generic")),
-                *other,
-                *own,
-            )
+        for name, maps in self.grains.items():
+            shares = [
+                percent(share)
+                for share in (maps.generic, self.left(name), self.own(name), maps.scatter)
+            ]
+            scales = estimate(maps.scale, "", 3), estimate(self.over(name))
+            table.add_row(name, scales[0], shares[0], scales[1], *shares[1:])
         return table
 
 
-rft, proof, kinds, lengths = Maps(), Proof(), Kinds(), Lengths()
-half_speed, usual_speed, twice_speed = (
-    Speed(f"{name}_speed", name) for name in ("half", "usual", "twice")
-)
+rft, kinds, lengths = Maps(), Kinds(), Lengths()
+proof = Forces("proof", "outlines", "half", "corner", "small")
+half_speed, usual_speed, twice_speed = Speed("half"), Speed("usual"), Speed("twice")

@@ -86,7 +86,7 @@ PROGRAMS = "dem", "snakemake", "python", "make", "pip", "bash"
 ENDLESS, ELSEWHERE = ("--watch",), ("--scheduler", "--wait")
 NOT_RUN = {
     "python -m studies calibration fit": "its interval takes hundreds of runs; test_calibration.py has them",
-    "python -m studies rft proof": "it reads the runs of three sweeps; test_outlines.py has what it does",
+    "python -m studies rft proof": "it reads the runs of sweeps; test_outlines.py has what it does",
     "python docs/data/release.py": "it writes the files of this checkout; test_pages.py reads it",
     "python docs/write_pages.py": "it writes the pages of this checkout; test_pages.py compares them",
 }
