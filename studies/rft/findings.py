@@ -12,7 +12,16 @@ from dem.analysis.rft import GENERIC, NAMES, Plates, Resistance, fitted, lineari
 from dem.base.statistics import Estimate, mean_interval, ratio_interval, student
 from studies.common.findings import Findings, estimate, interval, numbers, percent
 
-__all__ = ["half_speed", "kinds", "lengths", "proof", "rft", "twice_speed", "usual_speed"]
+__all__ = [
+    "half_speed",
+    "kinds",
+    "lengths",
+    "lift",
+    "proof",
+    "rft",
+    "twice_speed",
+    "usual_speed",
+]
 
 WAY = {"down": 90.0, "down ahead": 45.0, "ahead": 0.0, "up ahead": -45.0, "up": -90.0}  # degrees
 CLOSE = 0.1  # of a force: a prediction within that share of it is good
@@ -35,6 +44,17 @@ def factor(one: Resistance, base: np.ndarray, of: np.ndarray | None = None) -> E
         variance += slope @ of @ slope
     half = float(student(np.sqrt(variance), np.inf))
     return Estimate(ratio, ratio - half, ratio + half)
+
+
+def ratio(ours: np.ndarray, theirs: np.ndarray) -> Estimate:
+    """Factor on the stress over depth (c, s, 2) of others, over plates."""
+    base = theirs.mean(axis=1, keepdims=True)
+    return ratio_interval(
+        *(
+            (each * base).sum(axis=2).ravel() / (base**2).sum(axis=2).repeat(each.shape[1])
+            for each in (ours, theirs)
+        )
+    )
 
 
 class Maps(Findings):
@@ -113,13 +133,8 @@ class Speed(Maps):
         return f"rft/speeds/{self.block}/scene.nc"
 
     def over(self, other: "Speed") -> Estimate:
-        """Factor on the stress at another velocity, over beds: of an angle and a seed, with all directions."""
-        ours, theirs = (each.plates.alpha for each in (self, other))
-        base = np.nanmean(theirs, axis=1, keepdims=True)
-        parts = np.array([(ours - theirs) * base, base**2 + 0.0 * ours])
-        angle = np.abs(self.plates.angle).round(3)
-        sums = [parts[:, angle == each].sum(axis=(1, 3)) for each in np.unique(angle)]
-        return mean_interval(np.concatenate([1.0 + off / square for off, square in sums]))
+        """Factor on the stress at another velocity, over plates."""
+        return ratio(self.plates.alpha, other.plates.alpha)
 
 
 class Lengths(Findings):
@@ -140,10 +155,8 @@ class Lengths(Findings):
 
     def over(self, way: str) -> Estimate:
         """Stress on the longer plates over that on the shorter ones in a direction, over plates."""
-        alpha = self._alpha(way)
-        base = alpha[0].mean(axis=1, keepdims=True)
-        share = (alpha * base).sum(axis=3) / (base**2).sum(axis=2)
-        return ratio_interval(share[1].ravel(), share[0].ravel())
+        short, long = self._alpha(way)
+        return ratio(long, short)
 
     def ends(self, way: str) -> tuple[np.ndarray, np.ndarray, int]:
         """Force over depth and thickness (c, 2) in N/m2 on the ends of plates, against x and upwards; its variance (2,)
@@ -249,7 +262,23 @@ class Forces(Findings):
         ]
         return mean_interval(steps[0] / steps[1])
 
-    def table(self, name: str) -> Table:
+    def rises(self, along: str, axis: str) -> np.ndarray:
+        """How many forces are larger at the next depth or speed, and of how many."""
+        size = np.abs(self.force.sel(by="measured", axis=axis)[0])
+        size = size.assign_coords(depth=("cell", np.round(1e3 * self.dataset["depth"].values)))
+        steps = size.set_index(cell=["depth", "speed"]).unstack("cell").diff(along)
+        return np.array([(steps > 0.0).sum(), steps.size])
+
+    def halves(self) -> Estimate:
+        """Drag of halves of a disc that move ahead over that of the disc, by depth and side."""
+        drag = self.force.sel(by="measured", axis="x")[0]
+        whole, *sides = (
+            drag[self.at(outline=outline, direction="ahead")].values
+            for outline in ("disc", "round ahead", "flat ahead")
+        )
+        return mean_interval(np.ravel(sides / whole))
+
+    def shares(self, name: str) -> Table:
         """Good forces by direction and axis, a row per sum or per outline."""
         places = list(product(dict.fromkeys(self.dataset["direction"].values.tolist()), "xy"))
         table = numbers(name, *(f"{way}, {axis}" for way, axis in places), "all", "over measured")
@@ -268,16 +297,15 @@ class Forces(Findings):
     def forces(self) -> Table:
         """One row per cell: forces along x and y in mN; bold what is not good."""
         heads = [f"{axis}, {words}" for axis in "xy" for words in ("measured", "predicted")]
-        table = numbers("outline", "direction", "depth, mm", *heads, words=2)
-        for cell in self.at():
-            here, good, row = self.dataset.isel(cell=cell), self.good[..., cell], []
+        table = numbers("outline", "direction", "depth, mm", "velocity, m/s", *heads, words=2)
+        for number in self.at():
+            cell, row = self.force[..., number], []
             for axis, by in product("xy", ("measured", "plates")):
-                value, _, high = 1e3 * self.force[..., cell].sel(axis=axis, by=by).values
+                value, _, high = 1e3 * cell.sel(axis=axis, by=by).values
                 text = interval(value, high - value, "", 1)
-                row.append(text if good.sel(axis=axis, by=by) else f"**{text}**")
-            table.add_row(
-                here["outline"].item(), here["direction"].item(), f"{1e3 * here['depth']:.0f}", *row
-            )
+                row.append(text if self.good[..., number].sel(axis=axis, by=by) else f"**{text}**")
+            place = f"{1e3 * self.dataset['depth'][number]:.0f}", f"{cell['speed']:g}"
+            table.add_row(cell["outline"].item(), cell["direction"].item(), *place, *row)
         return table
 
 
@@ -314,10 +342,6 @@ class Kinds(Findings):
         """Whether the generic profile leaves more than that of discs, both scaled, of all grains."""
         return all(maps.generic > self.left(name) for name, maps in self.grains.items())
 
-    def suffices(self, share: float, *grains: str) -> bool:
-        """Whether the profile of discs, scaled, leaves at most so much more than nine coefficients of their own do."""
-        return all(self.left(name) < self.own(name) + share for name in grains)
-
     def table(self) -> Table:
         """One row per kind of grains."""
         heads = "factor on the generic profile", "it leaves", "factor on that of discs", "it leaves"
@@ -333,5 +357,6 @@ class Kinds(Findings):
 
 
 rft, kinds, lengths = Maps(), Kinds(), Lengths()
-proof = Forces("proof", "outlines", "half", "corner", "small")
+proof = Forces("proof", "outlines", "half", "corner")
+lift = Forces("lift", "lift")
 half_speed, usual_speed, twice_speed = Speed("half"), Speed("usual"), Speed("twice")

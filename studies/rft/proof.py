@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from dem.analysis.rft import BEGIN, Plates, fitted, measured, mirrored
-from dem.base.statistics import Estimate, student
+from dem.base.statistics import student
 from dem.experiment.intruders import intruder_of
 from dem.io.dataset import read
 from dem.sweep.state import SweepState
@@ -78,23 +78,26 @@ def cell_of(outline: str, direction: str, group: list) -> Cell:
     )
 
 
-def seen(alike: list[Cell]) -> list[list[Estimate]]:
-    """Mean force along x and y (N) of each, with the interval of what forces of all of them scatter by, relative to
-    the length of their means."""
+def about(value: np.ndarray, half: np.ndarray) -> np.ndarray:
+    """Value and the ends of its interval (3, ...)."""
+    return np.array([value, value - half, value + half])
+
+
+def seen(alike: list[Cell]) -> list[np.ndarray]:
+    """Mean force (3, 2) along x and y in N of each, with the interval of what forces of all of them scatter by,
+    relative to the length of their means."""
     means = [cell.force.mean(axis=0) for cell in alike]
     off = [(c.force - mean) / np.hypot(*mean) for c, mean in zip(alike, means, strict=True)]
-    freedom = 2 * sum(len(x) - 1 for x in off)
-    scatter = np.sqrt(sum((x**2).sum() for x in off) / freedom)
-    halves = [
-        student(scatter * np.hypot(*m) / np.sqrt(len(x)), freedom)
-        for m, x in zip(means, off, strict=True)
+    freedom = sum(each.size - 2 for each in off)
+    scatter = student(np.sqrt(sum((each**2).sum() for each in off) / freedom), freedom)
+    return [
+        about(m, scatter * np.hypot(*m) / np.sqrt(len(x))) for m, x in zip(means, off, strict=True)
     ]
-    return [[Estimate(f, f - h, f + h) for f in m] for m, h in zip(means, halves, strict=True)]
 
 
-def by_plates(plates: dict[float, Plates], cell: Cell, ends: bool = True) -> list[Estimate]:
-    """Force along x and y (N) as the sum of plates, by their length (m), with the interval of their seeds; ends:
-    False to leave out what acts on the ends of plates of two lengths."""
+def by_plates(plates: dict[float, Plates], cell: Cell, ends: bool = True) -> np.ndarray:
+    """Force (3, 2) along x and y in N as the sum of plates, by their length (m), with the interval of their seeds;
+    ends: False to leave out what acts on the ends of plates of two lengths."""
     side, middle = np.diff(cell.ring, axis=0), 0.5 * (cell.ring[1:] + cell.ring[:-1])
     size = np.hypot(*side.T)
     ahead = (side[:, 1] * cell.velocity[0] - side[:, 0] * cell.velocity[1]) / (size * cell.speed)
@@ -118,9 +121,8 @@ def by_plates(plates: dict[float, Plates], cell: Cell, ends: bool = True) -> lis
     stress = np.concatenate(alpha)
     count = stress.shape[1]
     noise = np.nanvar(stress, axis=1, ddof=1).mean(axis=0) / count
-    force = weight @ np.nanmean(stress, axis=1) * [-sign[0], 1.0]
     half = student(np.sqrt((weight**2).sum() * noise), (count - 1) * len(stress))
-    return [Estimate(f, f - h, f + h) for f, h in zip(force, half, strict=True)]
+    return about(weight @ np.nanmean(stress, axis=1) * [-sign[0], 1.0], half)
 
 
 def dataset_of(maps: xr.Dataset, sweeps: Iterable[str]) -> xr.Dataset:
@@ -141,16 +143,21 @@ def dataset_of(maps: xr.Dataset, sweeps: Iterable[str]) -> xr.Dataset:
         for cell, mean in zip(group, seen(group), strict=True):
             loads = resistance.loads(cell.ring, (0.0, -cell.depth), cell.velocity, cell.thickness)
             sums = [by_plates(each, cell) for each in (plates, short, long)]
-            force.append([mean, loads[:2], *sums, by_plates(plates, cell, ends=False)])
+            force.append(
+                [mean, np.transpose(loads[:2]), *sums, by_plates(plates, cell, ends=False)]
+            )
             rows.append(cell)
     ways = "measured", "theory", "plates", "short", "long", "sides"
     words = "force and its 95 % interval: measured; by coefficients; by plates of two lengths, and without their ends; by plates of each length"
     tables = {
-        "force": (("cell", "by", "axis", "end"), force, "N", words),
+        "force": (("cell", "by", "end", "axis"), force, "N", words),
         "depth": ("cell", [cell.depth for cell in rows], "m", "depth while it is measured"),
         "run_time": ("cell", [cell.time for cell in rows], "s", "processor time of the runs"),
     }
-    sources = [read(file, ())[1] for state in states for file in state.files("drag")]
+    files = {
+        file for state in states for block in state.sweep.blocks for file in state.files(block)
+    }
+    sources = [read(file, ())[1] for file in sorted(files)]
     told = {key: "; ".join(dict.fromkeys(source[key] for source in sources)) for key in ORIGIN}
     more = {
         "title": "Forces on outlines, measured and by theory",

@@ -13,7 +13,7 @@ def proof(
 ):
     """Write forces on the outlines of sweeps, measured and by theory.
 
-    Example: python -m studies rft proof results/rft/lengths/scene.nc outlines half corner small -o results/rft/proof.nc
+    Example: python -m studies rft proof results/rft/lengths/scene.nc outlines half corner -o results/rft/proof.nc
     """
     from dem.base.files import atomic
     from dem.io.dataset import FORMAT
