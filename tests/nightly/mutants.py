@@ -68,6 +68,7 @@ ROWS = (
     ("dynamics/step.py", "        barrier(thread.arrivals, thread.size)\n        if thread.number == 0:\n            clear", "        if thread.number == 0:\n            clear", THREADS),
     ("dynamics/motion.py", "after, 0.5 * (time + stop), c)", "after, stop, c)", SMOOTH),
     ("dynamics/motion.py", "account[WORK] -= 0.5 * kick", "account[WORK] -= kick", "tests/test_motion.py::test_the_work_of_a_drive_is_what_it_and_the_bed_gain"),
+    ("dynamics/assembly.py", "alike=len(scene.materials) == 1", "alike=True", "tests/dynamics/test_twin.py::test_a_run_is_that_of_the_model"),
     ("dynamics/contact_constants.py", "layout.mass_y, mass * both if both + second[2] > 0.0 else 1.0", "layout.mass_y, 1.0", DISCS),
     ("dynamics/measures.py", "squared += 2.0 * skin * driven_acceleration", "squared += 0.0 * driven_acceleration", "tests/test_motion.py::test_the_work_of_a_drive_is_what_it_and_the_bed_gain"),
     ("dynamics/neighbours.py", "world.contacts.table[old + c] if old >= 0 else 0.0", "0.0", BOX),
