@@ -20,7 +20,7 @@ def option(kind, about: str, *names: str, **more):
 
 
 def writes(*suffixes: str):
-    """Callback of a path that a verb writes, checked before any work. suffix: how it must end."""
+    """Callback of a path that a verb writes, checked before any work. suffixes: how it may end."""
 
     def check(parameter: typer.CallbackParam, path: Path | None):
         with reported():

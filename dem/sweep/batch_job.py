@@ -55,11 +55,13 @@ def make(store: Store, batch: str, progress=lambda done, failed: None) -> Path:
 
 def _stored(store: Store, replicate: Replicate) -> dict | None:
     """The values of a run that is finished, or that is in another batch and did not fail there."""
-    if row := store.kept(run := replicate.id, aside=True):
-        return row
-    with suppress(InputError, KeyError):  # of a damaged batch of another sweep; it is in none
-        row = store.rows([run], *replicate.configuration.module.layout)[run]
-    return row and (None if row["failure"] else row)
+    if (row := store.kept(replicate.id, aside=True)) is None:
+        with suppress(InputError):  # of a damaged batch of another sweep
+            row = store.rows([replicate.id], *replicate.configuration.module.layout).get(
+                replicate.id
+            )
+            return None if row is None or row["failure"] else row
+    return row
 
 
 def _rows_of(store: Store, batch: str, *names: str) -> dict[str, dict]:
