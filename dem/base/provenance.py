@@ -24,6 +24,14 @@ def compilers() -> str:
 
 
 @cache
+def processor() -> str:
+    """The kind of processor, as LLVM names it: on another, the last bits of a result may differ."""
+    from llvmlite.binding import get_host_cpu_name
+
+    return get_host_cpu_name()
+
+
+@cache
 def git_revision() -> str:
     """Revision of the checkout, "-dirty" if edited; the tag of the release outside a repository."""
     release = f"v{__version__}"

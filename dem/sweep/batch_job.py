@@ -11,7 +11,6 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from llvmlite.binding import get_host_cpu_name
 
 from dem.base import provenance
 from dem.base.errors import InputError, RunError
@@ -152,7 +151,7 @@ def write_batch(path: Path, replicates: list[Replicate], rows: list[dict]) -> No
         source_hash=first.source_hash,
         code=json.dumps(run_codes(*first.files)),
         versions=provenance.versions(),
-        processor=get_host_cpu_name(),
+        processor=provenance.processor(),
         git_revision=provenance.git_revision(),
     )
     write(path, values, attrs, experiment.along | layout)

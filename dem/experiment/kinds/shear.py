@@ -116,7 +116,7 @@ def run(replicate: Replicate, bed: Bed | None = None, progress=lambda done: None
     simulation.advance(settle)
     interval = shear.strain / shear.samples / rate
     samples = [_sample(simulation, interval) for _ in range(shear.samples)]
-    values = {name: [sample[name] for sample in samples] for name in samples[0]}
+    values = {name: np.array([sample[name] for sample in samples]) for name in samples[0]}
     return values | {"run_time": computing() - started, "steps": simulation.steps}
 
 
