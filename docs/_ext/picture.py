@@ -1,4 +1,4 @@
-"""What stands at the top of pages: a film of beds of three shapes; a picture of them with the drag."""
+"""The film and the picture at the top of pages: beds of three shapes, and their drag."""
 
 from pathlib import Path
 
