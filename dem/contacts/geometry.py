@@ -13,8 +13,18 @@ from dem.contacts.layout import (
     C1,
     C2,
     D_SPIN,
+    D_VX,
+    D_VY,
+    D_X,
+    D_Y,
     DV_NORMAL,
     DV_TANGENT,
+    DVX1,
+    DVX2,
+    DVY1,
+    DVY2,
+    DW1,
+    DW2,
     EIGHT,
     FOUR,
     N1,
@@ -26,6 +36,7 @@ from dem.contacts.layout import (
     OVERLAP,
     PARTNER,
     RADIUS,
+    ROW,
     S1,
     S2,
     SPIN,
@@ -37,20 +48,15 @@ from dem.contacts.layout import (
     UNCONVERGED,
     V_NORMAL,
     V_TANGENT,
-    VX1,
-    VX2,
-    VY1,
-    VY2,
     W1,
     W2,
     WALL_OFFSET,
     X1,
-    X2,
     Y1,
-    Y2,
+    ZERO,
     one_size,
 )
-from dem.jit.intrinsics import noinline, widest_vectors
+from dem.jit.intrinsics import noinline, transpose, transpose_differences, widest_vectors
 from dem.shapes.protocol import ContactGeometry, find_contact, refine_normal, support
 
 # What a kernel has: dem.dynamics.kinds
@@ -60,45 +66,46 @@ sizes_at = outline_sizes_at = one_size
 find_outline, refine_outline = find_contact, refine_normal
 
 
-def copy_four(source, i, target, k):
-    """Four numbers from source[i] on to target[k]: the compiler makes it one move."""
-    a, b, c, d = source[i], source[i + ONE], source[i + TWO], source[i + THREE]
-    target[k] = a
-    target[k + ONE] = b
-    target[k + TWO] = c
-    target[k + THREE] = d
+def gather(motion, orientation, numbers, at, count, lanes):
+    """Motion of the bodies of each contact of a block, four contacts at a time, and cosine and sine of
+    their angles.
 
-
-def gather(motion, orientation, numbers, table, at, base, count, pair, lanes):
-    """Motion of both bodies of each contact of a block, and cosine and sine of their angles.
-
-    motion, orientation: rows of all bodies, one after the other; at, base: where the block begins
-    in numbers and table.
+    motion, orientation: rows of all bodies, one after the other; at: where the block begins in
+    numbers, which are zeros beyond its contacts.
     """
     noinline()
     widest_vectors()
-    for q in range(count):
+    for q in range(0, count, 4):
         k = np.uint64(q)
-        group = FOUR * k
-        one, two = np.uint64(numbers[at + k]), np.uint64(numbers[at + PARTNER + k])
-        i, j = EIGHT * one, EIGHT * two
-        copy_four(motion, i, pair, group + X1)
-        copy_four(motion, j, pair, group + X2)
-        if PERIODIC:  # body 2 to that image of it which is beside body 1
-            pair[group + X2] += table[base + SHIFT_X + k]
-            pair[group + Y2] += table[base + SHIFT_Y + k]
+        ones, twos = four_bodies(numbers, at + k), four_bodies(numbers, at + PARTNER + k)
+        first, second = starts(ones, EIGHT, ZERO), starts(twos, EIGHT, ZERO)
+        transpose_differences(lanes, k + D_X, ROW, motion, first, second)
         if TURNS:
-            copy_four(motion, i + FOUR, pair, group + W1)
-            copy_four(motion, j + FOUR, pair, group + W2)
+            transpose(lanes, k + W1, ROW, motion, starts(ones, EIGHT, FOUR))
+            transpose(lanes, k + W2, ROW, motion, starts(twos, EIGHT, FOUR))
         if ORIENTED:
-            lanes[k + C1], lanes[k + S1] = orientation[TWO * one], orientation[TWO * one + ONE]
-            lanes[k + C2], lanes[k + S2] = orientation[TWO * two], orientation[TWO * two + ONE]
+            transpose(lanes, k + C1, ROW, orientation, starts(ones, FOUR, ZERO))
+            transpose(lanes, k + C2, ROW, orientation, starts(twos, FOUR, ZERO))
 
 
-def spacing(pair, k):
-    """Position (m) of body 2 of lane k from body 1."""
-    at = FOUR * k
-    return pair[at + X2] - pair[at + X1], pair[at + Y2] - pair[at + Y1]
+def four_bodies(numbers, p):
+    """Numbers of the bodies of contact p and the three after it."""
+    a, b, c, d = numbers[p], numbers[p + ONE], numbers[p + TWO], numbers[p + THREE]
+    return np.uint64(a), np.uint64(b), np.uint64(c), np.uint64(d)
+
+
+def starts(bodies, size, column):
+    """Where columns of rows of a size begin, for four bodies."""
+    a, b, c, d = bodies
+    return size * a + column, size * b + column, size * c + column, size * d + column
+
+
+def spacing(lanes, table, k, p):
+    """Position (m) of body 2 of contact p in lane k from body 1; of that image which is beside it."""
+    dx, dy = lanes[k + D_X], lanes[k + D_Y]
+    if PERIODIC:
+        return dx + table[p + SHIFT_X], dy + table[p + SHIFT_Y]
+    return dx, dy
 
 
 def outline_of_first(lanes, table, k, p):
@@ -123,12 +130,11 @@ def last_normal(table, p):
     return 1.0, 0.0
 
 
-def write_lane(pair, lanes, k, table, p, geometry):
+def write_lane(lanes, k, table, p, geometry):
     """Write contact p to lane k: its geometry, and the velocity and its change at the contact.
 
     Only damping needs the rate, only friction the slip, only rolling resistance the spin.
     """
-    at = FOUR * k
     overlap, nx, ny, n1, t1, n2, t2, radius = geometry
     lanes[k + OVERLAP], lanes[k + NX], lanes[k + NY] = overlap, nx, ny
     lanes[k + N1], lanes[k + N2] = n1, n2
@@ -136,8 +142,7 @@ def write_lane(pair, lanes, k, table, p, geometry):
         lanes[k + T1], lanes[k + T2] = t1, t2
     if LOCAL:
         lanes[k + RADIUS] = radius
-    gx, gy = pair[at + VX2] - pair[at + VX1], pair[at + VY2] - pair[at + VY1]
-    w1, w2 = pair[at + W1], pair[at + W2]
+    gx, gy, w1, w2 = lanes[k + D_VX], lanes[k + D_VY], lanes[k + W1], lanes[k + W2]
     if DAMPING:
         lanes[k + V_NORMAL] = along_normal(gx, gy, w1, w2, nx, ny, t1, t2)
     if FRICTION:
@@ -145,9 +150,8 @@ def write_lane(pair, lanes, k, table, p, geometry):
     if ROLLING:
         lanes[k + SPIN] = w2 - w1
     if TURNS:
-        gx = pair[at + W2 + ONE] - pair[at + W1 + ONE]
-        gy = pair[at + W2 + TWO] - pair[at + W1 + TWO]
-        w1, w2 = pair[at + W1 + THREE], pair[at + W2 + THREE]
+        gx, gy = lanes[k + DVX2] - lanes[k + DVX1], lanes[k + DVY2] - lanes[k + DVY1]
+        w1, w2 = lanes[k + DW1], lanes[k + DW2]
         if DAMPING:
             lanes[k + DV_NORMAL] = along_normal(gx, gy, w1, w2, nx, ny, t1, t2)
         if FRICTION:
@@ -173,21 +177,21 @@ def along_tangent(gx, gy, w1, w2, nx, ny, n1, n2):
     return velocity
 
 
-def find_pairs(shape, table, base, count, pair, lanes):
+def find_pairs(shape, table, base, count, lanes):
     """Geometry of contacts with granules and with round solids."""
     noinline()
     widest_vectors()
     for q in range(count):
         k = np.uint64(q)
         p = base + k
-        dx, dy = spacing(pair, k)
+        dx, dy = spacing(lanes, table, k, p)
         one, two = outline_of_first(lanes, table, k, p), outline_of_second(lanes, table, k, p)
         geometry, converged = find_contact(shape, dx, dy, one, two, last_normal(table, p))
-        write_lane(pair, lanes, k, table, p, geometry)
+        write_lane(lanes, k, table, p, geometry)
         if GUESSES:
             lanes[k + UNCONVERGED] = 0.0 if converged else 1.0
     if GUESSES and is_any_unconverged(lanes, count):
-        refine_pairs(shape, table, base, count, pair, lanes)
+        refine_pairs(shape, table, base, count, lanes)
 
 
 def is_any_unconverged(lanes, count):
@@ -198,21 +202,21 @@ def is_any_unconverged(lanes, count):
     return missed > 0
 
 
-def refine_pairs(shape, table, base, count, pair, lanes):
+def refine_pairs(shape, table, base, count, lanes):
     """Geometry again, where the last normal was too far off."""
     noinline()
     for q in range(count):
         k = np.uint64(q)
         if lanes[k + UNCONVERGED] != 0.0:
             p = base + k
-            dx, dy = spacing(pair, k)
+            dx, dy = spacing(lanes, table, k, p)
             one, two = outline_of_first(lanes, table, k, p), outline_of_second(lanes, table, k, p)
             guess = refine_normal(shape, dx, dy, one, two, last_normal(table, p))
             geometry, _ = find_contact(shape, dx, dy, one, two, guess)
-            write_lane(pair, lanes, k, table, p, geometry)
+            write_lane(lanes, k, table, p, geometry)
 
 
-def find_walls(shape, planes, numbers, at, table, base, count, pair, lanes):
+def find_walls(shape, planes, motion, numbers, at, table, base, count, lanes):
     """Geometry of contacts with walls; planes (w, 3): normal, and offset (m)."""
     noinline()
     widest_vectors()
@@ -220,27 +224,29 @@ def find_walls(shape, planes, numbers, at, table, base, count, pair, lanes):
         k = np.uint64(q)
         wall = np.uint64(numbers[at + TARGET + k])
         lanes[k + NX], lanes[k + NY] = planes[wall, 0], planes[wall, 1]
+        i = EIGHT * np.uint64(numbers[at + k])
+        lanes[k + X1], lanes[k + Y1] = motion[i], motion[i + ONE]
         lanes[k + WALL_OFFSET] = planes[wall, 2]
     for q in range(count):
         k = np.uint64(q)
-        p, group = base + k, FOUR * k
+        p = base + k
         nx, ny = lanes[k + NX], lanes[k + NY]
         reach, t1, radius = support(shape, outline_of_first(lanes, table, k, p), nx, ny)
-        height = pair[group + X1] * nx + pair[group + Y1] * ny
+        height = lanes[k + X1] * nx + lanes[k + Y1] * ny
         overlap = reach + height - lanes[k + WALL_OFFSET]
         middle = reach - 0.5 * overlap  # one type for all, so that `write_lane` is compiled once
         geometry = ContactGeometry(overlap, nx, ny, middle, t1, 0.0, 0.0, radius)
-        write_lane(pair, lanes, k, table, p, geometry)
+        write_lane(lanes, k, table, p, geometry)
 
 
 def turned_solid(orientation, orientation_offset, numbers, at):
     """Cosine and sine of the angle of the solid of a contact; orientation_offset: how many more granules there are
     than constituents."""
-    row = TWO * np.uint64(orientation_offset + np.int64(numbers[at + PARTNER]))
+    row = FOUR * np.uint64(orientation_offset + np.int64(numbers[at + PARTNER]))
     return orientation[row], orientation[row + ONE]
 
 
-def find_outlines(outlines, orientation, orientation_offset, contacts, block, pair, lanes):
+def find_outlines(outlines, orientation, orientation_offset, contacts, block, lanes):
     """Geometry of contacts with solids that have the outline of a granule, one by one.
 
     The sizes of the block are in terms of the solid.
@@ -256,15 +262,15 @@ def find_outlines(outlines, orientation, orientation_offset, contacts, block, pa
         one = (c, s) + outline_sizes_at(table, p + SIZES)
         turned = turned_solid(orientation, orientation_offset, numbers, at + k)
         two = turned + outline_sizes_at(table, p + SIZES + SECOND)
-        dx, dy = spacing(pair, k)
+        dx, dy = spacing(lanes, table, k, p)
         geometry, converged = find_outline(outlines, dx, dy, one, two, last_normal(table, p))
         if not converged:
             guess = refine_outline(outlines, dx, dy, one, two, last_normal(table, p))
             geometry, converged = find_outline(outlines, dx, dy, one, two, guess)
-        write_lane(pair, lanes, k, table, p, geometry)
+        write_lane(lanes, k, table, p, geometry)
 
 
-def find_polygons(shape, faces, orientation, orientation_offset, contacts, block, pair, lanes):
+def find_polygons(shape, faces, orientation, orientation_offset, contacts, block, lanes):
     """Geometry of contacts with polygons, one by one."""
     noinline()
     numbers, table, count = contacts.numbers, contacts.table, contacts.count[block]
@@ -276,12 +282,12 @@ def find_polygons(shape, faces, orientation, orientation_offset, contacts, block
         corner = sizes_at(table, p + SIZES + SECOND)
         if ORIENTED:
             corner = (1.0, 0.0) + corner
-        dx, dy = spacing(pair, k)
+        dx, dy = spacing(lanes, table, k, p)
         turned = turned_solid(orientation, orientation_offset, numbers, at + k)
         geometry = polygon_contact(
             shape, faces, t, turned, one, corner, dx, dy, last_normal(table, p)
         )
-        write_lane(pair, lanes, k, table, p, geometry)
+        write_lane(lanes, k, table, p, geometry)
 
 
 def polygon_contact(shape, faces, t, turned, one, corner, dx, dy, guess):

@@ -2,16 +2,14 @@
 them.
 
 A list of contacts has blocks of BLOCK, and each block has columns: constants of its contacts, and
-what they remember. The lanes are scratch memory of one thread for the block that it works on.
-`pair` holds the motion of both bodies, four numbers of one contact together, because the processor
-copies and transposes such groups fast. `lanes` holds one quantity of all contacts together. In a
-step all indices are unsigned and all offsets constants: the compiler then sees that nothing wraps
-around or overlaps, and makes vector code.
+what they remember. The lanes are scratch memory of one thread for the block that it works on: each
+row has one quantity of all contacts. In a step all indices are unsigned and all offsets constants:
+the compiler then sees that nothing wraps around or overlaps, and makes vector code.
 
 Rows of motion: position of the centre (m), velocity (m/s) and angular velocity (rad/s) at half
 steps, and the change of each over the coming half step, by which a dashpot sees the velocity at
-full steps. Where nothing turns and contacts have dashpots, rows have the velocity of the full step:
-only dashpots see it, and a contact copies half a row. Rows of force: force (N) and torque about the
+full full steps. Where nothing turns and contacts have dashpots, rows have the velocity of the full step:
+only dashpots see it, and a contact reads half a row. Rows of force: force (N) and torque about the
 centre (N m).
 """
 
@@ -27,27 +25,22 @@ ZERO, ONE, TWO, THREE, FOUR, FIVE, EIGHT = map(np.uint64, (0, 1, 2, 3, 4, 5, 8))
 X, Y, VX, VY, W, DVX, DVY, DW = range(8)
 FX, FY, TAU = range(3)
 
-# pair[offset + 4 k]: position and velocity of 1 and 2; spin of both, with the changes after it
-_GROUP = 4 * BLOCK + LINE
-# fmt: off
-(X1, Y1, VX1, VY1, X2, Y2, VX2, VY2, W1, _, _, _, W2) = (
-    np.uint64(k // 4 * _GROUP + k % 4) for k in range(13)
-)
-# fmt: on
-PAIR = 4 * _GROUP  # numbers in all
-
+ROW = np.uint64(BLOCK + LINE)  # from one row of lanes to the next
 # lanes[offset + k]: geometry and force (the first SEEN rows are handed out, see dem.dynamics.system),
 # whether the last normal was near enough, velocities and spins of 2 relative to 1 and their
-# changes, root of the law, torques, powers, cosine and sine of both angles
+# changes, root of the law, torques, powers; then four at a time, as bodies have them side by side: position
+# and velocity of 2 relative to 1; spin of 1, with the changes after it, and of 2; cosine and sine of both
+# angles, with two columns of zeros
 # fmt: off
 (OVERLAP, NX, NY, N1, T1, N2, T2, RADIUS, FORCE_X, FORCE_Y,
  UNCONVERGED, V_NORMAL, V_TANGENT, SPIN, DV_NORMAL, DV_TANGENT, D_SPIN, MEAN_ROOT,
- TORQUE_1, TORQUE_2, DAMPED, SLID, ROLLED, C1, S1, C2, S2) = (
-    np.uint64(k * (BLOCK + LINE)) for k in range(27)
+ TORQUE_1, TORQUE_2, DAMPED, SLID, ROLLED, D_X, D_Y, D_VX, D_VY,
+ W1, DVX1, DVY1, DW1, W2, DVX2, DVY2, DW2, C1, S1, _, _, C2, S2, _, _) = (
+    np.uint64(k) * ROW for k in range(43)
 )
 # fmt: on
-LANES = 27 * (BLOCK + LINE)
-WALL_OFFSET = MEAN_ROOT  # a wall has it before its root
+LANES = 43 * int(ROW)
+WALL_OFFSET, X1, Y1 = MEAN_ROOT, TORQUE_1, TORQUE_2  # a wall has these before its root and torques
 SEEN = 10
 
 # numbers[offset + k] of a block: constituent 1, body 2 as a row of motion, and where forces on it go

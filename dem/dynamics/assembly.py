@@ -398,7 +398,7 @@ def assemble(
         ),
         constituents=Constituents(
             motion=motion,
-            orientation=np.column_stack([np.cos(turned), np.sin(turned)]),
+            orientation=np.column_stack([np.cos(turned), np.sin(turned), *np.zeros((2, n + r))]),
             force=force,
             reference=np.zeros((c, 2)),
             first=np.searchsorted(owner, np.arange(n + 1)),

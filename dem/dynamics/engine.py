@@ -226,8 +226,8 @@ def within(ahead: float, dt: float) -> float:
 def first_outside(world: World) -> int:
     """The first granule whose centre is behind a wall, or -1."""
     planes = world.boundaries.planes
-    beyond = (world.bodies[:, :2] @ planes[:, :2].T > planes[:, 2]).any(axis=1)
-    return int(beyond.argmax()) if beyond.any() else -1
+    beyond = world.bodies[:, :2] @ planes[:, :2].T > planes[:, 2]
+    return int(beyond.any(axis=1).argmax()) if beyond.any() else -1
 
 
 class Engine:

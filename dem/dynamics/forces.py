@@ -37,23 +37,22 @@ LEDGER = WITH_OUTLINES = WITH_POLYGONS = True
 STRIDE = np.uint64(0)
 
 
-def find_block(world, section, block, pair, lanes):
-    """Geometry of the contacts of a block."""
+def find_block(world, motion, turned, section, block, lanes):
+    """Geometry of the contacts of a block; motion, turned: rows of all bodies, one after the other."""
     contacts, constituents = world.contacts, world.constituents
     numbers, table, count = contacts.numbers, contacts.table, contacts.count[block]
     at, base = NUMBERS * np.uint64(block), STRIDE * np.uint64(block)
-    motion, turned = constituents.motion.reshape(-1), constituents.orientation.reshape(-1)
     shape, planes = world.shape, world.boundaries.planes
     orientation_offset = constituents.first.shape[0] - 1 - constituents.reference.shape[0]
-    gather(motion, turned, numbers, table, at, base, count, pair, lanes)
+    gather(motion, turned, numbers, at, count, lanes)
     if section == WALLS:
-        find_walls(shape, planes, numbers, at, table, base, count, pair, lanes)
+        find_walls(shape, planes, motion, numbers, at, table, base, count, lanes)
     elif WITH_OUTLINES and section == OUTLINES:
-        find_outlines(world.outlines, turned, orientation_offset, contacts, block, pair, lanes)
+        find_outlines(world.outlines, turned, orientation_offset, contacts, block, lanes)
     elif WITH_POLYGONS and section == POLYGONS:
-        find_polygons(shape, world.faces, turned, orientation_offset, contacts, block, pair, lanes)
+        find_polygons(shape, world.faces, turned, orientation_offset, contacts, block, lanes)
     else:
-        find_pairs(shape, table, base, count, pair, lanes)
+        find_pairs(shape, table, base, count, lanes)
 
 
 def ask_for_partners(contacts, motion, block):
@@ -67,10 +66,10 @@ def clear(table, low, high):
     """Zeros in rows low to high."""
     flat, columns = table.reshape(-1), table.shape[1]
     for q in range(columns * low, columns * high):
-        flat[q] = 0.0
+        flat[np.uint64(q)] = 0.0  # unsigned: one move of memory, without a test of each index
 
 
-def contact_forces(world, task, begin, end, dt, pair, lanes, rows):
+def contact_forces(world, task, begin, end, dt, lanes, rows):
     """What is asked of the contacts of blocks begin to end.
 
     FORCES: add their forces to boundaries and constituents; constituents of other patches have rows
@@ -81,13 +80,15 @@ def contact_forces(world, task, begin, end, dt, pair, lanes, rows):
     noinline()
     contacts, constituents, boundaries = world.contacts, world.constituents, world.boundaries
     numbers, force, walls = contacts.numbers, constituents.force, boundaries.planes.shape[0]
+    # once, not for each block: a view takes as long as a tenth of the forces of a block
     flat, motion = force.reshape(-1), constituents.motion.reshape(-1)
+    turned = constituents.orientation.reshape(-1)
     on, loads, boundary = boundaries.force, boundaries.contact_forces, world.faces.boundary
     prefetches, section = contacts.of_patch.shape[0] > 2 and begin < contacts.first[WALLS], PAIRS
     for block in range(begin, end):
         while block >= contacts.first[section + 1]:
             section += 1
-        find_block(world, section, block, pair, lanes)
+        find_block(world, motion, turned, section, block, lanes)
         if prefetches and block + 1 < end:
             ask_for_partners(contacts, motion, block + 1)
         at, count = NUMBERS * np.uint64(block), contacts.count[block]

@@ -27,10 +27,10 @@ from dem.contacts.layout import (
     X,
     Y,
 )
-from dem.dynamics.world import COSINE, INVERSE_MASS, LOAD, SINE, SPRING, STRETCH
+from dem.dynamics.world import COSINE, INVERSE_MASS, LOAD, SINE, SPRING, STRETCH, granules_of
 from dem.dynamics.world import DAMPING as DAMPED
 from dem.jit.intrinsics import noinline, widest_vectors
-from dem.shapes.rotation import rotated
+from dem.shapes.rotation import rotated_little
 
 # What a kernel has: dem.dynamics.kinds. FULL: rows have velocities of full steps.
 DAMPING = TURNS = ROTATES = COMPOSED = LEDGER = FULL = True
@@ -42,60 +42,72 @@ def greater(a, b):
     return b if (b > a or b != b) and a == a else a
 
 
-def extrapolated(previous_acceleration, i, c, now):
-    """Acceleration after the coming step, from the present and the previous one, which becomes the
-    present one. Where no contact has a dashpot, the present one."""
+def extrapolated(now, before):
+    """Acceleration after the coming step, from the present and the previous one. Where no contact has a
+    dashpot, the present one."""
     if DAMPING:
-        ahead = 2.0 * now - previous_acceleration[i, c]
-        previous_acceleration[i, c] = now
-        return ahead
+        return 2.0 * now - before
     return now
 
 
-def drift(granules, constituents, held, boundary_motion, gravity, account, kick, dt, low, high):
-    """Kick granules low to high over the time `kick` (s), then move them over dt (s).
+def drift(granules, constituents, held, boundary_motion, gravity, account, kick, dt, limit, patch):
+    """Kick a patch over the time `kick` (s), then move it over dt (s).
 
-    With dt = 0 velocities are then at a full step.
+    With dt = 0 velocities are then at a full step. Returns how many constituents are `is_beyond` a limit.
     """
     noinline()
     widest_vectors()
+    low, high = granules_of(granules.angle.shape[0], patch)
     if COMPOSED:
         collect(granules.force, constituents, low, high)
     motion, angle, force = granules.motion, granules.angle, granules.force
     inverse_mass, inverse_inertia = granules.inverse_mass, granules.inverse_inertia
     previous, orientation, half = granules.previous_acceleration, constituents.orientation, 0.5 * dt
+    reference, gx, gy, beyond = constituents.reference, gravity[0], gravity[1], 0
     for number in range(low, high):
         i = np.uint64(number)  # unsigned: no test for an index that counts from the end
-        for c in range(2):
-            a = force[i, FX + c] * inverse_mass[i] + gravity[c]
-            v = motion[i, VX + c]
-            if FULL:
-                v = v - motion[i, DVX + c]
-            v = v + kick * a
-            dv = half * extrapolated(previous, i, FX + c, a)
-            motion[i, VX + c] = v + dv if FULL else v
-            motion[i, X + c] += dt * v
-            motion[i, DVX + c] = dv
-            if LEDGER and inverse_mass[i] > 0.0:
-                account[FALL] += kick * gravity[c] * v / inverse_mass[i]
+        # first all that is read: for the compiler, what is stored could change it
+        ax, ay = force[i, FX] * inverse_mass[i] + gx, force[i, FY] * inverse_mass[i] + gy
+        x, y, vx, vy = motion[i, X], motion[i, Y], motion[i, VX], motion[i, VY]
+        before_x, before_y = previous[i, FX], previous[i, FY]
+        if FULL:
+            vx, vy = vx - motion[i, DVX], vy - motion[i, DVY]
+        vx, vy = vx + kick * ax, vy + kick * ay
+        dvx, dvy = half * extrapolated(ax, before_x), half * extrapolated(ay, before_y)
+        motion[i, X], motion[i, Y] = x + dt * vx, y + dt * vy
+        motion[i, VX], motion[i, VY] = (vx + dvx, vy + dvy) if FULL else (vx, vy)
+        motion[i, DVX], motion[i, DVY] = dvx, dvy
+        if DAMPING:
+            previous[i, FX], previous[i, FY] = ax, ay
+        if LEDGER and inverse_mass[i] > 0.0:
+            account[FALL] += kick * (gx * vx + gy * vy) / inverse_mass[i]
         if TURNS:
             alpha = force[i, TAU] * inverse_inertia[i]
-            motion[i, W] += kick * alpha
-            motion[i, DW] = half * extrapolated(previous, i, TAU, alpha)
-            angle[i] += dt * motion[i, W]
+            w = motion[i, W] + kick * alpha
+            motion[i, W], motion[i, DW] = w, half * extrapolated(alpha, previous[i, TAU])
+            if DAMPING:
+                previous[i, TAU] = alpha
+            angle[i] += dt * w
             if ROTATES:
-                rotate(orientation, i, angle[i], dt * motion[i, W])
+                rotate(orientation, i, angle[i], dt * w)
+        if not COMPOSED:
+            beyond += is_beyond(motion, reference, i, limit)
     if held.member.shape[0] > 0:
-        move_held(granules, held, boundary_motion, account, kick, low, high)
+        beyond += move_held(
+            granules, constituents, held, boundary_motion, account, kick, low, high, limit
+        )
     if COMPOSED:
-        place(motion, constituents, low, high)
+        beyond = place(motion, constituents, low, high, limit)
+    return beyond
 
 
 def rotate(orientation, i, angle, step):
     """Orientation of a body after a rotation by a step to an angle (rad), without trigonometry if it
     is small. Rounding errors of about 1e-16 per step add up until `set_orientation`."""
     if abs(step) < SMALL:
-        orientation[i, 0], orientation[i, 1] = rotated(orientation[i, 0], orientation[i, 1], step)
+        orientation[i, 0], orientation[i, 1] = rotated_little(
+            orientation[i, 0], orientation[i, 1], step
+        )
     else:
         orientation[i, 0], orientation[i, 1] = math.cos(angle), math.sin(angle)
 
@@ -121,8 +133,8 @@ def collect(force, constituents, low, high):
         force[g, FX], force[g, FY], force[g, TAU] = fx, fy, torque
 
 
-def place(motion, constituents, low, high):
-    """Motion of the constituents of granules low to high."""
+def place(motion, constituents, low, high, limit):
+    """Motion of the constituents of granules low to high; returns how many are `is_beyond` a limit."""
     noinline()
     orientation, first, centre, parts = (
         constituents.orientation,
@@ -130,6 +142,7 @@ def place(motion, constituents, low, high):
         constituents.place,
         constituents.motion,
     )
+    reference, beyond = constituents.reference, 0
     for number in range(low, high):
         g = np.uint64(number)
         c, s, spin, change = orientation[g, 0], orientation[g, 1], motion[g, W], motion[g, DW]
@@ -143,13 +156,16 @@ def place(motion, constituents, low, high):
             parts[i, VX], parts[i, VY] = vx - spin * y, vy + spin * x
             parts[i, DVX], parts[i, DVY] = dvx - change * y, dvy + change * x
             parts[i, W], parts[i, DW] = spin, change
+            beyond += is_beyond(parts, reference, i, limit)
+    return beyond
 
 
-def move_held(granules, held, boundary_motion, account, kick, low, high):
-    """Move the held among granules low to high along with their groups, after a kick (s)."""
+def move_held(granules, constituents, held, boundary_motion, account, kick, low, high, limit):
+    """Move the held among granules low to high along with their groups, after a kick (s); returns how
+    many are `is_beyond` a limit."""
     noinline()
     motion, member, start = granules.motion, held.member, held.start
-    q, end = 0, member.shape[0]
+    q, end, beyond = 0, member.shape[0], 0
     while q < end:  # the first member of these granules
         middle = (q + end) // 2
         if member[middle] < low:
@@ -167,7 +183,10 @@ def move_held(granules, held, boundary_motion, account, kick, low, high):
             motion[i, DVX + c] = boundary_motion[b, DVX + c]
         if LEDGER:  # work of its spin
             account[WORK] -= kick * granules.force[i, TAU] * motion[i, W]
+        if not COMPOSED:
+            beyond += is_beyond(motion, constituents.reference, i, limit)
         q += 1
+    return beyond
 
 
 # Boundaries
@@ -302,19 +321,19 @@ def displaced(motion, reference, i):
     return dx * dx + dy * dy
 
 
-def farthest_of(motion, reference, low, high, limit):
-    """Largest squared displacement (m2) of constituents low to high; 0 if none is above `limit`.
+def is_beyond(motion, reference, i, limit):
+    """1 where the squared displacement of a constituent is above a limit (m2), or is not a number; else
+    0."""
+    return 0 if displaced(motion, reference, i) <= limit else 1
 
-    Nearly always none is: to ask that is fast, because no granule waits for the one before.
-    """
+
+def farthest_of(constituents, patch):
+    """Largest squared displacement (m2) of the constituents of a patch."""
     noinline()
-    widest_vectors()
-    beyond, farthest = 0, 0.0
-    for number in range(low, high):
-        beyond += not displaced(motion, reference, np.uint64(number)) <= limit
-    if beyond > 0:
-        for number in range(low, high):
-            farthest = greater(farthest, displaced(motion, reference, np.uint64(number)))
+    first, farthest = constituents.first, 0.0
+    low, high = granules_of(first.shape[0] - 1, patch)
+    for i in range(first[low], first[high]):
+        farthest = greater(farthest, displaced(constituents.motion, constituents.reference, i))
     return farthest
 
 

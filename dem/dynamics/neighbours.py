@@ -421,7 +421,7 @@ def set_reference(world, bodies):
             math.sin(granules.angle[i]),
         )
     if bodies.composed:
-        place(granules.motion, constituents, 0, n)
+        place(granules.motion, constituents, 0, n, 0.0)
     for i in range(c):
         reference[i, 0], reference[i, 1] = motion[i, X], motion[i, Y]
     for b in range(boundaries.angle.shape[0]):
@@ -502,7 +502,7 @@ def new_contacts(blocks: int, bodies: Bodies, patches: int) -> Contacts:
     """Memory for a list of so many blocks; no contact yet."""
     layout = bodies.layout
     return Contacts(
-        numbers=np.empty(blocks * int(NUMBERS), np.uint32),
+        numbers=np.zeros(blocks * int(NUMBERS), np.uint32),
         table=aligned(blocks * layout.stride),
         friction=aligned((blocks + 1) * FRICTIONS if layout.tangential_force >= 0 else 0),
         alike=bodies.alike,

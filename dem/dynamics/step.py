@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.contacts.layout import LANES, LINE, PAIR, aligned
+from dem.contacts.layout import LANES, LINE, aligned
 from dem.dynamics.base_plate import rub_boundaries, rub_granules
 from dem.dynamics.forces import (
     FORCES,
@@ -47,7 +47,7 @@ class Place(NamedTuple):
         How often threads have arrived at a barrier so far.
     moved : ndarray of shape (8 size,)
         Largest squared displacement (m2) that each thread has seen.
-    pair, lanes : ndarray
+    lanes : ndarray
         Scratch memory of this thread (dem.contacts.layout).
     """
 
@@ -55,14 +55,13 @@ class Place(NamedTuple):
     size: int
     arrivals: np.ndarray
     moved: np.ndarray
-    pair: np.ndarray
     lanes: np.ndarray
 
 
 def places(size: int) -> list[Place]:
     """The places of so many threads."""
     shared = np.zeros(1, np.int64), np.zeros(LINE * size)
-    return [Place(k, size, *shared, aligned(PAIR), aligned(LANES)) for k in range(size)]
+    return [Place(k, size, *shared, aligned(LANES)) for k in range(size)]
 
 
 class Threads(ThreadPoolExecutor):
@@ -86,25 +85,14 @@ def share_of(thread, count):
 def move_patch(world, kick, dt, patch, limit):
     """`drift` of a patch; returns its largest squared displacement (m2) since the lists were made,
     0 if none is above `limit`."""
-    constituents, granules = world.constituents, world.granules
-    low, high = granules_of(granules.angle.shape[0], patch)
+    constituents, granules, held = world.constituents, world.granules, world.held
     if world.base.grip.shape[0] > 0:
+        low, high = granules_of(granules.angle.shape[0], patch)
         given = world.base, granules, constituents, world.gravity, world.account
         rub_granules(*given, kick, low, high)
-    drift(
-        granules,
-        constituents,
-        world.held,
-        world.boundaries.motion,
-        world.gravity,
-        world.account,
-        kick,
-        dt,
-        low,
-        high,
-    )
-    first = constituents.first
-    return farthest_of(constituents.motion, constituents.reference, first[low], first[high], limit)
+    given = world.boundaries.motion, world.gravity, world.account, kick, dt, limit, patch
+    beyond = drift(granules, constituents, held, *given)
+    return farthest_of(constituents, patch) if beyond > 0 else 0.0
 
 
 STEPS, DRIFT = range(RESPOND + 1, RESPOND + 3)  # tasks beside FORCES, SHOW and RESPOND
@@ -126,12 +114,12 @@ def advance(world, task, kick, dt, steps, limit, rows, thread):
     other patches wait until all threads have done their pairs.
     """
     patches, boundaries, constituents = world.patches, world.boundaries, world.constituents
-    pair, lanes, blocks = thread.pair, thread.lanes, world.contacts.first
+    lanes, blocks = thread.lanes, world.contacts.first
     begin, end = share_of(thread, patches.lowest.shape[0])
     squared, done, further = limit * limit, 0, 0.0
     granules = world.granules.angle.shape[0]
     if task in (SHOW, RESPOND):
-        contact_forces(world, task, steps, steps + rows.shape[0], 0.0, pair, lanes, rows)
+        contact_forces(world, task, steps, steps + rows.shape[0], 0.0, lanes, rows)
         return 0, 0.0
     while True:
         # Kick and drift: boundaries, then the patches that wait for them
@@ -154,7 +142,7 @@ def advance(world, task, kick, dt, steps, limit, rows, thread):
             if task == DRIFT:
                 return 0, 0.0
         elif COMPOSED:
-            place(world.granules.motion, constituents, 0, granules)
+            place(world.granules.motion, constituents, 0, granules, 0.0)
         moved = further
         done += 1
         last = done >= steps or not moved <= squared
@@ -165,7 +153,7 @@ def advance(world, task, kick, dt, steps, limit, rows, thread):
         for patch in range(begin, end):
             low, high = world.contacts.of_patch[patch], world.contacts.of_patch[patch + 1]
             clear_patch(constituents, patch)
-            contact_forces(world, FORCES, low, high, dt, pair, lanes, rows)
+            contact_forces(world, FORCES, low, high, dt, lanes, rows)
             if knows_forces(patches.lowest, patch, begin):
                 add_forces_across_patches(constituents, patches, patch)
                 if not last:
@@ -178,7 +166,7 @@ def advance(world, task, kick, dt, steps, limit, rows, thread):
         barrier(thread.arrivals, thread.size)
         if thread.number == 0:
             clear_boundaries(boundaries)
-            contact_forces(world, FORCES, blocks[WALLS], blocks[SECTIONS], dt, pair, lanes, rows)
+            contact_forces(world, FORCES, blocks[WALLS], blocks[SECTIONS], dt, lanes, rows)
             sum_held_forces(constituents, world.held, boundaries)
         if last:
             if COMPOSED and task == FORCES:

@@ -56,8 +56,9 @@ class Constituents(NamedTuple):
     ----------
     motion : ndarray of shape (c + r, 8)
         Rows of dem.contacts.layout.
-    orientation : ndarray of shape (n + r, 2)
-        Cosine and sine of the angles of granules and boundaries.
+    orientation : ndarray of shape (n + r, 4)
+        Cosine and sine of the angles of granules and boundaries, and two zeros, because vector units
+        take four numbers.
     force : ndarray of shape (c + r or more, 4)
         Forces and torques on constituents, then rows for Patches.
     reference : ndarray of shape (c, 2)

@@ -28,10 +28,10 @@ def in_kernels(function):
     return decorate
 
 
-def _pointer(context, builder, signature, arguments, kind):
-    """Pointer of a kind to array[index] (1-D), of the first two arguments."""
-    data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
-    return builder.bitcast(builder.gep(data, [arguments[1]]), kind.as_pointer())
+def _pointer(context, builder, array_type, array, index, kind):
+    """Pointer of a kind to array[index] (1-D)."""
+    data = context.make_array(array_type)(context, builder, array).data
+    return builder.bitcast(builder.gep(data, [index]), kind.as_pointer())
 
 
 def attribute(change):
@@ -73,7 +73,7 @@ INTRINSICS[noinline] = attribute(lambda have: have.discard("alwaysinline"))
 def _prefetch(typing, array, index):
     def generate(context, builder, signature, arguments):
         byte = ir.IntType(8)
-        where = _pointer(context, builder, signature, arguments, byte)
+        where = _pointer(context, builder, signature.args[0], *arguments, byte)
         kind = ir.FunctionType(ir.VoidType(), [byte.as_pointer(), NUMBER, NUMBER, NUMBER])
         function = builder.module.declare_intrinsic("llvm.prefetch", [byte.as_pointer()], kind)
         read, second_level, data_cache = NUMBER(0), NUMBER(2), NUMBER(1)
@@ -96,7 +96,7 @@ def prefetch(array, index):
 def _add_four(typing, array, index, a, b, c, d):
     def generate(context, builder, signature, arguments):
         four = ir.VectorType(ir.DoubleType(), 4)
-        where = _pointer(context, builder, signature, arguments, four)
+        where = _pointer(context, builder, signature.args[0], *arguments[:2], four)
         change = ir.Constant(four, ir.Undefined)
         for place, number in enumerate(arguments[2:]):
             change = builder.insert_element(change, number, NUMBER(place))
@@ -121,11 +121,93 @@ def add_four(array, index, a, b, c, d):
         array[place] += number
 
 
+def _rows(context, builder, kind, source, places):
+    """Four vectors of four numbers, from source[place] of each place on."""
+    wide = ir.VectorType(ir.DoubleType(), 4)
+    where = (builder.extract_value(places, c) for c in range(4))
+    pointers = [_pointer(context, builder, kind, source, at, wide) for at in where]
+    return [builder.load(at, align=ALIGNED) for at in pointers]
+
+
+def _put_columns(context, builder, kind, target, k, apart, rows):
+    """Write four vectors of four numbers to target[k], as columns that are so many numbers apart."""
+
+    def mixed(one, two, places):
+        return builder.shuffle_vector(one, two, ir.Constant(ir.VectorType(NUMBER, 4), places))
+
+    a, b, c, d = rows
+    halves = [(mixed(a, b, at), mixed(c, d, at)) for at in ((0, 4, 2, 6), (1, 5, 3, 7))]
+    for at in ((0, 1, 4, 5), (2, 3, 6, 7)):
+        for half in halves:
+            builder.store(
+                mixed(*half, at),
+                _pointer(context, builder, kind, target, k, a.type),
+                align=ALIGNED,
+            )
+            k = builder.add(k, apart)
+    return context.get_dummy_value()
+
+
+@intrinsic
+def _transpose(typing, target, k, apart, source, ones):
+    def generate(context, builder, signature, arguments):
+        target, k, apart, source, ones = arguments
+        kind, *_, from_kind, _ = signature.args
+        rows = _rows(context, builder, from_kind, source, ones)
+        return _put_columns(context, builder, kind, target, k, apart, rows)
+
+    return types.none(target, k, apart, source, ones), generate
+
+
+@in_kernels(
+    lambda target, k, apart, source, ones: (
+        lambda target, k, apart, source, ones: _transpose(target, k, apart, source, ones)
+    )
+)
+def transpose(target, k, apart, source, ones):
+    """Write the four numbers from each of four places of source on (1-D, float64) to target[k]: the first
+    of each side by side, the second of each so many numbers `apart`, and so on.
+
+    In kernels these are moves of a vector unit: of one contact it reads numbers that are together, and
+    it computes with one number of several contacts.
+    """
+    for c, row in enumerate(ones):
+        for r in range(4):
+            target[int(k) + int(apart) * r + c] = source[int(row) + r]
+
+
+@intrinsic
+def _transpose_differences(typing, target, k, apart, source, ones, twos):
+    def generate(context, builder, signature, arguments):
+        target, k, apart, source, ones, twos = arguments
+        kind, *_, from_kind, _, _ = signature.args
+        one, two = (_rows(context, builder, from_kind, source, places) for places in (ones, twos))
+        rows = [builder.fsub(second, first) for first, second in zip(one, two, strict=True)]
+        return _put_columns(context, builder, kind, target, k, apart, rows)
+
+    return types.none(target, k, apart, source, ones, twos), generate
+
+
+@in_kernels(
+    lambda target, k, apart, source, ones, twos: (
+        lambda target, k, apart, source, ones, twos: _transpose_differences(
+            target, k, apart, source, ones, twos
+        )
+    )
+)
+def transpose_differences(target, k, apart, source, ones, twos):
+    """As `transpose`, of the numbers from the second places on less those from the first on."""
+    for c, (one, two) in enumerate(zip(ones, twos, strict=True)):
+        for r in range(4):
+            number = source[int(two) + r] - source[int(one) + r]
+            target[int(k) + int(apart) * r + c] = number
+
+
 @intrinsic
 def _add_one(typing, array, index):
     def generate(context, builder, signature, arguments):
         one = context.get_constant(types.int64, 1)
-        where = _pointer(context, builder, signature, arguments, ir.IntType(64))
+        where = _pointer(context, builder, signature.args[0], *arguments, ir.IntType(64))
         return builder.add(builder.atomic_rmw("add", where, one, "seq_cst"), one)
 
     return types.int64(array, index), generate
@@ -134,7 +216,7 @@ def _add_one(typing, array, index):
 @intrinsic
 def _load(typing, array, index):
     def generate(context, builder, signature, arguments):
-        where = _pointer(context, builder, signature, arguments, ir.IntType(64))
+        where = _pointer(context, builder, signature.args[0], *arguments, ir.IntType(64))
         return builder.load_atomic(where, "seq_cst", align=ALIGNED)
 
     return types.int64(array, index), generate

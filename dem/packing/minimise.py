@@ -32,7 +32,7 @@ from dem.dynamics.forces import (
     knows_forces,
     sum_held_forces,
 )
-from dem.dynamics.motion import collect, farthest_of, greater, place, rotate
+from dem.dynamics.motion import collect, farthest_of, greater, is_beyond, place, rotate
 from dem.dynamics.scan import CRITICAL, DEEP_CONSTITUENT, DEEPEST, TOUCHING
 from dem.dynamics.skin import SKIN_OF_PACKING, bounded_skin
 from dem.dynamics.step import STEPS, Place, Threads, share_of
@@ -119,13 +119,13 @@ def halt(granules, orientation, back, patch):
                 rotate(orientation, i, angle[i], back * motion[i, DW])
 
 
-def move(granules, constituents, alpha, factor, dt, patch):
+def move(granules, constituents, alpha, factor, dt, limit, patch):
     """Turn the velocities of a patch towards the forces, v = (1 - alpha) v + factor F, and move it
-    over dt (s)."""
+    over dt (s). Returns how many constituents are `is_beyond` a limit."""
     noinline()
     widest_vectors()
     force, motion, angle = granules.force, granules.motion, granules.angle
-    orientation = constituents.orientation
+    orientation, reference, beyond = constituents.orientation, constituents.reference, 0
     low, high = granules_of(angle.shape[0], patch)
     for number in range(low, high):
         i = np.uint64(number)
@@ -138,8 +138,11 @@ def move(granules, constituents, alpha, factor, dt, patch):
             angle[i] += dt * motion[i, W]
             if ROTATES:
                 rotate(orientation, i, angle[i], dt * motion[i, W])
+        if not COMPOSED:
+            beyond += is_beyond(motion, reference, i, limit)
     if COMPOSED:
-        place(motion, constituents, low, high)
+        beyond = place(motion, constituents, low, high, limit)
+    return beyond
 
 
 def total(sums, column):
@@ -173,13 +176,12 @@ def fire(world, task, enough, dt, steps, list_range, rows, descent):
     (m; 0 up to list_range, beyond it the lists are too old).
     """
     granules, constituents, patches = world.granules, world.constituents, world.patches
-    lowest, first, blocks = patches.lowest, constituents.first, world.contacts.first
-    motion, reference, n = constituents.motion, constituents.reference, granules.angle.shape[0]
+    lowest, blocks, n = patches.lowest, world.contacts.first, granules.angle.shape[0]
     thread, memory, sums = descent.place, descent.memory, descent.sums
-    pair, lanes, arrivals, size = thread.pair, thread.lanes, thread.arrivals, thread.size
+    lanes, arrivals, size = thread.lanes, thread.arrivals, thread.size
     begin, end = share_of(thread, lowest.shape[0])
     if task in (SHOW, RESPOND):
-        contact_forces(world, task, steps, steps + rows.shape[0], 0.0, pair, lanes, rows)
+        contact_forces(world, task, steps, steps + rows.shape[0], 0.0, lanes, rows)
         return 0, 0.0
     dt, alpha, downhill, longest = memory[0], memory[1], memory[2], memory[3]
     done, moved, largest = 0, 0.0, math.inf
@@ -214,13 +216,12 @@ def fire(world, task, enough, dt, steps, list_range, rows, descent):
                 speed = total(sums, SPEED)
             factor = alpha * math.sqrt(speed / push) if push > 0.0 else 0.0
             for patch in range(begin, end):
-                move(granules, constituents, alpha, factor, dt, patch)
-                low, high = granules_of(n, patch)
-                sums[patch, MOVED] = farthest_of(motion, reference, first[low], first[high], limit)
+                beyond = move(granules, constituents, alpha, factor, dt, limit, patch)
+                sums[patch, MOVED] = farthest_of(constituents, patch) if beyond > 0 else 0.0
             barrier(arrivals, size)
             moved = greatest_of(sums, MOVED)
         elif COMPOSED:
-            place(granules.motion, constituents, 0, n)
+            place(granules.motion, constituents, 0, n, 0.0)
         done += 1
         last = done >= steps or not moved <= limit
         # Forces, and the next kick of patches that know all of theirs
@@ -228,7 +229,7 @@ def fire(world, task, enough, dt, steps, list_range, rows, descent):
         for patch in range(begin, end):
             low, high = world.contacts.of_patch[patch], world.contacts.of_patch[patch + 1]
             clear_patch(constituents, patch)
-            contact_forces(world, FORCES, low, high, 0.0, pair, lanes, rows)
+            contact_forces(world, FORCES, low, high, 0.0, lanes, rows)
             if knows_forces(lowest, patch, begin):
                 add_forces_across_patches(constituents, patches, patch)
                 collect_patch(granules, constituents, patch)
@@ -241,7 +242,7 @@ def fire(world, task, enough, dt, steps, list_range, rows, descent):
         barrier(arrivals, size)
         if thread.number == 0:
             clear_boundaries(world.boundaries)
-            contact_forces(world, FORCES, blocks[WALLS], blocks[SECTIONS], 0.0, pair, lanes, rows)
+            contact_forces(world, FORCES, blocks[WALLS], blocks[SECTIONS], 0.0, lanes, rows)
             sum_held_forces(constituents, world.held, world.boundaries)
         barrier(arrivals, size)
         for patch in range(begin, end):

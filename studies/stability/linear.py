@@ -54,7 +54,7 @@ class Nudged:
         bodies[:, :2] += moved[:, :2]
         bodies[:, 2:5] = velocity
         turned = self._angle + moved[:, 2]
-        orientation = world.constituents.orientation[: len(turned)]
+        orientation = world.constituents.orientation[: len(turned), :2]
         orientation[:] = np.column_stack([np.cos(turned), np.sin(turned)])
         self.system.forces(dt)
         return world.force[:, :3] / [1.0, 1.0, self.size]

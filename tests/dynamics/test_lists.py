@@ -5,6 +5,7 @@ import pytest
 from project import quick
 
 import dem
+from dem.dynamics.skin import SKIN
 from dem.dynamics.system import System
 
 R = 1e-3
@@ -31,10 +32,10 @@ def test_lists_of_granules_that_fall_last_longer_and_are_narrow_again_when_they_
         thickness=R,
         walls=[dem.Wall((0.0, -1.0, 0.1))],
     )
-    fallen, fixed = (dem.Simulation(scene, dem.State(PLACE), skin=skin) for skin in (None, 0.12))
+    fallen, fixed = (dem.Simulation(scene, dem.State(PLACE), skin=skin) for skin in (None, SKIN))
     lists = [lists_of(run, 0.13) for run in (fallen, fixed)]
     assert lists[0].max() > 2.0 * lists[0][0] and len(set(lists[1])) == 1
     assert 1.5 * len(lists[0]) < len(lists[1])
     places = [run.state.position for run in (fallen, fixed)]
     assert np.allclose(*places, rtol=0.0, atol=1e-4 * R)
-    assert lists_of(fallen, 1.0)[-1] == pytest.approx(0.12 * R)
+    assert lists_of(fallen, 1.0)[-1] == pytest.approx(SKIN * R)

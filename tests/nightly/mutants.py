@@ -53,7 +53,7 @@ ROWS = (
     ("dynamics/assembly.py", "rows = shape.outlines if own else map", "rows = map", TURNED),
     ("contacts/response.py", "            spring = capped(spring, limit)\n            table[p + TANGENTIAL_FORCE]", "            table[p + TANGENTIAL_FORCE]", BOX),
     ("dynamics/motion.py", "+= motion[b, DVY]", "+= motion[b, DVX]", SMOOTH),
-    ("contacts/geometry.py", "+= table[base + SHIFT_X + k]", "-= table[base + SHIFT_X + k]", LARGE),
+    ("contacts/geometry.py", "dx + table[p + SHIFT_X]", "dx - table[p + SHIFT_X]", LARGE),
     ("contacts/response.py", "loads[b, 0] += normal", "loads[b, 0] = normal", BOX),
     ("dynamics/assembly.py", "math.sqrt(restitution * partner.restitution)", "partner.restitution", DISCS),
     ("contacts/geometry.py", "place = -(x * ny - y * nx)", "place = (x * ny - y * nx)", SOLIDS),
@@ -62,7 +62,9 @@ ROWS = (
     ("dynamics/forces.py", "loads[b, 1] = on[b, FX], on[b, FY]", "loads[b, 1] = on[b, FX], on[b, FX]", DISCS),
     ("dynamics/forces.py", "force[source + c] = 0.0", "force[source + c] *= 1.0", LARGE),
     ("dynamics/system.py", "drift(pending_kick + half, ahead)", "drift(half, ahead)", BOX),
-    ("dynamics/motion.py", "ahead = 2.0 * now - previous_acceleration[i, c]", "ahead = now", BOX),
+    ("dynamics/motion.py", "return 2.0 * now - before", "return now", BOX),
+    ("dynamics/motion.py", "<= limit else 1", "<= limit else 0", BOX),
+    ("shapes/rotation.py", "sine * x + cosine * y", "cosine * y", ELLIPSES),
     ("contacts/response.py", "lanes[k + MEAN_ROOT] = mean\n", "pass\n", BOX),
     ("dynamics/motion.py", "* py - (s * x + c * y) * px", "* py + (s * x + c * y) * px", "tests/dynamics/test_twin.py::test_a_run_is_that_of_the_model[dumbbells]"),
     ("dynamics/step.py", "        barrier(thread.arrivals, thread.size)\n        if thread.number == 0:\n            clear", "        if thread.number == 0:\n            clear", THREADS),
@@ -123,6 +125,8 @@ ROWS = (
     # how kernels are compiled
     ("jit/cache.py", "value.co_code, value.co_names", "value.co_names", "tests/jit/test_compilation.py::test_machine_code_for_a_law_of_ones_own_is_known_by_the_code_of_its_file"),
     ("jit/intrinsics.py", "builder.fadd(before, change)", "builder.fsub(before, change)", BOX),
+    ("jit/intrinsics.py", "builder.fsub(second, first)", "builder.fsub(first, second)", BOX),
+    ("jit/intrinsics.py", "for at in ((0, 1, 4, 5), (2, 3, 6, 7))", "for at in ((2, 3, 6, 7), (0, 1, 4, 5))", BOX),
 )  # fmt: skip
 # Mutants and patches of tests/faults, with the tests to ask first
 FAULTS = {

@@ -311,7 +311,7 @@ def test_granules_grow_as_the_page_of_grow_says():
     library."""
     shape = dem.Disc.of_size(np.linspace(0.9e-3, 1.1e-3, 60))
     cylinder = dem.Cylinder(1.5e-3, (2e-3, 2e-3))
-    room = Room(8e-3, 12e-3, (cylinder,), 1)
+    room = Room(8e-3, 12e-3, (cylinder,), 3)
     factor, state = dilute_start(shape, room)
     soft = dem.Material(density=1.0, young_modulus=1.0, poisson_ratio=0.0, restitution=0.5)
     overlap = 1.0
@@ -324,7 +324,7 @@ def test_granules_grow_as_the_page_of_grow_says():
         end, overlap = run.state, run.diagnose().max_overlap if factor == 1.0 else 1.0
         state = dem.State(end.position, 0.5 * end.velocity, end.angle)
         factor = min(1.02 * factor, 1.0)
-    bed = dem.grow(shape, 8e-3, 12e-3, cylinder, 1)
+    bed = dem.grow(shape, 8e-3, 12e-3, cylinder, 3)
     assert np.abs(end.velocity).max() > 0.0
     assert_allclose(bed.position, state.position, atol=1e-9)
     assert_allclose(bed.angle, state.angle % (2.0 * np.pi))
