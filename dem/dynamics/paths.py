@@ -71,6 +71,8 @@ def series(load):
 def joined(columns):
     """Waypoints from the times and values of each column."""
     time = np.unique(np.concatenate([column[0] for column in columns]))
+    if len(time) == 1:  # what is steady, as most are
+        return np.array([[time[0], *(values[0] for _, values in columns)]])
     return np.column_stack([time, *(np.interp(time, *column) for column in columns)])
 
 
