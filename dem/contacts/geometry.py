@@ -239,14 +239,14 @@ def find_walls(shape, planes, motion, numbers, at, table, base, count, lanes):
         write_lane(lanes, k, table, p, geometry)
 
 
-def turned_solid(orientation, orientation_offset, numbers, at):
-    """Cosine and sine of the angle of the solid of a contact; orientation_offset: how many more granules there are
+def turned_solid(orientation, offset, numbers, at):
+    """Cosine and sine of the angle of the solid of a contact; offset: how many more granules there are
     than constituents."""
-    row = FOUR * np.uint64(orientation_offset + np.int64(numbers[at + PARTNER]))
+    row = FOUR * np.uint64(offset + np.int64(numbers[at + PARTNER]))
     return orientation[row], orientation[row + ONE]
 
 
-def find_outlines(outlines, orientation, orientation_offset, contacts, block, lanes):
+def find_outlines(outlines, orientation, offset, contacts, block, lanes):
     """Geometry of contacts with solids that have the outline of a granule, one by one.
 
     The sizes of the block are in terms of the solid.
@@ -260,7 +260,7 @@ def find_outlines(outlines, orientation, orientation_offset, contacts, block, la
         if ORIENTED:
             c, s = lanes[k + C1], lanes[k + S1]
         one = (c, s) + outline_sizes_at(table, p + SIZES)
-        turned = turned_solid(orientation, orientation_offset, numbers, at + k)
+        turned = turned_solid(orientation, offset, numbers, at + k)
         two = turned + outline_sizes_at(table, p + SIZES + SECOND)
         dx, dy = spacing(lanes, table, k, p)
         geometry, converged = find_outline(outlines, dx, dy, one, two, last_normal(table, p))
@@ -270,7 +270,7 @@ def find_outlines(outlines, orientation, orientation_offset, contacts, block, la
         write_lane(lanes, k, table, p, geometry)
 
 
-def find_polygons(shape, faces, orientation, orientation_offset, contacts, block, lanes):
+def find_polygons(shape, faces, orientation, offset, contacts, block, lanes):
     """Geometry of contacts with polygons, one by one."""
     noinline()
     numbers, table, count = contacts.numbers, contacts.table, contacts.count[block]
@@ -283,7 +283,7 @@ def find_polygons(shape, faces, orientation, orientation_offset, contacts, block
         if ORIENTED:
             corner = (1.0, 0.0) + corner
         dx, dy = spacing(lanes, table, k, p)
-        turned = turned_solid(orientation, orientation_offset, numbers, at + k)
+        turned = turned_solid(orientation, offset, numbers, at + k)
         geometry = polygon_contact(
             shape, faces, t, turned, one, corner, dx, dy, last_normal(table, p)
         )

@@ -37,24 +37,6 @@ LEDGER = WITH_OUTLINES = WITH_POLYGONS = True
 STRIDE = np.uint64(0)
 
 
-def find_block(world, motion, turned, section, block, lanes):
-    """Geometry of the contacts of a block; motion, turned: rows of all bodies, one after the other."""
-    contacts, constituents = world.contacts, world.constituents
-    numbers, table, count = contacts.numbers, contacts.table, contacts.count[block]
-    at, base = NUMBERS * np.uint64(block), STRIDE * np.uint64(block)
-    shape, planes = world.shape, world.boundaries.planes
-    orientation_offset = constituents.first.shape[0] - 1 - constituents.reference.shape[0]
-    gather(motion, turned, numbers, at, count, lanes)
-    if section == WALLS:
-        find_walls(shape, planes, motion, numbers, at, table, base, count, lanes)
-    elif WITH_OUTLINES and section == OUTLINES:
-        find_outlines(world.outlines, turned, orientation_offset, contacts, block, lanes)
-    elif WITH_POLYGONS and section == POLYGONS:
-        find_polygons(shape, world.faces, turned, orientation_offset, contacts, block, lanes)
-    else:
-        find_pairs(shape, table, base, count, lanes)
-
-
 def ask_for_partners(contacts, motion, block):
     """Start to load the partners of a block; all else is read in order."""
     at = NUMBERS * np.uint64(block) + PARTNER
@@ -74,7 +56,7 @@ def contact_forces(world, task, begin, end, dt, lanes, rows):
 
     FORCES: add their forces to boundaries and constituents; constituents of other patches have rows
     of Patches.
-    SHOW: copy their geometry, the first SEEN rows of the lanes, to rows (blocks, SEEN or orientation_offset, BLOCK);
+    SHOW: copy their geometry, the first SEEN rows of the lanes, to rows (blocks, SEEN or more, BLOCK);
     RESPOND: with the forces that follow from it.
     """
     noinline()
@@ -85,18 +67,28 @@ def contact_forces(world, task, begin, end, dt, lanes, rows):
     turned = constituents.orientation.reshape(-1)
     on, loads, boundary = boundaries.force, boundaries.contact_forces, world.faces.boundary
     prefetches, section = contacts.of_patch.shape[0] > 2 and begin < contacts.first[WALLS], PAIRS
+    shape, planes, table = world.shape, boundaries.planes, contacts.table
+    # of a body, from its row of motion to that of its orientation
+    offset = constituents.first.shape[0] - 1 - constituents.reference.shape[0]
     for block in range(begin, end):
         while block >= contacts.first[section + 1]:
             section += 1
-        find_block(world, motion, turned, section, block, lanes)
+        at, base = NUMBERS * np.uint64(block), STRIDE * np.uint64(block)
+        count = contacts.count[block]
+        gather(motion, turned, numbers, at, count, lanes)
+        if section == WALLS:
+            find_walls(shape, planes, motion, numbers, at, table, base, count, lanes)
+        elif WITH_OUTLINES and section == OUTLINES:
+            find_outlines(world.outlines, turned, offset, contacts, block, lanes)
+        elif WITH_POLYGONS and section == POLYGONS:
+            find_polygons(shape, world.faces, turned, offset, contacts, block, lanes)
+        else:
+            find_pairs(shape, table, base, count, lanes)
         if prefetches and block + 1 < end:
             ask_for_partners(contacts, motion, block + 1)
-        at, count = NUMBERS * np.uint64(block), contacts.count[block]
         if task != SHOW:
-            base, friction_at = STRIDE * np.uint64(block), friction_of(contacts, block)
-            respond(
-                world.law, contacts.table, base, contacts.friction, friction_at, count, dt, lanes
-            )
+            friction_at = friction_of(contacts, block)
+            respond(world.law, table, base, contacts.friction, friction_at, count, dt, lanes)
         if task == FORCES:
             if LEDGER:
                 add_losses(world.account, count, lanes)

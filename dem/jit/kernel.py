@@ -165,7 +165,7 @@ class Kernel:
 
 def new_dispatcher(function, keeps: bool):
     """What compiles a function; keeps: whether its machine code is kept on disk."""
-    return numba.njit(nogil=True, cache=keeps, **OPTIONS)(function)
+    return numba.njit(nogil=True, cache=keeps, no_cfunc_wrapper=True, **OPTIONS)(function)
 
 
 def compile_apart(function, signature) -> None:
