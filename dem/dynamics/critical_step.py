@@ -124,7 +124,7 @@ def magnitude(size, turn):
     """
     if abs(turn) <= 1e-9 * size:
         return size
-    return math.hypot(size, turn)
+    return math.sqrt(size * size + turn * turn)
 
 
 def add_bound(rows, i, column, modulus, ex, ey, size, turn):

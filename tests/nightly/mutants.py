@@ -125,7 +125,7 @@ ROWS = (
     # how kernels are compiled
     ("jit/cache.py", "value.co_code, value.co_names", "value.co_names", "tests/jit/test_compilation.py::test_machine_code_for_a_law_of_ones_own_is_known_by_the_code_of_its_file"),
     ("jit/intrinsics.py", "builder.fadd(before, change)", "builder.fsub(before, change)", BOX),
-    ("jit/intrinsics.py", "builder.fsub(second, first)", "builder.fsub(first, second)", BOX),
+    ("jit/intrinsics.py", "map(builder.fsub, ", "map(builder.fadd, ", BOX),
     ("jit/intrinsics.py", "for at in ((0, 1, 4, 5), (2, 3, 6, 7))", "for at in ((2, 3, 6, 7), (0, 1, 4, 5))", BOX),
 )  # fmt: skip
 # Mutants and patches of tests/faults, with the tests to ask first
