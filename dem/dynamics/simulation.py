@@ -52,7 +52,7 @@ class Simulation(MovingScene):
         speed, and at which steps the time step is chosen again. None for one that follows from the
         speeds (recommended). A short period makes it smaller.
     threads : int
-        Number of threads, without unit, for beds of thousands of granules. The result does not
+        Number of threads, without unit, for beds of tens of thousands of granules. The result does not
         depend on it. A small bed uses fewer.
     ledger : bool
         Keep an energy ledger. A run takes about ten per cent longer.

@@ -115,7 +115,7 @@ class Configuration(Section):
     shapes: dict[Label, ShapeSection] = Field(min_length=1)
     """shapes of granules, by label"""
     threads: Annotated[Count, Field(ge=1, le=64)] = 1
-    """threads of a run, for beds of thousands of granules"""
+    """threads of a run, for beds of tens of thousands of granules"""
     beside: str | None = None
     """folder of files of your own; none: the folder of this file"""
     record: RecordSection | None = None

@@ -253,7 +253,7 @@ def pack(
     law : Hertz, Linear, Line or a class of your own
         Law of contacts, as `Scene` takes it.
     threads : int
-        Number of threads, without unit, for beds of thousands of granules. The bed does not depend
+        Number of threads, without unit, for beds of tens of thousands of granules. The bed does not depend
         on it. A small bed uses fewer.
     checkpoint : path, optional
         File that keeps a bed every minute and when it is interrupted; the same call goes on from it
