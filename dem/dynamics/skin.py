@@ -15,8 +15,8 @@ SKIN = 0.2  # of runs, at least; steps of 400 granules are shortest from 0.18 to
 WIDEST = 1.0
 SKIN_OF_PACKING = 0.3  # while a bed is packed, where granules move far
 REBUILD_COST = 60.0  # of a list over what a wider skin costs, fitted to gases and dense beds
-BEST_LIFE = 200.0  # steps that a list with the least skin lasts where no other skin is better
-CHANGE = 3.0  # how many times as wide or as narrow the best skin is where it is taken
+BEST_LIFE = 400.0  # steps that a list with the least skin lasts where no other skin is better
+CHANGE = 2.5  # how many times as wide or as narrow the best skin is where it is taken
 
 
 def periodic_limits(scene: Scene) -> list[float]:

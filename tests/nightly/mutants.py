@@ -63,7 +63,7 @@ ROWS = (
     ("dynamics/forces.py", "force[source + c] = 0.0", "force[source + c] *= 1.0", LARGE),
     ("dynamics/system.py", "drift(pending_kick + half, ahead)", "drift(half, ahead)", BOX),
     ("dynamics/motion.py", "return 2.0 * now - before", "return now", BOX),
-    ("dynamics/motion.py", "<= limit else 1", "<= limit else 0", BOX),
+    ("dynamics/motion.py", "<= limit else 1", "<= limit else 0", SMOOTH),
     ("shapes/rotation.py", "sine * x + cosine * y", "cosine * y", ELLIPSES),
     ("contacts/response.py", "lanes[k + MEAN_ROOT] = mean\n", "pass\n", BOX),
     ("dynamics/motion.py", "* py - (s * x + c * y) * px", "* py + (s * x + c * y) * px", "tests/dynamics/test_twin.py::test_a_run_is_that_of_the_model[dumbbells]"),

@@ -10,6 +10,7 @@ from twin import Outline, chord, common_normal, support, turned, unit
 
 import dem
 from dem.shapes import protocol
+from dem.shapes.rotation import rotated_little
 
 pytestmark = pytest.mark.quick
 SIZES = 1e-3 * np.random.default_rng(4).uniform(0.5, 1.0, 12)
@@ -125,3 +126,12 @@ def test_geometric_potential_takes_the_deepest_points(ratio):
     curvature there."""
     d, *both = touching(np.random.default_rng(7), ratio, np.geomspace(1e-3, 0.1, 30))
     assert_alike(solved(d, *both, "geometric_potential"), chord(d, *both))
+
+
+def test_a_direction_that_turns_by_little_keeps_its_length_and_its_angle():
+    """Over 100,000 turns of up to a milliradian, all one way."""
+    turns = np.random.default_rng(1).uniform(0.0, 1e-3, 100_000)
+    x, y = 1.0, 0.0
+    for turn in turns.tolist():
+        x, y = rotated_little(x, y, turn)
+    assert_allclose([x, y], unit(turns.sum()), rtol=0.0, atol=1e-12)
