@@ -1,6 +1,8 @@
 """No page states a result by hand, and every released result is of today's kernels."""
 
 import re
+import subprocess
+from pathlib import Path
 
 import pytest
 import yaml
@@ -98,6 +100,20 @@ def by_hand():
 HASHES = {file.name: file.dataset.attrs["kernels"] for file in [*RELEASED, *MEASURED]}
 HASHES |= by_hand()
 UNCHANGED = yaml.safe_load((DOCS / "data/unchanged.yaml").read_text(encoding="utf-8"))
+
+
+@pytest.mark.skipif(not (ROOT / ".git").exists(), reason="a copy without git")
+def test_only_the_four_files_that_figures_need_are_larger_than_a_mebibyte():
+    """Those that docs/data/README.md names; what is committed by mistake stays in each clone for ever."""
+    text = (DOCS / "data/README.md").read_text(encoding="utf-8")
+    (named,) = re.findall(r"^Figures need.*?Keep all others smaller", text, re.S | re.M)
+    tracked = subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    files = filter(Path.is_file, map(ROOT.joinpath, tracked.stdout.splitlines()))
+    assert {path.name for path in files if path.stat().st_size > 2**20} == set(
+        re.findall(r"`(\w+\.nc)`", named)
+    )
 
 
 @pytest.mark.parametrize("name", HASHES)
